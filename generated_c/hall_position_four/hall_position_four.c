@@ -194,28 +194,32 @@ static inline float f21_polynomial(float t)
  * 0.209439516, t = x + 0.0390625; relative error at most 9.6e-08. */
 static inline float f22_polynomial(float t)
 {
-    return -0.7024119f + (t * (-1.6560392f + (t * (0.35120633f + (t * (0.27599978f + (t * (-0.029241713f + (t * -0.013556158f)))))))));
+    return -0.7024119f + (t * (-1.6560392f + (t * (0.35120633f + (t * (0.27599978f + (t * (-0.029241713f + (t *
+        -0.013556158f)))))))));
 }
 
 /* f23_polynomial; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
  * 0.209439516, t = x + 0.046875; relative error at most 8.1e-08. */
 static inline float f23_polynomial(float t)
 {
-    return 0.26751107f + (t * (0.46543553f + (t * (-0.13375567f + (t * (-0.07756794f + (t * (0.011140014f + (t * 0.003746263f)))))))));
+    return 0.26751107f + (t * (0.46543553f + (t * (-0.13375567f + (t * (-0.07756794f + (t * (0.011140014f + (t *
+        0.003746263f)))))))));
 }
 
 /* f24_polynomial; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
  * 0.209439516, t = x - 0.03125; relative error at most 8e-08. */
 static inline float f24_polynomial(float t)
 {
-    return -1.063481f + (t * (1.774537f + (t * (0.5317379f + (t * (-0.29574725f + (t * (-0.04420095f + (t * 0.014582943f)))))))));
+    return -1.063481f + (t * (1.774537f + (t * (0.5317379f + (t * (-0.29574725f + (t * (-0.04420095f + (t *
+        0.014582943f)))))))));
 }
 
 /* f25_polynomial; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
  * 0.209439516, t = x - 0.0546875; relative error at most 7.7e-08. */
 static inline float f25_polynomial(float t)
 {
-    return -2.3390784f + (t * (3.1359053f + (t * (1.1695355f + (t * (-0.52262634f + (t * (-0.097286716f + (t * 0.025399074f)))))))));
+    return -2.3390784f + (t * (3.1359053f + (t * (1.1695355f + (t * (-0.52262634f + (t * (-0.097286716f + (t *
+        0.025399074f)))))))));
 }
 
 /* f26_polynomial; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
@@ -292,15 +296,18 @@ void hall_position_four_init(hall_position_four_state_t *state)
 }
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
-uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out)
+uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out)
 {
     return hall_position_four_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out,
+uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out,
     hall_position_four_diagnostics_t *diagnostics)
 #else
-uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out)
+uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out)
 #endif
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
@@ -322,18 +329,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float V_ax = in->V_ax;
     const bool good_V_ax = fabsf(V_ax) <= 5.0f;
     float V_ax_held = V_ax;
-    bool complete = true;
     uint32_t faults = 0u;
     if (good_V_ax) {
         state->guard_last_V_ax = V_ax;
     } else {
         V_ax_held = state->guard_last_V_ax;
-        complete = false;
         faults = 0x00000001u;
     }
     const float V_ay = in->V_ay;
     const bool good_V_ay = fabsf(V_ay) <= 5.0f;
     float V_ay_held = V_ay;
+    bool complete = good_V_ax;
     if (good_V_ay) {
         state->guard_last_V_ay = V_ay;
     } else {
@@ -433,35 +439,47 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         repeats_V_dy_next */
     const uint32_t screen_repeats_V_ax = state->screen_repeats_V_ax;
     const uint32_t screen_repeats_V_ax_part = screen_repeats_V_ax + 1u;
-    const float screen_repeats_V_ax_next = (hall_position_four_equal(V_ax_held, state->screen_last_V_ax) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_ax_part, 6.0f);
+    const float count_V_ax = (hall_position_four_equal(V_ax_held, state->screen_last_V_ax) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_ax_part, 6.0f);
     const uint32_t screen_repeats_V_ay = state->screen_repeats_V_ay;
     const uint32_t screen_repeats_V_ay_part = screen_repeats_V_ay + 1u;
-    const float screen_repeats_V_ay_next = (hall_position_four_equal(V_ay_held, state->screen_last_V_ay) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_ay_part, 6.0f);
-    const bool flags_1 = fault_V_ax || (6.0f <= screen_repeats_V_ax_next) || fault_V_ay || (6.0f <= screen_repeats_V_ay_next);
+    const float count_V_ay = (hall_position_four_equal(V_ay_held, state->screen_last_V_ay) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_ay_part, 6.0f);
+    const bool flags_1 = fault_V_ax || (6.0f <= count_V_ax) || fault_V_ay || (6.0f <= count_V_ay);
     const uint32_t screen_repeats_V_bx = state->screen_repeats_V_bx;
     const uint32_t screen_repeats_V_bx_part = screen_repeats_V_bx + 1u;
-    const float screen_repeats_V_bx_next = (hall_position_four_equal(V_bx_held, state->screen_last_V_bx) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_bx_part, 6.0f);
+    const float count_V_bx = (hall_position_four_equal(V_bx_held, state->screen_last_V_bx) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_bx_part, 6.0f);
     const uint32_t screen_repeats_V_by = state->screen_repeats_V_by;
     const uint32_t screen_repeats_V_by_part = screen_repeats_V_by + 1u;
-    const float screen_repeats_V_by_next = (hall_position_four_equal(V_by_held, state->screen_last_V_by) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_by_part, 6.0f);
-    const bool flags_2 = fault_V_bx || (6.0f <= screen_repeats_V_bx_next) || fault_V_by || (6.0f <= screen_repeats_V_by_next);
+    const float count_V_by = (hall_position_four_equal(V_by_held, state->screen_last_V_by) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_by_part, 6.0f);
+    const bool flags_2 = fault_V_bx || (6.0f <= count_V_bx) || fault_V_by || (6.0f <= count_V_by);
     const uint32_t screen_repeats_V_cx = state->screen_repeats_V_cx;
     const uint32_t screen_repeats_V_cx_part = screen_repeats_V_cx + 1u;
-    const float screen_repeats_V_cx_next = (hall_position_four_equal(V_cx_held, state->screen_last_V_cx) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_cx_part, 6.0f);
+    const float count_V_cx = (hall_position_four_equal(V_cx_held, state->screen_last_V_cx) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_cx_part, 6.0f);
     const uint32_t screen_repeats_V_cy = state->screen_repeats_V_cy;
     const uint32_t screen_repeats_V_cy_part = screen_repeats_V_cy + 1u;
-    const float screen_repeats_V_cy_next = (hall_position_four_equal(V_cy_held, state->screen_last_V_cy) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_cy_part, 6.0f);
-    const bool flags_3 = fault_V_cx || (6.0f <= screen_repeats_V_cx_next) || fault_V_cy || (6.0f <= screen_repeats_V_cy_next);
+    const float count_V_cy = (hall_position_four_equal(V_cy_held, state->screen_last_V_cy) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_cy_part, 6.0f);
+    const bool flags_3 = fault_V_cx || (6.0f <= count_V_cx) || fault_V_cy || (6.0f <= count_V_cy);
     const uint32_t screen_repeats_V_dx = state->screen_repeats_V_dx;
     const uint32_t screen_repeats_V_dx_part = screen_repeats_V_dx + 1u;
-    const float screen_repeats_V_dx_next = (hall_position_four_equal(V_dx_held, state->screen_last_V_dx) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_dx_part, 6.0f);
+    const float count_V_dx = (hall_position_four_equal(V_dx_held, state->screen_last_V_dx) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_dx_part, 6.0f);
     const uint32_t screen_repeats_V_dy = state->screen_repeats_V_dy;
     const uint32_t screen_repeats_V_dy_part = screen_repeats_V_dy + 1u;
-    const float count = (hall_position_four_equal(V_dy_held, state->screen_last_V_dy) ? 1.0f : 0.0f) * hall_position_four_min((float)screen_repeats_V_dy_part, 6.0f);
-    const bool flags_4 = fault_V_dx || (6.0f <= screen_repeats_V_dx_next) || fault_V_dy || (6.0f <= count);
-    const bool screened = ((flags_1 ? 1.0f : 0.0f) + (flags_2 ? 1.0f : 0.0f) + (flags_3 ? 1.0f : 0.0f) + (flags_4 ? 1.0f : 0.0f)) <= 1.0f;
-    const float number_rejected = (flags_1 ? 1.0f : 0.0f) + (2.0f * (flags_2 ? 1.0f : 0.0f)) + (3.0f * (flags_3 ? 1.0f : 0.0f)) + (4.0f * (flags_4 ? 1.0f : 0.0f));
-    const float rejected = hall_position_four_max(hall_position_four_min((screened ? 1.0f : 0.0f) * number_rejected, 4.0f), 0.0f);
+    const float count_V_dy = (hall_position_four_equal(V_dy_held, state->screen_last_V_dy) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)screen_repeats_V_dy_part, 6.0f);
+    const bool flags_4 = fault_V_dx || (6.0f <= count_V_dx) || fault_V_dy || (6.0f <= count_V_dy);
+    const uint32_t screened_part = hall_position_four_flag(flags_1) + hall_position_four_flag(flags_2) +
+        hall_position_four_flag(flags_3) + hall_position_four_flag(flags_4);
+    const bool screened = screened_part <= 1u;
+    const float number_rejected = (flags_1 ? 1.0f : 0.0f) + (2.0f * (flags_2 ? 1.0f : 0.0f)) + (3.0f * (flags_3 ? 1.0f :
+        0.0f)) + (4.0f * (flags_4 ? 1.0f : 0.0f));
+    const float rejected = hall_position_four_max(hall_position_four_min((screened ? 1.0f : 0.0f) * number_rejected,
+        4.0f), 0.0f);
     state->screen_last_V_ax = V_ax_held;
     state->screen_last_V_ay = V_ay_held;
     state->screen_last_V_bx = V_bx_held;
@@ -470,14 +488,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     state->screen_last_V_cy = V_cy_held;
     state->screen_last_V_dx = V_dx_held;
     state->screen_last_V_dy = V_dy_held;
-    state->screen_repeats_V_ax = (uint32_t)screen_repeats_V_ax_next;
-    state->screen_repeats_V_ay = (uint32_t)screen_repeats_V_ay_next;
-    state->screen_repeats_V_bx = (uint32_t)screen_repeats_V_bx_next;
-    state->screen_repeats_V_by = (uint32_t)screen_repeats_V_by_next;
-    state->screen_repeats_V_cx = (uint32_t)screen_repeats_V_cx_next;
-    state->screen_repeats_V_cy = (uint32_t)screen_repeats_V_cy_next;
-    state->screen_repeats_V_dx = (uint32_t)screen_repeats_V_dx_next;
-    state->screen_repeats_V_dy = (uint32_t)count;
+    state->screen_repeats_V_ax = (uint32_t)count_V_ax;
+    state->screen_repeats_V_ay = (uint32_t)count_V_ay;
+    state->screen_repeats_V_bx = (uint32_t)count_V_bx;
+    state->screen_repeats_V_by = (uint32_t)count_V_by;
+    state->screen_repeats_V_cx = (uint32_t)count_V_cx;
+    state->screen_repeats_V_cy = (uint32_t)count_V_cy;
+    state->screen_repeats_V_dx = (uint32_t)count_V_dx;
+    state->screen_repeats_V_dy = (uint32_t)count_V_dy;
 
     /* estimator: weighted least squares
      *     age_next = (not tracking and not (converged or 3 <= age)) * min(age + 1, 3)
@@ -555,132 +573,192 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part = hall_position_four_limit(4.0f * (f3 * ax_part_cosine), 2.0f);
     const float start_cosine_phase_x = 1.0f - (0.5f * (phase_x_part * phase_x_part));
     const float estimator_amplitude = state->estimator_amplitude;
-    const float start_sine_phase_x = hall_position_four_limit(phase_x_part * (1.0f - (0.125f * (ax_part_sine * ax_part_sine))), 1.0f);
+    const float start_sine_phase_x = hall_position_four_limit(phase_x_part * (1.0f - (0.125f * (ax_part_sine *
+        ax_part_sine))), 1.0f);
     const float start_sine_phase_x_squared = start_sine_phase_x * start_sine_phase_x;
     const float phase_x_part_2 = estimator_field_3 + (start_sine_phase_x_squared * estimator_field_5);
     const float phase_x_part_3 = estimator_field_1 + (start_sine_phase_x_squared * phase_x_part_2);
-    const float a_1_phase_x = start_cosine_phase_x * (estimator_amplitude * (phase_x_part_3 + (start_sine_phase_x * ((2.0f * (phase_x_part_2 * start_sine_phase_x)) + (2.0f * (start_sine_phase_x_squared * (estimator_field_5 * start_sine_phase_x)))))));
+    const float a_1_phase_x = start_cosine_phase_x * (estimator_amplitude * (phase_x_part_3 + (start_sine_phase_x *
+        ((2.0f * (phase_x_part_2 * start_sine_phase_x)) + (2.0f * (start_sine_phase_x_squared * (estimator_field_5 *
+        start_sine_phase_x)))))));
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_four_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
     const bool weights_1 = !hall_position_four_equal(excluded, 1.0f);
     const float a_4_phase_x = start_sine_phase_x * phase_x_part_3;
-    const float e_1 = (D_11_ax_part_sine * V_ax_held) - (D_21_ax_part_sine * V_ay_held) - (estimator_amplitude * a_4_phase_x);
+    const float e_1 = (D_11_ax_part_sine * V_ax_held) - (D_21_ax_part_sine * V_ay_held) - (estimator_amplitude *
+        a_4_phase_x);
     const float used_1_phase_x = (weights_1 ? 1.0f : 0.0f) * e_1;
     const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
-    const float phase_x_part_4 = hall_position_four_limit(8.0f * (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine)))), 2.0f);
+    const float phase_x_part_4 = hall_position_four_limit(8.0f * (f7_times_bx_part_cosine * (1.0f - (0.03125f *
+        (bx_part_sine * bx_part_sine)))), 2.0f);
     const float start_cosine_phase_x_2 = 1.0f - (0.5f * (phase_x_part_4 * phase_x_part_4));
     const float phase_x_part_5 = 8.0f * f7_times_bx_part_cosine;
-    const float start_sine_phase_x_2 = hall_position_four_limit(phase_x_part_4 * (1.0f - (0.125f * (phase_x_part_5 * phase_x_part_5))), 1.0f);
+    const float start_sine_phase_x_2 = hall_position_four_limit(phase_x_part_4 * (1.0f - (0.125f * (phase_x_part_5 *
+        phase_x_part_5))), 1.0f);
     const float start_sine_phase_x_2_squared = start_sine_phase_x_2 * start_sine_phase_x_2;
     const float phase_x_part_6 = estimator_field_3 + (start_sine_phase_x_2_squared * estimator_field_5);
     const float phase_x_part_7 = estimator_field_1 + (start_sine_phase_x_2_squared * phase_x_part_6);
-    const float a_1_phase_x_2 = start_cosine_phase_x_2 * (estimator_amplitude * (phase_x_part_7 + (start_sine_phase_x_2 * ((2.0f * (phase_x_part_6 * start_sine_phase_x_2)) + (2.0f * (start_sine_phase_x_2_squared * (estimator_field_5 * start_sine_phase_x_2)))))));
+    const float a_1_phase_x_2 = start_cosine_phase_x_2 * (estimator_amplitude * (phase_x_part_7 + (start_sine_phase_x_2
+        * ((2.0f * (phase_x_part_6 * start_sine_phase_x_2)) + (2.0f * (start_sine_phase_x_2_squared * (estimator_field_5
+        * start_sine_phase_x_2)))))));
     const bool weights_3 = !hall_position_four_equal(excluded, 2.0f);
     const float a_4_phase_x_2 = start_sine_phase_x_2 * phase_x_part_7;
-    const float e_3 = (D_11_ax_part_sine * V_bx_held) - (D_21_ax_part_sine * V_by_held) - (estimator_amplitude * a_4_phase_x_2);
+    const float e_3 = (D_11_ax_part_sine * V_bx_held) - (D_21_ax_part_sine * V_by_held) - (estimator_amplitude *
+        a_4_phase_x_2);
     const float used_3_phase_x = (weights_3 ? 1.0f : 0.0f) * e_3;
     const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
-    const float phase_x_part_8 = hall_position_four_limit(8.0f * (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine)))), 2.0f);
+    const float phase_x_part_8 = hall_position_four_limit(8.0f * (f11_times_cx_part_cosine * (1.0f - (0.03125f *
+        (cx_part_sine * cx_part_sine)))), 2.0f);
     const float start_cosine_phase_x_3 = 1.0f - (0.5f * (phase_x_part_8 * phase_x_part_8));
     const float phase_x_part_9 = 8.0f * f11_times_cx_part_cosine;
-    const float start_sine_phase_x_3 = hall_position_four_limit(phase_x_part_8 * (1.0f - (0.125f * (phase_x_part_9 * phase_x_part_9))), 1.0f);
+    const float start_sine_phase_x_3 = hall_position_four_limit(phase_x_part_8 * (1.0f - (0.125f * (phase_x_part_9 *
+        phase_x_part_9))), 1.0f);
     const float start_sine_phase_x_3_squared = start_sine_phase_x_3 * start_sine_phase_x_3;
     const float phase_x_part_10 = estimator_field_3 + (start_sine_phase_x_3_squared * estimator_field_5);
     const float phase_x_part_11 = estimator_field_1 + (start_sine_phase_x_3_squared * phase_x_part_10);
-    const float a_1_phase_x_3 = start_cosine_phase_x_3 * (estimator_amplitude * (phase_x_part_11 + (start_sine_phase_x_3 * ((2.0f * (phase_x_part_10 * start_sine_phase_x_3)) + (2.0f * (start_sine_phase_x_3_squared * (estimator_field_5 * start_sine_phase_x_3)))))));
+    const float a_1_phase_x_3 = start_cosine_phase_x_3 * (estimator_amplitude * (phase_x_part_11 + (start_sine_phase_x_3
+        * ((2.0f * (phase_x_part_10 * start_sine_phase_x_3)) + (2.0f * (start_sine_phase_x_3_squared *
+        (estimator_field_5 * start_sine_phase_x_3)))))));
     const bool weights_5 = !hall_position_four_equal(excluded, 3.0f);
     const float a_4_phase_x_3 = start_sine_phase_x_3 * phase_x_part_11;
-    const float e_5 = (D_11_ax_part_sine * V_cx_held) - (D_21_ax_part_sine * V_cy_held) - (estimator_amplitude * a_4_phase_x_3);
+    const float e_5 = (D_11_ax_part_sine * V_cx_held) - (D_21_ax_part_sine * V_cy_held) - (estimator_amplitude *
+        a_4_phase_x_3);
     const float used_5_phase_x = (weights_5 ? 1.0f : 0.0f) * e_5;
     const float f15_times_dx_part_cosine = f15 * dx_part_cosine;
-    const float phase_x_part_12 = hall_position_four_limit(8.0f * (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine)))), 2.0f);
+    const float phase_x_part_12 = hall_position_four_limit(8.0f * (f15_times_dx_part_cosine * (1.0f - (0.03125f *
+        (dx_part_sine * dx_part_sine)))), 2.0f);
     const float start_cosine_phase_x_4 = 1.0f - (0.5f * (phase_x_part_12 * phase_x_part_12));
     const float phase_x_part_13 = 8.0f * f15_times_dx_part_cosine;
-    const float start_sine_phase_x_4 = hall_position_four_limit(phase_x_part_12 * (1.0f - (0.125f * (phase_x_part_13 * phase_x_part_13))), 1.0f);
+    const float start_sine_phase_x_4 = hall_position_four_limit(phase_x_part_12 * (1.0f - (0.125f * (phase_x_part_13 *
+        phase_x_part_13))), 1.0f);
     const float start_sine_phase_x_4_squared = start_sine_phase_x_4 * start_sine_phase_x_4;
     const float phase_x_part_14 = estimator_field_3 + (start_sine_phase_x_4_squared * estimator_field_5);
     const float phase_x_part_15 = estimator_field_1 + (start_sine_phase_x_4_squared * phase_x_part_14);
-    const float a_1_phase_x_4 = start_cosine_phase_x_4 * (estimator_amplitude * (phase_x_part_15 + (start_sine_phase_x_4 * ((2.0f * (phase_x_part_14 * start_sine_phase_x_4)) + (2.0f * (start_sine_phase_x_4_squared * (estimator_field_5 * start_sine_phase_x_4)))))));
+    const float a_1_phase_x_4 = start_cosine_phase_x_4 * (estimator_amplitude * (phase_x_part_15 + (start_sine_phase_x_4
+        * ((2.0f * (phase_x_part_14 * start_sine_phase_x_4)) + (2.0f * (start_sine_phase_x_4_squared *
+        (estimator_field_5 * start_sine_phase_x_4)))))));
     const bool weights_7 = !hall_position_four_equal(excluded, 4.0f);
     const float a_4_phase_x_4 = start_sine_phase_x_4 * phase_x_part_15;
-    const float e_7 = (D_11_ax_part_sine * V_dx_held) - (D_21_ax_part_sine * V_dy_held) - (estimator_amplitude * a_4_phase_x_4);
+    const float e_7 = (D_11_ax_part_sine * V_dx_held) - (D_21_ax_part_sine * V_dy_held) - (estimator_amplitude *
+        a_4_phase_x_4);
     const float used_7_phase_x = (weights_7 ? 1.0f : 0.0f) * e_7;
-    const float gradient_1_phase_x = (a_1_phase_x * used_1_phase_x) + (a_1_phase_x_2 * used_3_phase_x) + (a_1_phase_x_3 * used_5_phase_x) + (a_1_phase_x_4 * used_7_phase_x);
-    const float left_1_1_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_1_phase_x * a_1_phase_x) + ((weights_3 ? 1.0f : 0.0f) * a_1_phase_x_2 * a_1_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_1_phase_x_3 * a_1_phase_x_3) + ((weights_7 ? 1.0f : 0.0f) * a_1_phase_x_4 * a_1_phase_x_4);
+    const float gradient_1_phase_x = (a_1_phase_x * used_1_phase_x) + (a_1_phase_x_2 * used_3_phase_x) + (a_1_phase_x_3
+        * used_5_phase_x) + (a_1_phase_x_4 * used_7_phase_x);
+    const float left_1_1_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_1_phase_x * a_1_phase_x) + ((weights_3 ? 1.0f : 0.0f)
+        * a_1_phase_x_2 * a_1_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_1_phase_x_3 * a_1_phase_x_3) + ((weights_7 ?
+        1.0f : 0.0f) * a_1_phase_x_4 * a_1_phase_x_4);
     const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1_phase_x, 0.057616f);
     const float f19_argument = starts_3 - 0.03125f;
-    const float a_3_phase_x = (V_ax_held * D_21_ax_part_sine) + (V_ay_held * D_11_ax_part_sine) + (a_1_phase_x * f19_polynomial(f19_argument));
+    const float a_3_phase_x = (V_ax_held * D_21_ax_part_sine) + (V_ay_held * D_11_ax_part_sine) + (a_1_phase_x *
+        f19_polynomial(f19_argument));
     const float used_1_3 = (weights_1 ? 1.0f : 0.0f) * a_3_phase_x;
-    const float a_3_phase_x_2 = (V_bx_held * D_21_ax_part_sine) + (V_by_held * D_11_ax_part_sine) + (a_1_phase_x_2 * f20_polynomial(starts_3 + 0.1875f));
+    const float a_3_phase_x_2 = (V_bx_held * D_21_ax_part_sine) + (V_by_held * D_11_ax_part_sine) + (a_1_phase_x_2 *
+        f20_polynomial(starts_3 + 0.1875f));
     const float used_3_3 = (weights_3 ? 1.0f : 0.0f) * a_3_phase_x_2;
-    const float a_3_phase_x_3 = (V_cx_held * D_21_ax_part_sine) + (V_cy_held * D_11_ax_part_sine) + (a_1_phase_x_3 * f21_polynomial(starts_3 + 0.1484375f));
+    const float a_3_phase_x_3 = (V_cx_held * D_21_ax_part_sine) + (V_cy_held * D_11_ax_part_sine) + (a_1_phase_x_3 *
+        f21_polynomial(starts_3 + 0.1484375f));
     const float used_5_3 = (weights_5 ? 1.0f : 0.0f) * a_3_phase_x_3;
-    const float a_3_phase_x_4 = (V_dx_held * D_21_ax_part_sine) + (V_dy_held * D_11_ax_part_sine) + (a_1_phase_x_4 * f22_polynomial(starts_3 + 0.0390625f));
+    const float a_3_phase_x_4 = (V_dx_held * D_21_ax_part_sine) + (V_dy_held * D_11_ax_part_sine) + (a_1_phase_x_4 *
+        f22_polynomial(starts_3 + 0.0390625f));
     const float used_7_3 = (weights_7 ? 1.0f : 0.0f) * a_3_phase_x_4;
-    const float left_3_1_phase_x = (used_1_3 * a_1_phase_x) + (used_3_3 * a_1_phase_x_2) + (used_5_3 * a_1_phase_x_3) + (used_7_3 * a_1_phase_x_4);
+    const float left_3_1_phase_x = (used_1_3 * a_1_phase_x) + (used_3_3 * a_1_phase_x_2) + (used_5_3 * a_1_phase_x_3) +
+        (used_7_3 * a_1_phase_x_4);
     const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1_phase_x * terms_1_phase_x, 1250.0f);
     const float phase_x_part_16 = hall_position_four_limit(4.0f * (f5 * ay_part_cosine), 2.0f);
     const float start_cosine_phase_x_5 = 1.0f - (0.5f * (phase_x_part_16 * phase_x_part_16));
-    const float start_sine_phase_x_5 = hall_position_four_limit(phase_x_part_16 * (1.0f - (0.125f * (ay_part_sine * ay_part_sine))), 1.0f);
+    const float start_sine_phase_x_5 = hall_position_four_limit(phase_x_part_16 * (1.0f - (0.125f * (ay_part_sine *
+        ay_part_sine))), 1.0f);
     const float start_sine_phase_x_5_squared = start_sine_phase_x_5 * start_sine_phase_x_5;
     const float phase_x_part_17 = estimator_field_3 + (start_sine_phase_x_5_squared * estimator_field_5);
     const float phase_x_part_18 = estimator_field_1 + (start_sine_phase_x_5_squared * phase_x_part_17);
-    const float a_2_phase_x = start_cosine_phase_x_5 * (estimator_amplitude * (phase_x_part_18 + (start_sine_phase_x_5 * ((2.0f * (phase_x_part_17 * start_sine_phase_x_5)) + (2.0f * (start_sine_phase_x_5_squared * (estimator_field_5 * start_sine_phase_x_5)))))));
-    const float phase_x_part_19 = (V_ax_held * D_11_ax_part_sine) - (V_ay_held * D_21_ax_part_sine) - (a_2_phase_x * f23_polynomial(starts_3 + 0.046875f));
+    const float a_2_phase_x = start_cosine_phase_x_5 * (estimator_amplitude * (phase_x_part_18 + (start_sine_phase_x_5 *
+        ((2.0f * (phase_x_part_17 * start_sine_phase_x_5)) + (2.0f * (start_sine_phase_x_5_squared * (estimator_field_5
+        * start_sine_phase_x_5)))))));
+    const float phase_x_part_19 = (V_ax_held * D_11_ax_part_sine) - (V_ay_held * D_21_ax_part_sine) - (a_2_phase_x *
+        f23_polynomial(starts_3 + 0.046875f));
     const float a_4_phase_x_5 = start_sine_phase_x_5 * phase_x_part_18;
-    const float e_2 = (D_21_ax_part_sine * V_ax_held) + (D_11_ax_part_sine * V_ay_held) - (estimator_amplitude * a_4_phase_x_5);
+    const float e_2 = (D_21_ax_part_sine * V_ax_held) + (D_11_ax_part_sine * V_ay_held) - (estimator_amplitude *
+        a_4_phase_x_5);
     const float used_2_phase_x = (weights_1 ? 1.0f : 0.0f) * e_2;
     const float f9_times_by_part_cosine = f9 * by_part_cosine;
-    const float phase_x_part_20 = hall_position_four_limit(8.0f * (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine)))), 2.0f);
+    const float phase_x_part_20 = hall_position_four_limit(8.0f * (f9_times_by_part_cosine * (1.0f - (0.03125f *
+        (by_part_sine * by_part_sine)))), 2.0f);
     const float start_cosine_phase_x_6 = 1.0f - (0.5f * (phase_x_part_20 * phase_x_part_20));
     const float phase_x_part_21 = 8.0f * f9_times_by_part_cosine;
-    const float start_sine_phase_x_6 = hall_position_four_limit(phase_x_part_20 * (1.0f - (0.125f * (phase_x_part_21 * phase_x_part_21))), 1.0f);
+    const float start_sine_phase_x_6 = hall_position_four_limit(phase_x_part_20 * (1.0f - (0.125f * (phase_x_part_21 *
+        phase_x_part_21))), 1.0f);
     const float start_sine_phase_x_6_squared = start_sine_phase_x_6 * start_sine_phase_x_6;
     const float phase_x_part_22 = estimator_field_3 + (start_sine_phase_x_6_squared * estimator_field_5);
     const float phase_x_part_23 = estimator_field_1 + (start_sine_phase_x_6_squared * phase_x_part_22);
-    const float a_2_phase_x_2 = start_cosine_phase_x_6 * (estimator_amplitude * (phase_x_part_23 + (start_sine_phase_x_6 * ((2.0f * (phase_x_part_22 * start_sine_phase_x_6)) + (2.0f * (start_sine_phase_x_6_squared * (estimator_field_5 * start_sine_phase_x_6)))))));
-    const float phase_x_part_24 = (V_bx_held * D_11_ax_part_sine) - (V_by_held * D_21_ax_part_sine) - (a_2_phase_x_2 * f24_polynomial(f19_argument));
+    const float a_2_phase_x_2 = start_cosine_phase_x_6 * (estimator_amplitude * (phase_x_part_23 + (start_sine_phase_x_6
+        * ((2.0f * (phase_x_part_22 * start_sine_phase_x_6)) + (2.0f * (start_sine_phase_x_6_squared *
+        (estimator_field_5 * start_sine_phase_x_6)))))));
+    const float phase_x_part_24 = (V_bx_held * D_11_ax_part_sine) - (V_by_held * D_21_ax_part_sine) - (a_2_phase_x_2 *
+        f24_polynomial(f19_argument));
     const float a_4_phase_x_6 = start_sine_phase_x_6 * phase_x_part_23;
-    const float e_4 = (D_21_ax_part_sine * V_bx_held) + (D_11_ax_part_sine * V_by_held) - (estimator_amplitude * a_4_phase_x_6);
+    const float e_4 = (D_21_ax_part_sine * V_bx_held) + (D_11_ax_part_sine * V_by_held) - (estimator_amplitude *
+        a_4_phase_x_6);
     const float used_4_phase_x = (weights_3 ? 1.0f : 0.0f) * e_4;
     const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
-    const float phase_x_part_25 = hall_position_four_limit(8.0f * (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine)))), 2.0f);
+    const float phase_x_part_25 = hall_position_four_limit(8.0f * (f13_times_cy_part_cosine * (1.0f - (0.03125f *
+        (cy_part_sine * cy_part_sine)))), 2.0f);
     const float start_cosine_phase_x_7 = 1.0f - (0.5f * (phase_x_part_25 * phase_x_part_25));
     const float phase_x_part_26 = 8.0f * f13_times_cy_part_cosine;
-    const float start_sine_phase_x_7 = hall_position_four_limit(phase_x_part_25 * (1.0f - (0.125f * (phase_x_part_26 * phase_x_part_26))), 1.0f);
+    const float start_sine_phase_x_7 = hall_position_four_limit(phase_x_part_25 * (1.0f - (0.125f * (phase_x_part_26 *
+        phase_x_part_26))), 1.0f);
     const float start_sine_phase_x_7_squared = start_sine_phase_x_7 * start_sine_phase_x_7;
     const float phase_x_part_27 = estimator_field_3 + (start_sine_phase_x_7_squared * estimator_field_5);
     const float phase_x_part_28 = estimator_field_1 + (start_sine_phase_x_7_squared * phase_x_part_27);
-    const float a_2_phase_x_3 = start_cosine_phase_x_7 * (estimator_amplitude * (phase_x_part_28 + (start_sine_phase_x_7 * ((2.0f * (phase_x_part_27 * start_sine_phase_x_7)) + (2.0f * (start_sine_phase_x_7_squared * (estimator_field_5 * start_sine_phase_x_7)))))));
-    const float phase_x_part_29 = (V_cx_held * D_11_ax_part_sine) - (V_cy_held * D_21_ax_part_sine) - (a_2_phase_x_3 * f25_polynomial(starts_3 - 0.0546875f));
+    const float a_2_phase_x_3 = start_cosine_phase_x_7 * (estimator_amplitude * (phase_x_part_28 + (start_sine_phase_x_7
+        * ((2.0f * (phase_x_part_27 * start_sine_phase_x_7)) + (2.0f * (start_sine_phase_x_7_squared *
+        (estimator_field_5 * start_sine_phase_x_7)))))));
+    const float phase_x_part_29 = (V_cx_held * D_11_ax_part_sine) - (V_cy_held * D_21_ax_part_sine) - (a_2_phase_x_3 *
+        f25_polynomial(starts_3 - 0.0546875f));
     const float a_4_phase_x_7 = start_sine_phase_x_7 * phase_x_part_28;
-    const float e_6 = (D_21_ax_part_sine * V_cx_held) + (D_11_ax_part_sine * V_cy_held) - (estimator_amplitude * a_4_phase_x_7);
+    const float e_6 = (D_21_ax_part_sine * V_cx_held) + (D_11_ax_part_sine * V_cy_held) - (estimator_amplitude *
+        a_4_phase_x_7);
     const float used_6_phase_x = (weights_5 ? 1.0f : 0.0f) * e_6;
     const float f17_times_dy_part_cosine = f17 * dy_part_cosine;
-    const float phase_x_part_30 = hall_position_four_limit(8.0f * (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine)))), 2.0f);
+    const float phase_x_part_30 = hall_position_four_limit(8.0f * (f17_times_dy_part_cosine * (1.0f - (0.03125f *
+        (dy_part_sine * dy_part_sine)))), 2.0f);
     const float start_cosine_phase_x_8 = 1.0f - (0.5f * (phase_x_part_30 * phase_x_part_30));
     const float phase_x_part_31 = 8.0f * f17_times_dy_part_cosine;
-    const float start_sine_phase_x_8 = hall_position_four_limit(phase_x_part_30 * (1.0f - (0.125f * (phase_x_part_31 * phase_x_part_31))), 1.0f);
+    const float start_sine_phase_x_8 = hall_position_four_limit(phase_x_part_30 * (1.0f - (0.125f * (phase_x_part_31 *
+        phase_x_part_31))), 1.0f);
     const float start_sine_phase_x_8_squared = start_sine_phase_x_8 * start_sine_phase_x_8;
     const float phase_x_part_32 = estimator_field_3 + (start_sine_phase_x_8_squared * estimator_field_5);
     const float phase_x_part_33 = estimator_field_1 + (start_sine_phase_x_8_squared * phase_x_part_32);
-    const float a_2_phase_x_4 = start_cosine_phase_x_8 * (estimator_amplitude * (phase_x_part_33 + (start_sine_phase_x_8 * ((2.0f * (phase_x_part_32 * start_sine_phase_x_8)) + (2.0f * (start_sine_phase_x_8_squared * (estimator_field_5 * start_sine_phase_x_8)))))));
-    const float phase_x_part_34 = (V_dx_held * D_11_ax_part_sine) - (V_dy_held * D_21_ax_part_sine) - (a_2_phase_x_4 * f26_polynomial(starts_3 - 0.015625f));
+    const float a_2_phase_x_4 = start_cosine_phase_x_8 * (estimator_amplitude * (phase_x_part_33 + (start_sine_phase_x_8
+        * ((2.0f * (phase_x_part_32 * start_sine_phase_x_8)) + (2.0f * (start_sine_phase_x_8_squared *
+        (estimator_field_5 * start_sine_phase_x_8)))))));
+    const float phase_x_part_34 = (V_dx_held * D_11_ax_part_sine) - (V_dy_held * D_21_ax_part_sine) - (a_2_phase_x_4 *
+        f26_polynomial(starts_3 - 0.015625f));
     const float a_4_phase_x_8 = start_sine_phase_x_8 * phase_x_part_33;
-    const float e_8 = (D_21_ax_part_sine * V_dx_held) + (D_11_ax_part_sine * V_dy_held) - (estimator_amplitude * a_4_phase_x_8);
+    const float e_8 = (D_21_ax_part_sine * V_dx_held) + (D_11_ax_part_sine * V_dy_held) - (estimator_amplitude *
+        a_4_phase_x_8);
     const float used_8_phase_x = (weights_7 ? 1.0f : 0.0f) * e_8;
     const float phase_x_part_35 = (weights_1 ? 1.0f : 0.0f) * phase_x_part_19;
     const float phase_x_part_36 = (weights_3 ? 1.0f : 0.0f) * phase_x_part_24;
     const float phase_x_part_37 = (weights_5 ? 1.0f : 0.0f) * phase_x_part_29;
     const float phase_x_part_38 = (weights_7 ? 1.0f : 0.0f) * phase_x_part_34;
-    const float phase_x_part_39 = (phase_x_part_35 * a_2_phase_x) + (phase_x_part_36 * a_2_phase_x_2) + (phase_x_part_37 * a_2_phase_x_3) + (phase_x_part_38 * a_2_phase_x_4);
-    const float left_2_2_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_2_phase_x * a_2_phase_x) + ((weights_3 ? 1.0f : 0.0f) * a_2_phase_x_2 * a_2_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_2_phase_x_3 * a_2_phase_x_3) + ((weights_7 ? 1.0f : 0.0f) * a_2_phase_x_4 * a_2_phase_x_4);
+    const float phase_x_part_39 = (phase_x_part_35 * a_2_phase_x) + (phase_x_part_36 * a_2_phase_x_2) + (phase_x_part_37
+        * a_2_phase_x_3) + (phase_x_part_38 * a_2_phase_x_4);
+    const float left_2_2_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_2_phase_x * a_2_phase_x) + ((weights_3 ? 1.0f : 0.0f)
+        * a_2_phase_x_2 * a_2_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_2_phase_x_3 * a_2_phase_x_3) + ((weights_7 ?
+        1.0f : 0.0f) * a_2_phase_x_4 * a_2_phase_x_4);
     const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.057616f);
     const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_part_39 * terms_1_phase_x_3), 1250.0f);
-    const float gradient_2_phase_x = (a_2_phase_x * used_2_phase_x) + (a_2_phase_x_2 * used_4_phase_x) + (a_2_phase_x_3 * used_6_phase_x) + (a_2_phase_x_4 * used_8_phase_x);
-    const float forward_3_phase_x = (a_3_phase_x * used_1_phase_x) - (phase_x_part_19 * used_2_phase_x) + (a_3_phase_x_2 * used_3_phase_x) - (phase_x_part_24 * used_4_phase_x) + (a_3_phase_x_3 * used_5_phase_x) - (phase_x_part_29 * used_6_phase_x) + (a_3_phase_x_4 * used_7_phase_x) - (phase_x_part_34 * used_8_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) - (terms_1_phase_x_4 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (used_1_3 * a_3_phase_x) + (phase_x_part_35 * phase_x_part_19) + (used_3_3 * a_3_phase_x_2) + (phase_x_part_36 * phase_x_part_24) + (used_5_3 * a_3_phase_x_3) + (phase_x_part_37 * phase_x_part_29) + (used_7_3 * a_3_phase_x_4) + (phase_x_part_38 * phase_x_part_34);
-    const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_39), 0.3601f);
+    const float gradient_2_phase_x = (a_2_phase_x * used_2_phase_x) + (a_2_phase_x_2 * used_4_phase_x) + (a_2_phase_x_3
+        * used_6_phase_x) + (a_2_phase_x_4 * used_8_phase_x);
+    const float forward_3_phase_x = (a_3_phase_x * used_1_phase_x) - (phase_x_part_19 * used_2_phase_x) + (a_3_phase_x_2
+        * used_3_phase_x) - (phase_x_part_24 * used_4_phase_x) + (a_3_phase_x_3 * used_5_phase_x) - (phase_x_part_29 *
+        used_6_phase_x) + (a_3_phase_x_4 * used_7_phase_x) - (phase_x_part_34 * used_8_phase_x) - (terms_1_phase_x_2 *
+        gradient_1_phase_x) - (terms_1_phase_x_4 * gradient_2_phase_x);
+    const float left_3_3_phase_x = (used_1_3 * a_3_phase_x) + (phase_x_part_35 * phase_x_part_19) + (used_3_3 *
+        a_3_phase_x_2) + (phase_x_part_36 * phase_x_part_24) + (used_5_3 * a_3_phase_x_3) + (phase_x_part_37 *
+        phase_x_part_29) + (used_7_3 * a_3_phase_x_4) + (phase_x_part_38 * phase_x_part_34);
+    const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 *
+        left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_39), 0.3601f);
     const float used_1_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x;
     const float used_2_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x_5;
     const float used_3_4 = (weights_3 ? 1.0f : 0.0f) * a_4_phase_x_2;
@@ -689,90 +767,150 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float used_6_4 = (weights_5 ? 1.0f : 0.0f) * a_4_phase_x_7;
     const float used_7_4 = (weights_7 ? 1.0f : 0.0f) * a_4_phase_x_4;
     const float used_8_4 = (weights_7 ? 1.0f : 0.0f) * a_4_phase_x_8;
-    const float left_4_1_phase_x = (used_1_4 * a_1_phase_x) + (used_3_4 * a_1_phase_x_2) + (used_5_4 * a_1_phase_x_3) + (used_7_4 * a_1_phase_x_4);
+    const float left_4_1_phase_x = (used_1_4 * a_1_phase_x) + (used_3_4 * a_1_phase_x_2) + (used_5_4 * a_1_phase_x_3) +
+        (used_7_4 * a_1_phase_x_4);
     const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1_phase_x * terms_1_phase_x, 625.0f);
-    const float left_4_2_phase_x = (used_2_4 * a_2_phase_x) + (used_4_4 * a_2_phase_x_2) + (used_6_4 * a_2_phase_x_3) + (used_8_4 * a_2_phase_x_4);
+    const float left_4_2_phase_x = (used_2_4 * a_2_phase_x) + (used_4_4 * a_2_phase_x_2) + (used_6_4 * a_2_phase_x_3) +
+        (used_8_4 * a_2_phase_x_4);
     const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2_phase_x * terms_1_phase_x_3, 625.0f);
-    const float left_4_3_phase_x = (used_1_4 * a_3_phase_x) - (used_2_4 * phase_x_part_19) + (used_3_4 * a_3_phase_x_2) - (used_4_4 * phase_x_part_24) + (used_5_4 * a_3_phase_x_3) - (used_6_4 * phase_x_part_29) + (used_7_4 * a_3_phase_x_4) - (used_8_4 * phase_x_part_34) - (terms_1_phase_x_6 * left_3_1_phase_x) + (terms_1_phase_x_7 * phase_x_part_39);
+    const float left_4_3_phase_x = (used_1_4 * a_3_phase_x) - (used_2_4 * phase_x_part_19) + (used_3_4 * a_3_phase_x_2)
+        - (used_4_4 * phase_x_part_24) + (used_5_4 * a_3_phase_x_3) - (used_6_4 * phase_x_part_29) + (used_7_4 *
+        a_3_phase_x_4) - (used_8_4 * phase_x_part_34) - (terms_1_phase_x_6 * left_3_1_phase_x) + (terms_1_phase_x_7 *
+        phase_x_part_39);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float pulls_4_phase_x = 1.0002778f * offsets_4_phase_x;
-    const float phase_x_part_40 = (a_4_phase_x * used_1_phase_x) + (a_4_phase_x_5 * used_2_phase_x) + (a_4_phase_x_2 * used_3_phase_x) + (a_4_phase_x_6 * used_4_phase_x) + (a_4_phase_x_3 * used_5_phase_x) + (a_4_phase_x_7 * used_6_phase_x) + (a_4_phase_x_4 * used_7_phase_x) + (a_4_phase_x_8 * used_8_phase_x) - pulls_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x);
-    const float left_4_4_phase_x = (used_1_4 * a_4_phase_x) + (used_2_4 * a_4_phase_x_5) + (used_3_4 * a_4_phase_x_2) + (used_4_4 * a_4_phase_x_6) + (used_5_4 * a_4_phase_x_3) + (used_6_4 * a_4_phase_x_7) + (used_7_4 * a_4_phase_x_4) + (used_8_4 * a_4_phase_x_8) + 1.0002778f;
-    const float variances_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1_phase_x) - (terms_1_phase_x_7 * left_4_2_phase_x) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.090025f);
-    const float best_4 = hall_position_four_limit(hall_position_four_limit(phase_x_part_40 - (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 8486.791f) * variances_4, 0.125f);
-    const float best_3 = hall_position_four_limit((forward_3_phase_x * terms_1_phase_x_5) - (terms_1_phase_x_8 * best_4), 0.1f);
-    const float best_1 = hall_position_four_limit((gradient_1_phase_x * terms_1_phase_x) - (terms_1_phase_x_2 * best_3) - (terms_1_phase_x_6 * best_4), 0.5f);
+    const float phase_x_part_40 = (a_4_phase_x * used_1_phase_x) + (a_4_phase_x_5 * used_2_phase_x) + (a_4_phase_x_2 *
+        used_3_phase_x) + (a_4_phase_x_6 * used_4_phase_x) + (a_4_phase_x_3 * used_5_phase_x) + (a_4_phase_x_7 *
+        used_6_phase_x) + (a_4_phase_x_4 * used_7_phase_x) + (a_4_phase_x_8 * used_8_phase_x) - pulls_4_phase_x -
+        (terms_1_phase_x_6 * gradient_1_phase_x);
+    const float left_4_4_phase_x = (used_1_4 * a_4_phase_x) + (used_2_4 * a_4_phase_x_5) + (used_3_4 * a_4_phase_x_2) +
+        (used_4_4 * a_4_phase_x_6) + (used_5_4 * a_4_phase_x_3) + (used_6_4 * a_4_phase_x_7) + (used_7_4 *
+        a_4_phase_x_4) + (used_8_4 * a_4_phase_x_8) + 1.0002778f;
+    const float variances_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1_phase_x) -
+        (terms_1_phase_x_7 * left_4_2_phase_x) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.090025f);
+    const float best_4 = hall_position_four_limit(hall_position_four_limit(phase_x_part_40 - (terms_1_phase_x_7 *
+        gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 8486.791f) * variances_4, 0.125f);
+    const float best_3 = hall_position_four_limit((forward_3_phase_x * terms_1_phase_x_5) - (terms_1_phase_x_8 *
+        best_4), 0.1f);
+    const float best_1 = hall_position_four_limit((gradient_1_phase_x * terms_1_phase_x) - (terms_1_phase_x_2 * best_3)
+        - (terms_1_phase_x_6 * best_4), 0.5f);
     const float phase_x_part_41 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
     const float f1_argument_2 = phase_x_part_41 * phase_x_part_41;
     const float D_11_phase_x = f1_polynomial(f1_argument_2);
     const float D_21_phase_x = phase_x_part_41 * f2_polynomial(f1_argument_2);
-    const float phase_x_part_42 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f), 0.75f);
+    const float phase_x_part_42 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
+        0.75f);
     const float starts_1_plus_best_1 = starts_1 + best_1;
-    const float by_phase_x = hall_position_four_limit(starts_1_plus_best_1 + (0.28902653f * D_11_phase_x) + (0.45238933f * D_21_phase_x) - angle_ax_part_sine, 0.5536836f);
+    const float by_phase_x = hall_position_four_limit(starts_1_plus_best_1 + (0.28902653f * D_11_phase_x) + (0.45238933f
+        * D_21_phase_x) - angle_ax_part_sine, 0.5536836f);
     const float f27_argument = by_phase_x * by_phase_x;
-    const float phasors_1_sine = (start_sine_phase_x * f27_polynomial(f27_argument)) + (start_cosine_phase_x * (by_phase_x * f28_polynomial(f27_argument)));
+    const float phasors_1_sine = (start_sine_phase_x * f27_polynomial(f27_argument)) + (start_cosine_phase_x *
+        (by_phase_x * f28_polynomial(f27_argument)));
     const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
-    const float residuals_1 = (D_11_phase_x * V_ax_held) - (D_21_phase_x * V_ay_held) - (phase_x_part_42 * (phasors_1_sine * (estimator_field_1 + (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
+    const float residuals_1 = (D_11_phase_x * V_ax_held) - (D_21_phase_x * V_ay_held) - (phase_x_part_42 *
+        (phasors_1_sine * (estimator_field_1 + (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared *
+        estimator_field_5))))));
     const float used_1_phase_x_2 = (weights_1 ? 1.0f : 0.0f) * residuals_1;
-    const float by_phase_x_2 = hall_position_four_limit(starts_1_plus_best_1 - (1.118407f * D_11_phase_x) + (1.7404423f * D_21_phase_x) - angle_bx_part_sine, 0.706881f);
+    const float by_phase_x_2 = hall_position_four_limit(starts_1_plus_best_1 - (1.118407f * D_11_phase_x) + (1.7404423f
+        * D_21_phase_x) - angle_bx_part_sine, 0.706881f);
     const float f29_argument = by_phase_x_2 * by_phase_x_2;
-    const float phasors_3_sine = (start_sine_phase_x_2 * f29_polynomial(f29_argument)) + (start_cosine_phase_x_2 * (by_phase_x_2 * f30_polynomial(f29_argument)));
+    const float phasors_3_sine = (start_sine_phase_x_2 * f29_polynomial(f29_argument)) + (start_cosine_phase_x_2 *
+        (by_phase_x_2 * f30_polynomial(f29_argument)));
     const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
-    const float residuals_3 = (D_11_phase_x * V_bx_held) - (D_21_phase_x * V_by_held) - (phase_x_part_42 * (phasors_3_sine * (estimator_field_1 + (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
+    const float residuals_3 = (D_11_phase_x * V_bx_held) - (D_21_phase_x * V_by_held) - (phase_x_part_42 *
+        (phasors_3_sine * (estimator_field_1 + (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared *
+        estimator_field_5))))));
     const float used_3_phase_x_2 = (weights_3 ? 1.0f : 0.0f) * residuals_3;
-    const float by_phase_x_3 = hall_position_four_limit(starts_1_plus_best_1 - (2.506991f * D_11_phase_x) + (3.0033627f * D_21_phase_x) - angle_cx_part_sine, 0.8912185f);
+    const float by_phase_x_3 = hall_position_four_limit(starts_1_plus_best_1 - (2.506991f * D_11_phase_x) + (3.0033627f
+        * D_21_phase_x) - angle_cx_part_sine, 0.8912185f);
     const float f31_argument = by_phase_x_3 * by_phase_x_3;
-    const float phasors_5_sine = (start_sine_phase_x_3 * f31_polynomial(f31_argument)) + (start_cosine_phase_x_3 * (by_phase_x_3 * f32_polynomial(f31_argument)));
+    const float phasors_5_sine = (start_sine_phase_x_3 * f31_polynomial(f31_argument)) + (start_cosine_phase_x_3 *
+        (by_phase_x_3 * f32_polynomial(f31_argument)));
     const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
-    const float residuals_5 = (D_11_phase_x * V_cx_held) - (D_21_phase_x * V_cy_held) - (phase_x_part_42 * (phasors_5_sine * (estimator_field_1 + (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
+    const float residuals_5 = (D_11_phase_x * V_cx_held) - (D_21_phase_x * V_cy_held) - (phase_x_part_42 *
+        (phasors_5_sine * (estimator_field_1 + (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared *
+        estimator_field_5))))));
     const float used_5_phase_x_2 = (weights_5 ? 1.0f : 0.0f) * residuals_5;
-    const float by_phase_x_4 = hall_position_four_limit(starts_1_plus_best_1 + (1.627345f * D_11_phase_x) - (0.76654863f * D_21_phase_x) - angle_dx_part_sine, 0.6798847f);
+    const float by_phase_x_4 = hall_position_four_limit(starts_1_plus_best_1 + (1.627345f * D_11_phase_x) - (0.76654863f
+        * D_21_phase_x) - angle_dx_part_sine, 0.6798847f);
     const float f33_argument = by_phase_x_4 * by_phase_x_4;
-    const float phasors_7_sine = (start_sine_phase_x_4 * f33_polynomial(f33_argument)) + (start_cosine_phase_x_4 * (by_phase_x_4 * f34_polynomial(f33_argument)));
+    const float phasors_7_sine = (start_sine_phase_x_4 * f33_polynomial(f33_argument)) + (start_cosine_phase_x_4 *
+        (by_phase_x_4 * f34_polynomial(f33_argument)));
     const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
-    const float residuals_7 = (D_11_phase_x * V_dx_held) - (D_21_phase_x * V_dy_held) - (phase_x_part_42 * (phasors_7_sine * (estimator_field_1 + (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
+    const float residuals_7 = (D_11_phase_x * V_dx_held) - (D_21_phase_x * V_dy_held) - (phase_x_part_42 *
+        (phasors_7_sine * (estimator_field_1 + (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared *
+        estimator_field_5))))));
     const float used_7_phase_x_2 = (weights_7 ? 1.0f : 0.0f) * residuals_7;
-    const float gradient_1_phase_x_2 = (a_1_phase_x * used_1_phase_x_2) + (a_1_phase_x_2 * used_3_phase_x_2) + (a_1_phase_x_3 * used_5_phase_x_2) + (a_1_phase_x_4 * used_7_phase_x_2);
+    const float gradient_1_phase_x_2 = (a_1_phase_x * used_1_phase_x_2) + (a_1_phase_x_2 * used_3_phase_x_2) +
+        (a_1_phase_x_3 * used_5_phase_x_2) + (a_1_phase_x_4 * used_7_phase_x_2);
     const float phase_x_part_43 = gradient_1_phase_x_2 * terms_1_phase_x;
-    const float best_2 = hall_position_four_limit((gradient_2_phase_x * terms_1_phase_x_3) - (terms_1_phase_x_4 * best_3) - (terms_1_phase_x_7 * best_4), 0.5f);
+    const float best_2 = hall_position_four_limit((gradient_2_phase_x * terms_1_phase_x_3) - (terms_1_phase_x_4 *
+        best_3) - (terms_1_phase_x_7 * best_4), 0.5f);
     const float starts_2_plus_best_2 = starts_2 + best_2;
-    const float by_phase_x_5 = hall_position_four_limit(starts_2_plus_best_2 - (0.45238933f * D_11_phase_x) + (0.28902653f * D_21_phase_x) - angle_ay_part_sine, 0.5536836f);
+    const float by_phase_x_5 = hall_position_four_limit(starts_2_plus_best_2 - (0.45238933f * D_11_phase_x) +
+        (0.28902653f * D_21_phase_x) - angle_ay_part_sine, 0.5536836f);
     const float f27_argument_2 = by_phase_x_5 * by_phase_x_5;
-    const float phasors_2_sine = (start_sine_phase_x_5 * f27_polynomial(f27_argument_2)) + (start_cosine_phase_x_5 * (by_phase_x_5 * f28_polynomial(f27_argument_2)));
+    const float phasors_2_sine = (start_sine_phase_x_5 * f27_polynomial(f27_argument_2)) + (start_cosine_phase_x_5 *
+        (by_phase_x_5 * f28_polynomial(f27_argument_2)));
     const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
-    const float residuals_2 = (D_21_phase_x * V_ax_held) + (D_11_phase_x * V_ay_held) - (phase_x_part_42 * (phasors_2_sine * (estimator_field_1 + (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
+    const float residuals_2 = (D_21_phase_x * V_ax_held) + (D_11_phase_x * V_ay_held) - (phase_x_part_42 *
+        (phasors_2_sine * (estimator_field_1 + (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared *
+        estimator_field_5))))));
     const float used_2_phase_x_2 = (weights_1 ? 1.0f : 0.0f) * residuals_2;
-    const float by_phase_x_6 = hall_position_four_limit(starts_2_plus_best_2 - (1.7404423f * D_11_phase_x) - (1.118407f * D_21_phase_x) - angle_by_part_sine, 0.706881f);
+    const float by_phase_x_6 = hall_position_four_limit(starts_2_plus_best_2 - (1.7404423f * D_11_phase_x) - (1.118407f
+        * D_21_phase_x) - angle_by_part_sine, 0.706881f);
     const float f29_argument_2 = by_phase_x_6 * by_phase_x_6;
-    const float phasors_4_sine = (start_sine_phase_x_6 * f29_polynomial(f29_argument_2)) + (start_cosine_phase_x_6 * (by_phase_x_6 * f30_polynomial(f29_argument_2)));
+    const float phasors_4_sine = (start_sine_phase_x_6 * f29_polynomial(f29_argument_2)) + (start_cosine_phase_x_6 *
+        (by_phase_x_6 * f30_polynomial(f29_argument_2)));
     const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
-    const float residuals_4 = (D_21_phase_x * V_bx_held) + (D_11_phase_x * V_by_held) - (phase_x_part_42 * (phasors_4_sine * (estimator_field_1 + (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
+    const float residuals_4 = (D_21_phase_x * V_bx_held) + (D_11_phase_x * V_by_held) - (phase_x_part_42 *
+        (phasors_4_sine * (estimator_field_1 + (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared *
+        estimator_field_5))))));
     const float used_4_phase_x_2 = (weights_3 ? 1.0f : 0.0f) * residuals_4;
-    const float by_phase_x_7 = hall_position_four_limit(starts_2_plus_best_2 - (3.0033627f * D_11_phase_x) - (2.506991f * D_21_phase_x) - angle_cy_part_sine, 0.8912185f);
+    const float by_phase_x_7 = hall_position_four_limit(starts_2_plus_best_2 - (3.0033627f * D_11_phase_x) - (2.506991f
+        * D_21_phase_x) - angle_cy_part_sine, 0.8912185f);
     const float f31_argument_2 = by_phase_x_7 * by_phase_x_7;
-    const float phasors_6_sine = (start_sine_phase_x_7 * f31_polynomial(f31_argument_2)) + (start_cosine_phase_x_7 * (by_phase_x_7 * f32_polynomial(f31_argument_2)));
+    const float phasors_6_sine = (start_sine_phase_x_7 * f31_polynomial(f31_argument_2)) + (start_cosine_phase_x_7 *
+        (by_phase_x_7 * f32_polynomial(f31_argument_2)));
     const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
-    const float residuals_6 = (D_21_phase_x * V_cx_held) + (D_11_phase_x * V_cy_held) - (phase_x_part_42 * (phasors_6_sine * (estimator_field_1 + (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
+    const float residuals_6 = (D_21_phase_x * V_cx_held) + (D_11_phase_x * V_cy_held) - (phase_x_part_42 *
+        (phasors_6_sine * (estimator_field_1 + (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared *
+        estimator_field_5))))));
     const float used_6_phase_x_2 = (weights_5 ? 1.0f : 0.0f) * residuals_6;
-    const float by_phase_x_8 = hall_position_four_limit(starts_2_plus_best_2 + (0.76654863f * D_11_phase_x) + (1.627345f * D_21_phase_x) - angle_dy_part_sine, 0.6798847f);
+    const float by_phase_x_8 = hall_position_four_limit(starts_2_plus_best_2 + (0.76654863f * D_11_phase_x) + (1.627345f
+        * D_21_phase_x) - angle_dy_part_sine, 0.6798847f);
     const float f33_argument_2 = by_phase_x_8 * by_phase_x_8;
-    const float phasors_8_sine = (start_sine_phase_x_8 * f33_polynomial(f33_argument_2)) + (start_cosine_phase_x_8 * (by_phase_x_8 * f34_polynomial(f33_argument_2)));
+    const float phasors_8_sine = (start_sine_phase_x_8 * f33_polynomial(f33_argument_2)) + (start_cosine_phase_x_8 *
+        (by_phase_x_8 * f34_polynomial(f33_argument_2)));
     const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
-    const float residuals_8 = (D_21_phase_x * V_dx_held) + (D_11_phase_x * V_dy_held) - (phase_x_part_42 * (phasors_8_sine * (estimator_field_1 + (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared * estimator_field_5))))));
+    const float residuals_8 = (D_21_phase_x * V_dx_held) + (D_11_phase_x * V_dy_held) - (phase_x_part_42 *
+        (phasors_8_sine * (estimator_field_1 + (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared *
+        estimator_field_5))))));
     const float used_8_phase_x_2 = (weights_7 ? 1.0f : 0.0f) * residuals_8;
-    const float gradient_2_phase_x_2 = (a_2_phase_x * used_2_phase_x_2) + (a_2_phase_x_2 * used_4_phase_x_2) + (a_2_phase_x_3 * used_6_phase_x_2) + (a_2_phase_x_4 * used_8_phase_x_2);
-    const float forward_3_phase_x_2 = (a_3_phase_x * used_1_phase_x_2) - (phase_x_part_19 * used_2_phase_x_2) + (a_3_phase_x_2 * used_3_phase_x_2) - (phase_x_part_24 * used_4_phase_x_2) + (a_3_phase_x_3 * used_5_phase_x_2) - (phase_x_part_29 * used_6_phase_x_2) + (a_3_phase_x_4 * used_7_phase_x_2) - (phase_x_part_34 * used_8_phase_x_2) - (terms_1_phase_x_2 * gradient_1_phase_x_2) - (terms_1_phase_x_4 * gradient_2_phase_x_2);
+    const float gradient_2_phase_x_2 = (a_2_phase_x * used_2_phase_x_2) + (a_2_phase_x_2 * used_4_phase_x_2) +
+        (a_2_phase_x_3 * used_6_phase_x_2) + (a_2_phase_x_4 * used_8_phase_x_2);
+    const float forward_3_phase_x_2 = (a_3_phase_x * used_1_phase_x_2) - (phase_x_part_19 * used_2_phase_x_2) +
+        (a_3_phase_x_2 * used_3_phase_x_2) - (phase_x_part_24 * used_4_phase_x_2) + (a_3_phase_x_3 * used_5_phase_x_2) -
+        (phase_x_part_29 * used_6_phase_x_2) + (a_3_phase_x_4 * used_7_phase_x_2) - (phase_x_part_34 * used_8_phase_x_2)
+        - (terms_1_phase_x_2 * gradient_1_phase_x_2) - (terms_1_phase_x_4 * gradient_2_phase_x_2);
     const float phase_x_part_44 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x = (a_4_phase_x * used_1_phase_x_2) + (a_4_phase_x_5 * used_2_phase_x_2) + (a_4_phase_x_2 * used_3_phase_x_2) + (a_4_phase_x_6 * used_4_phase_x_2) + (a_4_phase_x_3 * used_5_phase_x_2) + (a_4_phase_x_7 * used_6_phase_x_2) + (a_4_phase_x_4 * used_7_phase_x_2) + (a_4_phase_x_8 * used_8_phase_x_2) - (1.0002778f * offsets_4_phase_x_2);
-    const float forward_4_phase_x = hall_position_four_limit(gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) - (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2), 8486.791f);
+    const float gradient_4_phase_x = (a_4_phase_x * used_1_phase_x_2) + (a_4_phase_x_5 * used_2_phase_x_2) +
+        (a_4_phase_x_2 * used_3_phase_x_2) + (a_4_phase_x_6 * used_4_phase_x_2) + (a_4_phase_x_3 * used_5_phase_x_2) +
+        (a_4_phase_x_7 * used_6_phase_x_2) + (a_4_phase_x_4 * used_7_phase_x_2) + (a_4_phase_x_8 * used_8_phase_x_2) -
+        (1.0002778f * offsets_4_phase_x_2);
+    const float forward_4_phase_x = hall_position_four_limit(gradient_4_phase_x - (terms_1_phase_x_6 *
+        gradient_1_phase_x_2) - (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2),
+        8486.791f);
     const float step_phase_x = forward_4_phase_x * variances_4;
     const float at_4 = hall_position_four_limit(best_4 + step_phase_x, 0.125f);
     const float moves_4 = at_4 - best_4;
-    const float reported_phase_x = hall_position_four_limit(best_3 + (phase_x_part_44 - (terms_1_phase_x_8 * moves_4)), 0.1f);
+    const float reported_phase_x = hall_position_four_limit(best_3 + (phase_x_part_44 - (terms_1_phase_x_8 * moves_4)),
+        0.1f);
     const float moves_3 = reported_phase_x - best_3;
-    const float reported_phase_x_2 = hall_position_four_limit(best_1 + (phase_x_part_43 - (terms_1_phase_x_2 * moves_3) - (terms_1_phase_x_6 * moves_4)), 0.5f);
+    const float reported_phase_x_2 = hall_position_four_limit(best_1 + (phase_x_part_43 - (terms_1_phase_x_2 * moves_3)
+        - (terms_1_phase_x_6 * moves_4)), 0.5f);
     const float phase_x_part_45 = starts_1 + reported_phase_x_2;
     float phase_x_part_46 = phase_x_part_45;
     if (pi < phase_x_part_45) {
@@ -784,7 +922,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     }
     const float phase_x = hall_position_four_limit(phase_x_part_47, pi);
     const float phase_y_part = gradient_2_phase_x_2 * terms_1_phase_x_3;
-    const float reported_phase_y = hall_position_four_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * moves_3) - (terms_1_phase_x_7 * moves_4)), 0.5f);
+    const float reported_phase_y = hall_position_four_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * moves_3) -
+        (terms_1_phase_x_7 * moves_4)), 0.5f);
     const float phase_y_part_2 = starts_2 + reported_phase_y;
     float phase_y_part_3 = phase_y_part_2;
     if (pi < phase_y_part_2) {
@@ -798,177 +937,310 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float yaw = hall_position_four_limit(starts_3 + reported_phase_x, 0.20943952f);
     const float amplitude = hall_position_four_max(hall_position_four_min(estimator_amplitude + at_4, 1.25f), 0.75f);
     const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
-    const float deviation_phase_x_part_2 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) + (deviation_phase_x_part * deviation_phase_x_part * variances_4);
+    const float deviation_phase_x_part_2 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5)
+        + (deviation_phase_x_part * deviation_phase_x_part * variances_4);
     const float deviation_phase_x = hall_position_four_min(0.060008332f * sqrtf(deviation_phase_x_part_2), 0.25f);
     const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
-    const float deviation_phase_y_part_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) + (deviation_phase_y_part * deviation_phase_y_part * variances_4);
+    const float deviation_phase_y_part_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 *
+        terms_1_phase_x_5) + (deviation_phase_y_part * deviation_phase_y_part * variances_4);
     const float deviation_phase_y = hall_position_four_min(0.060008332f * sqrtf(deviation_phase_y_part_2), 0.25f);
     const float variances_3_deviation_yaw = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * variances_4);
     const float deviation_yaw = hall_position_four_min(0.060008332f * sqrtf(variances_3_deviation_yaw), 0.1f);
     const float deviation_amplitude = 0.060008332f * sqrtf(variances_4);
-    const float cost_chi_square = (used_1_phase_x_2 * residuals_1) + (used_2_phase_x_2 * residuals_2) + (used_3_phase_x_2 * residuals_3) + (used_4_phase_x_2 * residuals_4) + (used_5_phase_x_2 * residuals_5) + (used_6_phase_x_2 * residuals_6) + (used_7_phase_x_2 * residuals_7) + (used_8_phase_x_2 * residuals_8) + (1.0002778f * (offsets_4_phase_x_2 * offsets_4_phase_x_2));
-    const float chi_square_part = (gradient_1_phase_x_2 * phase_x_part_43) + (gradient_2_phase_x_2 * phase_y_part) + (forward_3_phase_x_2 * phase_x_part_44) + (forward_4_phase_x * step_phase_x);
+    const float cost_chi_square = (used_1_phase_x_2 * residuals_1) + (used_2_phase_x_2 * residuals_2) +
+        (used_3_phase_x_2 * residuals_3) + (used_4_phase_x_2 * residuals_4) + (used_5_phase_x_2 * residuals_5) +
+        (used_6_phase_x_2 * residuals_6) + (used_7_phase_x_2 * residuals_7) + (used_8_phase_x_2 * residuals_8) +
+        (1.0002778f * (offsets_4_phase_x_2 * offsets_4_phase_x_2));
+    const float chi_square_part = (gradient_1_phase_x_2 * phase_x_part_43) + (gradient_2_phase_x_2 * phase_y_part) +
+        (forward_3_phase_x_2 * phase_x_part_44) + (forward_4_phase_x * step_phase_x);
     const float cost_chi_square_2 = hall_position_four_max(cost_chi_square - chi_square_part, 0.0f);
-    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * cost_chi_square_2, 1e+09f), 0.0f);
+    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * cost_chi_square_2, 1e+09f),
+        0.0f);
     const bool converged = chi_square_part <= 3.601e-05f;
-    const bool weak = !((left_1_1_phase_x <= 14404.0f) && (left_2_2_phase_x <= 14404.0f) && (left_3_3_phase_x <= 90025.0f) && (left_4_4_phase_x <= 22506.25f)) || (17.356117f <= deviation_phase_x_part_2) || (17.356117f <= deviation_phase_y_part_2) || (2.7769787f <= variances_3_deviation_yaw) || (11.107915f <= variances_4);
+    const bool weak = !((left_1_1_phase_x <= 14404.0f) && (left_2_2_phase_x <= 14404.0f) && (left_3_3_phase_x <=
+        90025.0f) && (left_4_4_phase_x <= 22506.25f)) || (17.356117f <= deviation_phase_x_part_2) || (17.356117f <=
+        deviation_phase_y_part_2) || (2.7769787f <= variances_3_deviation_yaw) || (11.107915f <= variances_4);
     const bool phases_valid_test = screened && !weak;
-    const float left_1_1_protection_phase_x = (a_1_phase_x * a_1_phase_x) + (a_1_phase_x_2 * a_1_phase_x_2) + (a_1_phase_x_3 * a_1_phase_x_3) + (a_1_phase_x_4 * a_1_phase_x_4);
-    const float left_2_2_protection_phase_x = (a_2_phase_x * a_2_phase_x) + (a_2_phase_x_2 * a_2_phase_x_2) + (a_2_phase_x_3 * a_2_phase_x_3) + (a_2_phase_x_4 * a_2_phase_x_4);
-    const float left_3_3_protection_phase_x = (a_3_phase_x * a_3_phase_x) + (phase_x_part_19 * phase_x_part_19) + (a_3_phase_x_2 * a_3_phase_x_2) + (phase_x_part_24 * phase_x_part_24) + (a_3_phase_x_3 * a_3_phase_x_3) + (phase_x_part_29 * phase_x_part_29) + (a_3_phase_x_4 * a_3_phase_x_4) + (phase_x_part_34 * phase_x_part_34);
-    const float left_4_4_protection_phase_x = (a_4_phase_x * a_4_phase_x) + (a_4_phase_x_5 * a_4_phase_x_5) + (a_4_phase_x_2 * a_4_phase_x_2) + (a_4_phase_x_6 * a_4_phase_x_6) + (a_4_phase_x_3 * a_4_phase_x_3) + (a_4_phase_x_7 * a_4_phase_x_7) + (a_4_phase_x_4 * a_4_phase_x_4) + (a_4_phase_x_8 * a_4_phase_x_8) + 1.0002778f;
+    const float left_1_1_protection_phase_x = (a_1_phase_x * a_1_phase_x) + (a_1_phase_x_2 * a_1_phase_x_2) +
+        (a_1_phase_x_3 * a_1_phase_x_3) + (a_1_phase_x_4 * a_1_phase_x_4);
+    const float left_2_2_protection_phase_x = (a_2_phase_x * a_2_phase_x) + (a_2_phase_x_2 * a_2_phase_x_2) +
+        (a_2_phase_x_3 * a_2_phase_x_3) + (a_2_phase_x_4 * a_2_phase_x_4);
+    const float left_3_3_protection_phase_x = (a_3_phase_x * a_3_phase_x) + (phase_x_part_19 * phase_x_part_19) +
+        (a_3_phase_x_2 * a_3_phase_x_2) + (phase_x_part_24 * phase_x_part_24) + (a_3_phase_x_3 * a_3_phase_x_3) +
+        (phase_x_part_29 * phase_x_part_29) + (a_3_phase_x_4 * a_3_phase_x_4) + (phase_x_part_34 * phase_x_part_34);
+    const float left_4_4_protection_phase_x = (a_4_phase_x * a_4_phase_x) + (a_4_phase_x_5 * a_4_phase_x_5) +
+        (a_4_phase_x_2 * a_4_phase_x_2) + (a_4_phase_x_6 * a_4_phase_x_6) + (a_4_phase_x_3 * a_4_phase_x_3) +
+        (a_4_phase_x_7 * a_4_phase_x_7) + (a_4_phase_x_4 * a_4_phase_x_4) + (a_4_phase_x_8 * a_4_phase_x_8) +
+        1.0002778f;
     const float terms_1_protection_phase_x = 1.0f / hall_position_four_max(left_1_1_protection_phase_x, 0.057616f);
     const float protection_phase_x_part = a_1_phase_x * terms_1_protection_phase_x;
-    const float left_3_1_protection_phase_x = (a_3_phase_x * a_1_phase_x) + (a_3_phase_x_2 * a_1_phase_x_2) + (a_3_phase_x_3 * a_1_phase_x_3) + (a_3_phase_x_4 * a_1_phase_x_4);
-    const float terms_1_protection_phase_x_2 = hall_position_four_limit(left_3_1_protection_phase_x * terms_1_protection_phase_x, 1250.0f);
+    const float left_3_1_protection_phase_x = (a_3_phase_x * a_1_phase_x) + (a_3_phase_x_2 * a_1_phase_x_2) +
+        (a_3_phase_x_3 * a_1_phase_x_3) + (a_3_phase_x_4 * a_1_phase_x_4);
+    const float terms_1_protection_phase_x_2 = hall_position_four_limit(left_3_1_protection_phase_x *
+        terms_1_protection_phase_x, 1250.0f);
     const float b_3_protection_phase_x = a_3_phase_x - (terms_1_protection_phase_x_2 * a_1_phase_x);
-    const float protection_phase_x_part_2 = (phase_x_part_19 * a_2_phase_x) + (phase_x_part_24 * a_2_phase_x_2) + (phase_x_part_29 * a_2_phase_x_3) + (phase_x_part_34 * a_2_phase_x_4);
+    const float protection_phase_x_part_2 = (phase_x_part_19 * a_2_phase_x) + (phase_x_part_24 * a_2_phase_x_2) +
+        (phase_x_part_29 * a_2_phase_x_3) + (phase_x_part_34 * a_2_phase_x_4);
     const float terms_1_protection_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_protection_phase_x, 0.057616f);
-    const float terms_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_2 * terms_1_protection_phase_x_3), 1250.0f);
-    const float terms_1_protection_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_protection_phase_x - (terms_1_protection_phase_x_2 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_4 * protection_phase_x_part_2), 0.3601f);
+    const float terms_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_2 *
+        terms_1_protection_phase_x_3), 1250.0f);
+    const float terms_1_protection_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_protection_phase_x -
+        (terms_1_protection_phase_x_2 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_2), 0.3601f);
     const float protection_phase_x_part_3 = b_3_protection_phase_x * terms_1_protection_phase_x_5;
-    const float left_4_1_protection_phase_x = (a_4_phase_x * a_1_phase_x) + (a_4_phase_x_2 * a_1_phase_x_2) + (a_4_phase_x_3 * a_1_phase_x_3) + (a_4_phase_x_4 * a_1_phase_x_4);
-    const float terms_1_protection_phase_x_6 = hall_position_four_limit(left_4_1_protection_phase_x * terms_1_protection_phase_x, 625.0f);
-    const float left_4_2_protection_phase_x = (a_4_phase_x_5 * a_2_phase_x) + (a_4_phase_x_6 * a_2_phase_x_2) + (a_4_phase_x_7 * a_2_phase_x_3) + (a_4_phase_x_8 * a_2_phase_x_4);
-    const float terms_1_protection_phase_x_7 = hall_position_four_limit(left_4_2_protection_phase_x * terms_1_protection_phase_x_3, 625.0f);
-    const float left_4_3_protection_phase_x = (a_4_phase_x * a_3_phase_x) - (a_4_phase_x_5 * phase_x_part_19) + (a_4_phase_x_2 * a_3_phase_x_2) - (a_4_phase_x_6 * phase_x_part_24) + (a_4_phase_x_3 * a_3_phase_x_3) - (a_4_phase_x_7 * phase_x_part_29) + (a_4_phase_x_4 * a_3_phase_x_4) - (a_4_phase_x_8 * phase_x_part_34) - (terms_1_protection_phase_x_6 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_7 * protection_phase_x_part_2);
-    const float terms_1_protection_phase_x_8 = hall_position_four_limit(left_4_3_protection_phase_x * terms_1_protection_phase_x_5, 250.0f);
-    const float b_4_protection_phase_x = hall_position_four_limit(a_4_phase_x - (terms_1_protection_phase_x_6 * a_1_phase_x) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 150.02083f);
-    const float protection_phase_x_part_4 = 1.0f / hall_position_four_max(left_4_4_protection_phase_x - (terms_1_protection_phase_x_6 * left_4_1_protection_phase_x) - (terms_1_protection_phase_x_7 * left_4_2_protection_phase_x) - (terms_1_protection_phase_x_8 * left_4_3_protection_phase_x), 0.090025f);
+    const float left_4_1_protection_phase_x = (a_4_phase_x * a_1_phase_x) + (a_4_phase_x_2 * a_1_phase_x_2) +
+        (a_4_phase_x_3 * a_1_phase_x_3) + (a_4_phase_x_4 * a_1_phase_x_4);
+    const float terms_1_protection_phase_x_6 = hall_position_four_limit(left_4_1_protection_phase_x *
+        terms_1_protection_phase_x, 625.0f);
+    const float left_4_2_protection_phase_x = (a_4_phase_x_5 * a_2_phase_x) + (a_4_phase_x_6 * a_2_phase_x_2) +
+        (a_4_phase_x_7 * a_2_phase_x_3) + (a_4_phase_x_8 * a_2_phase_x_4);
+    const float terms_1_protection_phase_x_7 = hall_position_four_limit(left_4_2_protection_phase_x *
+        terms_1_protection_phase_x_3, 625.0f);
+    const float left_4_3_protection_phase_x = (a_4_phase_x * a_3_phase_x) - (a_4_phase_x_5 * phase_x_part_19) +
+        (a_4_phase_x_2 * a_3_phase_x_2) - (a_4_phase_x_6 * phase_x_part_24) + (a_4_phase_x_3 * a_3_phase_x_3) -
+        (a_4_phase_x_7 * phase_x_part_29) + (a_4_phase_x_4 * a_3_phase_x_4) - (a_4_phase_x_8 * phase_x_part_34) -
+        (terms_1_protection_phase_x_6 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_7 *
+        protection_phase_x_part_2);
+    const float terms_1_protection_phase_x_8 = hall_position_four_limit(left_4_3_protection_phase_x *
+        terms_1_protection_phase_x_5, 250.0f);
+    const float b_4_protection_phase_x = hall_position_four_limit(a_4_phase_x - (terms_1_protection_phase_x_6 *
+        a_1_phase_x) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 150.02083f);
+    const float protection_phase_x_part_4 = 1.0f / hall_position_four_max(left_4_4_protection_phase_x -
+        (terms_1_protection_phase_x_6 * left_4_1_protection_phase_x) - (terms_1_protection_phase_x_7 *
+        left_4_2_protection_phase_x) - (terms_1_protection_phase_x_8 * left_4_3_protection_phase_x), 0.090025f);
     const float ends_4_protection_phase_x = b_4_protection_phase_x * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x = protection_phase_x_part_3 - (terms_1_protection_phase_x_8 * ends_4_protection_phase_x);
-    const float moves_1_1 = hall_position_four_limit(protection_phase_x_part - (terms_1_protection_phase_x_2 * ends_3_protection_phase_x) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x), 8.332176f);
-    const float gains_1 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x * protection_phase_x_part) + (b_3_protection_phase_x * protection_phase_x_part_3) + (b_4_protection_phase_x * ends_4_protection_phase_x)), 0.001f);
+    const float ends_3_protection_phase_x = protection_phase_x_part_3 - (terms_1_protection_phase_x_8 *
+        ends_4_protection_phase_x);
+    const float moves_1_1 = hall_position_four_limit(protection_phase_x_part - (terms_1_protection_phase_x_2 *
+        ends_3_protection_phase_x) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x), 8.332176f);
+    const float gains_1 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x * protection_phase_x_part) +
+        (b_3_protection_phase_x * protection_phase_x_part_3) + (b_4_protection_phase_x * ends_4_protection_phase_x)),
+        0.001f);
     const float protection_phase_x_part_5 = phase_x_part_19 + (terms_1_protection_phase_x_4 * a_2_phase_x);
     const float protection_phase_x_part_6 = protection_phase_x_part_5 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x = hall_position_four_limit(a_4_phase_x_5 - (terms_1_protection_phase_x_7 * a_2_phase_x) + (terms_1_protection_phase_x_8 * protection_phase_x_part_5), 150.02083f);
+    const float forward_4_protection_phase_x = hall_position_four_limit(a_4_phase_x_5 - (terms_1_protection_phase_x_7 *
+        a_2_phase_x) + (terms_1_protection_phase_x_8 * protection_phase_x_part_5), 150.02083f);
     const float protection_phase_x_part_7 = forward_4_protection_phase_x * protection_phase_x_part_4;
-    const float protection_phase_x_part_8 = protection_phase_x_part_6 + (terms_1_protection_phase_x_8 * protection_phase_x_part_7);
-    const float protection_phase_x_part_9 = (protection_phase_x_part_7 * b_4_protection_phase_x) - (protection_phase_x_part_6 * b_3_protection_phase_x);
-    const float lower_2_1_protection_phase_x = hall_position_four_limit(-(protection_phase_x_part_9 * gains_1), 31.622776f);
-    const float moves_2_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_8) - (terms_1_protection_phase_x_6 * protection_phase_x_part_7), 8.332176f) - (lower_2_1_protection_phase_x * moves_1_1);
+    const float protection_phase_x_part_8 = protection_phase_x_part_6 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_7);
+    const float protection_phase_x_part_9 = (protection_phase_x_part_7 * b_4_protection_phase_x) -
+        (protection_phase_x_part_6 * b_3_protection_phase_x);
+    const float lower_2_1_protection_phase_x = hall_position_four_limit(-(protection_phase_x_part_9 * gains_1),
+        31.622776f);
+    const float moves_2_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_8) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_7), 8.332176f) - (lower_2_1_protection_phase_x *
+        moves_1_1);
     const float protection_phase_x_part_10 = a_2_phase_x * terms_1_protection_phase_x_3;
-    const float gains_2 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x * protection_phase_x_part_10) + (protection_phase_x_part_5 * protection_phase_x_part_6) + (forward_4_protection_phase_x * protection_phase_x_part_7)) + (lower_2_1_protection_phase_x * protection_phase_x_part_9), 0.001f);
+    const float gains_2 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x * protection_phase_x_part_10) +
+        (protection_phase_x_part_5 * protection_phase_x_part_6) + (forward_4_protection_phase_x *
+        protection_phase_x_part_7)) + (lower_2_1_protection_phase_x * protection_phase_x_part_9), 0.001f);
     const float protection_phase_x_part_11 = (moves_1_1 * moves_1_1 * gains_1) + (moves_2_1 * moves_2_1 * gains_2);
     const float protection_phase_x_part_12 = a_1_phase_x_2 * terms_1_protection_phase_x;
     const float b_3_protection_phase_x_2 = a_3_phase_x_2 - (terms_1_protection_phase_x_2 * a_1_phase_x_2);
     const float protection_phase_x_part_13 = b_3_protection_phase_x_2 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_2 - (terms_1_protection_phase_x_6 * a_1_phase_x_2) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 150.02083f);
+    const float b_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_2 - (terms_1_protection_phase_x_6 *
+        a_1_phase_x_2) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 150.02083f);
     const float ends_4_protection_phase_x_2 = b_4_protection_phase_x_2 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_2 = protection_phase_x_part_13 - (terms_1_protection_phase_x_8 * ends_4_protection_phase_x_2);
-    const float moves_3_1 = hall_position_four_limit(protection_phase_x_part_12 - (terms_1_protection_phase_x_2 * ends_3_protection_phase_x_2) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_2), 8.332176f);
-    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_2 * protection_phase_x_part_12) + (b_3_protection_phase_x_2 * protection_phase_x_part_13) + (b_4_protection_phase_x_2 * ends_4_protection_phase_x_2)), 0.001f);
+    const float ends_3_protection_phase_x_2 = protection_phase_x_part_13 - (terms_1_protection_phase_x_8 *
+        ends_4_protection_phase_x_2);
+    const float moves_3_1 = hall_position_four_limit(protection_phase_x_part_12 - (terms_1_protection_phase_x_2 *
+        ends_3_protection_phase_x_2) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_2), 8.332176f);
+    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_2 * protection_phase_x_part_12) +
+        (b_3_protection_phase_x_2 * protection_phase_x_part_13) + (b_4_protection_phase_x_2 *
+        ends_4_protection_phase_x_2)), 0.001f);
     const float protection_phase_x_part_14 = phase_x_part_24 + (terms_1_protection_phase_x_4 * a_2_phase_x_2);
     const float protection_phase_x_part_15 = protection_phase_x_part_14 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_6 - (terms_1_protection_phase_x_7 * a_2_phase_x_2) + (terms_1_protection_phase_x_8 * protection_phase_x_part_14), 150.02083f);
+    const float forward_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_6 - (terms_1_protection_phase_x_7
+        * a_2_phase_x_2) + (terms_1_protection_phase_x_8 * protection_phase_x_part_14), 150.02083f);
     const float protection_phase_x_part_16 = forward_4_protection_phase_x_2 * protection_phase_x_part_4;
-    const float protection_phase_x_part_17 = protection_phase_x_part_15 + (terms_1_protection_phase_x_8 * protection_phase_x_part_16);
-    const float protection_phase_x_part_18 = (protection_phase_x_part_16 * b_4_protection_phase_x_2) - (protection_phase_x_part_15 * b_3_protection_phase_x_2);
-    const float lower_2_1_protection_phase_x_2 = hall_position_four_limit(-(protection_phase_x_part_18 * gains_3), 31.622776f);
-    const float moves_4_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_17) - (terms_1_protection_phase_x_6 * protection_phase_x_part_16), 8.332176f) - (lower_2_1_protection_phase_x_2 * moves_3_1);
+    const float protection_phase_x_part_17 = protection_phase_x_part_15 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_16);
+    const float protection_phase_x_part_18 = (protection_phase_x_part_16 * b_4_protection_phase_x_2) -
+        (protection_phase_x_part_15 * b_3_protection_phase_x_2);
+    const float lower_2_1_protection_phase_x_2 = hall_position_four_limit(-(protection_phase_x_part_18 * gains_3),
+        31.622776f);
+    const float moves_4_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_17) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_16), 8.332176f) - (lower_2_1_protection_phase_x_2 *
+        moves_3_1);
     const float protection_phase_x_part_19 = a_2_phase_x_2 * terms_1_protection_phase_x_3;
-    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_2 * protection_phase_x_part_19) + (protection_phase_x_part_14 * protection_phase_x_part_15) + (forward_4_protection_phase_x_2 * protection_phase_x_part_16)) + (lower_2_1_protection_phase_x_2 * protection_phase_x_part_18), 0.001f);
+    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_2 * protection_phase_x_part_19) +
+        (protection_phase_x_part_14 * protection_phase_x_part_15) + (forward_4_protection_phase_x_2 *
+        protection_phase_x_part_16)) + (lower_2_1_protection_phase_x_2 * protection_phase_x_part_18), 0.001f);
     const float protection_phase_x_part_20 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
     const float protection_phase_x_part_21 = a_1_phase_x_3 * terms_1_protection_phase_x;
     const float b_3_protection_phase_x_3 = a_3_phase_x_3 - (terms_1_protection_phase_x_2 * a_1_phase_x_3);
     const float protection_phase_x_part_22 = b_3_protection_phase_x_3 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_3 - (terms_1_protection_phase_x_6 * a_1_phase_x_3) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 150.02083f);
+    const float b_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_3 - (terms_1_protection_phase_x_6 *
+        a_1_phase_x_3) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 150.02083f);
     const float ends_4_protection_phase_x_3 = b_4_protection_phase_x_3 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_3 = protection_phase_x_part_22 - (terms_1_protection_phase_x_8 * ends_4_protection_phase_x_3);
-    const float moves_5_1 = hall_position_four_limit(protection_phase_x_part_21 - (terms_1_protection_phase_x_2 * ends_3_protection_phase_x_3) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_3), 8.332176f);
-    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_3 * protection_phase_x_part_21) + (b_3_protection_phase_x_3 * protection_phase_x_part_22) + (b_4_protection_phase_x_3 * ends_4_protection_phase_x_3)), 0.001f);
+    const float ends_3_protection_phase_x_3 = protection_phase_x_part_22 - (terms_1_protection_phase_x_8 *
+        ends_4_protection_phase_x_3);
+    const float moves_5_1 = hall_position_four_limit(protection_phase_x_part_21 - (terms_1_protection_phase_x_2 *
+        ends_3_protection_phase_x_3) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_3), 8.332176f);
+    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_3 * protection_phase_x_part_21) +
+        (b_3_protection_phase_x_3 * protection_phase_x_part_22) + (b_4_protection_phase_x_3 *
+        ends_4_protection_phase_x_3)), 0.001f);
     const float protection_phase_x_part_23 = phase_x_part_29 + (terms_1_protection_phase_x_4 * a_2_phase_x_3);
     const float protection_phase_x_part_24 = protection_phase_x_part_23 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_7 - (terms_1_protection_phase_x_7 * a_2_phase_x_3) + (terms_1_protection_phase_x_8 * protection_phase_x_part_23), 150.02083f);
+    const float forward_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_7 - (terms_1_protection_phase_x_7
+        * a_2_phase_x_3) + (terms_1_protection_phase_x_8 * protection_phase_x_part_23), 150.02083f);
     const float protection_phase_x_part_25 = forward_4_protection_phase_x_3 * protection_phase_x_part_4;
-    const float protection_phase_x_part_26 = protection_phase_x_part_24 + (terms_1_protection_phase_x_8 * protection_phase_x_part_25);
-    const float protection_phase_x_part_27 = (protection_phase_x_part_25 * b_4_protection_phase_x_3) - (protection_phase_x_part_24 * b_3_protection_phase_x_3);
-    const float lower_2_1_protection_phase_x_3 = hall_position_four_limit(-(protection_phase_x_part_27 * gains_5), 31.622776f);
-    const float moves_6_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_26) - (terms_1_protection_phase_x_6 * protection_phase_x_part_25), 8.332176f) - (lower_2_1_protection_phase_x_3 * moves_5_1);
+    const float protection_phase_x_part_26 = protection_phase_x_part_24 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_25);
+    const float protection_phase_x_part_27 = (protection_phase_x_part_25 * b_4_protection_phase_x_3) -
+        (protection_phase_x_part_24 * b_3_protection_phase_x_3);
+    const float lower_2_1_protection_phase_x_3 = hall_position_four_limit(-(protection_phase_x_part_27 * gains_5),
+        31.622776f);
+    const float moves_6_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_26) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_25), 8.332176f) - (lower_2_1_protection_phase_x_3 *
+        moves_5_1);
     const float protection_phase_x_part_28 = a_2_phase_x_3 * terms_1_protection_phase_x_3;
-    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_3 * protection_phase_x_part_28) + (protection_phase_x_part_23 * protection_phase_x_part_24) + (forward_4_protection_phase_x_3 * protection_phase_x_part_25)) + (lower_2_1_protection_phase_x_3 * protection_phase_x_part_27), 0.001f);
+    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_3 * protection_phase_x_part_28) +
+        (protection_phase_x_part_23 * protection_phase_x_part_24) + (forward_4_protection_phase_x_3 *
+        protection_phase_x_part_25)) + (lower_2_1_protection_phase_x_3 * protection_phase_x_part_27), 0.001f);
     const float protection_phase_x_part_29 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
     const float protection_phase_x_part_30 = a_1_phase_x_4 * terms_1_protection_phase_x;
     const float b_3_protection_phase_x_4 = a_3_phase_x_4 - (terms_1_protection_phase_x_2 * a_1_phase_x_4);
     const float protection_phase_x_part_31 = b_3_protection_phase_x_4 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_4 - (terms_1_protection_phase_x_6 * a_1_phase_x_4) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 150.02083f);
+    const float b_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_4 - (terms_1_protection_phase_x_6 *
+        a_1_phase_x_4) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 150.02083f);
     const float ends_4_protection_phase_x_4 = b_4_protection_phase_x_4 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_4 = protection_phase_x_part_31 - (terms_1_protection_phase_x_8 * ends_4_protection_phase_x_4);
-    const float mixed_1_1 = hall_position_four_limit(protection_phase_x_part_30 - (terms_1_protection_phase_x_2 * ends_3_protection_phase_x_4) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_4), 8.332176f);
-    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_4 * protection_phase_x_part_30) + (b_3_protection_phase_x_4 * protection_phase_x_part_31) + (b_4_protection_phase_x_4 * ends_4_protection_phase_x_4)), 0.001f);
+    const float ends_3_protection_phase_x_4 = protection_phase_x_part_31 - (terms_1_protection_phase_x_8 *
+        ends_4_protection_phase_x_4);
+    const float moves_7_1 = hall_position_four_limit(protection_phase_x_part_30 - (terms_1_protection_phase_x_2 *
+        ends_3_protection_phase_x_4) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_4), 8.332176f);
+    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_4 * protection_phase_x_part_30) +
+        (b_3_protection_phase_x_4 * protection_phase_x_part_31) + (b_4_protection_phase_x_4 *
+        ends_4_protection_phase_x_4)), 0.001f);
     const float protection_phase_x_part_32 = phase_x_part_34 + (terms_1_protection_phase_x_4 * a_2_phase_x_4);
     const float protection_phase_x_part_33 = protection_phase_x_part_32 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_8 - (terms_1_protection_phase_x_7 * a_2_phase_x_4) + (terms_1_protection_phase_x_8 * protection_phase_x_part_32), 150.02083f);
+    const float forward_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_8 - (terms_1_protection_phase_x_7
+        * a_2_phase_x_4) + (terms_1_protection_phase_x_8 * protection_phase_x_part_32), 150.02083f);
     const float protection_phase_x_part_34 = forward_4_protection_phase_x_4 * protection_phase_x_part_4;
-    const float protection_phase_x_part_35 = protection_phase_x_part_33 + (terms_1_protection_phase_x_8 * protection_phase_x_part_34);
-    const float protection_phase_x_part_36 = (protection_phase_x_part_34 * b_4_protection_phase_x_4) - (protection_phase_x_part_33 * b_3_protection_phase_x_4);
-    const float lower_2_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_36 * gains_7), 31.622776f);
-    const float mixed_1_2 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_35) - (terms_1_protection_phase_x_6 * protection_phase_x_part_34), 8.332176f) - (lower_2_1_protection_phase_x_4 * mixed_1_1);
+    const float protection_phase_x_part_35 = protection_phase_x_part_33 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_34);
+    const float protection_phase_x_part_36 = (protection_phase_x_part_34 * b_4_protection_phase_x_4) -
+        (protection_phase_x_part_33 * b_3_protection_phase_x_4);
+    const float lower_2_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_36 * gains_7),
+        31.622776f);
+    const float moves_8_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_35) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_34), 8.332176f) - (lower_2_1_protection_phase_x_4 *
+        moves_7_1);
     const float protection_phase_x_part_37 = a_2_phase_x_4 * terms_1_protection_phase_x_3;
-    const float gain = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_4 * protection_phase_x_part_37) + (protection_phase_x_part_32 * protection_phase_x_part_33) + (forward_4_protection_phase_x_4 * protection_phase_x_part_34)) + (lower_2_1_protection_phase_x_4 * protection_phase_x_part_36), 0.001f);
-    const float protection_phase_x_part_38 = (mixed_1_1 * mixed_1_1 * gains_7) + (mixed_1_2 * mixed_1_2 * gain);
-    const float moves_1_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x) + (terms_1_protection_phase_x_7 * ends_4_protection_phase_x)), 8.332176f);
-    const float moves_2_2 = hall_position_four_limit(protection_phase_x_part_10 + (terms_1_protection_phase_x_4 * protection_phase_x_part_8) - (terms_1_protection_phase_x_7 * protection_phase_x_part_7), 8.332176f) - (lower_2_1_protection_phase_x * moves_1_2);
+    const float gain = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_4 * protection_phase_x_part_37) +
+        (protection_phase_x_part_32 * protection_phase_x_part_33) + (forward_4_protection_phase_x_4 *
+        protection_phase_x_part_34)) + (lower_2_1_protection_phase_x_4 * protection_phase_x_part_36), 0.001f);
+    const float protection_phase_x_part_38 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
+    const float moves_1_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x) +
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x)), 8.332176f);
+    const float moves_2_2 = hall_position_four_limit(protection_phase_x_part_10 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_8) - (terms_1_protection_phase_x_7 * protection_phase_x_part_7), 8.332176f) -
+        (lower_2_1_protection_phase_x * moves_1_2);
     const float protection_phase_y_part = (moves_1_2 * moves_1_2 * gains_1) + (moves_2_2 * moves_2_2 * gains_2);
-    const float moves_3_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_2) + (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_2)), 8.332176f);
-    const float moves_4_2 = hall_position_four_limit(protection_phase_x_part_19 + (terms_1_protection_phase_x_4 * protection_phase_x_part_17) - (terms_1_protection_phase_x_7 * protection_phase_x_part_16), 8.332176f) - (lower_2_1_protection_phase_x_2 * moves_3_2);
+    const float moves_3_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_2) +
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_2)), 8.332176f);
+    const float moves_4_2 = hall_position_four_limit(protection_phase_x_part_19 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_17) - (terms_1_protection_phase_x_7 * protection_phase_x_part_16), 8.332176f) -
+        (lower_2_1_protection_phase_x_2 * moves_3_2);
     const float protection_phase_y_part_2 = (moves_3_2 * moves_3_2 * gains_3) + (moves_4_2 * moves_4_2 * gains_4);
-    const float moves_5_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_3) + (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_3)), 8.332176f);
-    const float moves_6_2 = hall_position_four_limit(protection_phase_x_part_28 + (terms_1_protection_phase_x_4 * protection_phase_x_part_26) - (terms_1_protection_phase_x_7 * protection_phase_x_part_25), 8.332176f) - (lower_2_1_protection_phase_x_3 * moves_5_2);
+    const float moves_5_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_3) +
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_3)), 8.332176f);
+    const float moves_6_2 = hall_position_four_limit(protection_phase_x_part_28 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_26) - (terms_1_protection_phase_x_7 * protection_phase_x_part_25), 8.332176f) -
+        (lower_2_1_protection_phase_x_3 * moves_5_2);
     const float protection_phase_y_part_3 = (moves_5_2 * moves_5_2 * gains_5) + (moves_6_2 * moves_6_2 * gains_6);
-    const float mixed_2_1 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_4) + (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_4)), 8.332176f);
-    const float mixed_2_2 = hall_position_four_limit(protection_phase_x_part_37 + (terms_1_protection_phase_x_4 * protection_phase_x_part_35) - (terms_1_protection_phase_x_7 * protection_phase_x_part_34), 8.332176f) - (lower_2_1_protection_phase_x_4 * mixed_2_1);
-    const float protection_phase_y_part_4 = (mixed_2_1 * mixed_2_1 * gains_7) + (mixed_2_2 * mixed_2_2 * gain);
+    const float moves_7_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_4) +
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_4)), 8.332176f);
+    const float moves_8_2 = hall_position_four_limit(protection_phase_x_part_37 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_35) - (terms_1_protection_phase_x_7 * protection_phase_x_part_34), 8.332176f) -
+        (lower_2_1_protection_phase_x_4 * moves_7_2);
+    const float protection_phase_y_part_4 = (moves_7_2 * moves_7_2 * gains_7) + (moves_8_2 * moves_8_2 * gain);
     const float moves_1_3 = hall_position_four_limit(ends_3_protection_phase_x, 3.3328705f);
-    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_8, 3.3328705f) - (lower_2_1_protection_phase_x * moves_1_3);
+    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_8, 3.3328705f) -
+        (lower_2_1_protection_phase_x * moves_1_3);
     const float protection_yaw_part = (moves_1_3 * moves_1_3 * gains_1) + (moves_2_3 * moves_2_3 * gains_2);
     const float moves_3_3 = hall_position_four_limit(ends_3_protection_phase_x_2, 3.3328705f);
-    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_17, 3.3328705f) - (lower_2_1_protection_phase_x_2 * moves_3_3);
+    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_17, 3.3328705f) -
+        (lower_2_1_protection_phase_x_2 * moves_3_3);
     const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) + (moves_4_3 * moves_4_3 * gains_4);
     const float moves_5_3 = hall_position_four_limit(ends_3_protection_phase_x_3, 3.3328705f);
-    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_26, 3.3328705f) - (lower_2_1_protection_phase_x_3 * moves_5_3);
+    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_26, 3.3328705f) -
+        (lower_2_1_protection_phase_x_3 * moves_5_3);
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (moves_6_3 * moves_6_3 * gains_6);
-    const float mixed_3_1 = hall_position_four_limit(ends_3_protection_phase_x_4, 3.3328705f);
-    const float mixed_3_2 = hall_position_four_limit(-protection_phase_x_part_35, 3.3328705f) - (lower_2_1_protection_phase_x_4 * mixed_3_1);
-    const float protection_yaw_part_4 = (mixed_3_1 * mixed_3_1 * gains_7) + (mixed_3_2 * mixed_3_2 * gain);
-    const float protection_phase_x_part_39 = (e_1 * e_1) + (e_2 * e_2) + (e_3 * e_3) + (e_4 * e_4) + (e_5 * e_5) + (e_6 * e_6) + (e_7 * e_7) + (e_8 * e_8) + (1.0002778f * (offsets_4_phase_x * offsets_4_phase_x));
-    const float protection_phase_x_part_40 = (a_1_phase_x * e_1) + (a_1_phase_x_2 * e_3) + (a_1_phase_x_3 * e_5) + (a_1_phase_x_4 * e_7);
+    const float moves_7_3 = hall_position_four_limit(ends_3_protection_phase_x_4, 3.3328705f);
+    const float moves_8_3 = hall_position_four_limit(-protection_phase_x_part_35, 3.3328705f) -
+        (lower_2_1_protection_phase_x_4 * moves_7_3);
+    const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (moves_8_3 * moves_8_3 * gain);
+    const float protection_phase_x_part_39 = (e_1 * e_1) + (e_2 * e_2) + (e_3 * e_3) + (e_4 * e_4) + (e_5 * e_5) + (e_6
+        * e_6) + (e_7 * e_7) + (e_8 * e_8) + (1.0002778f * (offsets_4_phase_x * offsets_4_phase_x));
+    const float protection_phase_x_part_40 = (a_1_phase_x * e_1) + (a_1_phase_x_2 * e_3) + (a_1_phase_x_3 * e_5) +
+        (a_1_phase_x_4 * e_7);
     const float protection_phase_x_part_41 = protection_phase_x_part_40 * terms_1_protection_phase_x;
-    const float protection_phase_x_part_42 = (a_2_phase_x * e_2) + (a_2_phase_x_2 * e_4) + (a_2_phase_x_3 * e_6) + (a_2_phase_x_4 * e_8);
+    const float protection_phase_x_part_42 = (a_2_phase_x * e_2) + (a_2_phase_x_2 * e_4) + (a_2_phase_x_3 * e_6) +
+        (a_2_phase_x_4 * e_8);
     const float protection_phase_x_part_43 = protection_phase_x_part_42 * terms_1_protection_phase_x_3;
-    const float forward_3_protection_phase_x = (a_3_phase_x * e_1) - (phase_x_part_19 * e_2) + (a_3_phase_x_2 * e_3) - (phase_x_part_24 * e_4) + (a_3_phase_x_3 * e_5) - (phase_x_part_29 * e_6) + (a_3_phase_x_4 * e_7) - (phase_x_part_34 * e_8) - (terms_1_protection_phase_x_2 * protection_phase_x_part_40) - (terms_1_protection_phase_x_4 * protection_phase_x_part_42);
+    const float forward_3_protection_phase_x = (a_3_phase_x * e_1) - (phase_x_part_19 * e_2) + (a_3_phase_x_2 * e_3) -
+        (phase_x_part_24 * e_4) + (a_3_phase_x_3 * e_5) - (phase_x_part_29 * e_6) + (a_3_phase_x_4 * e_7) -
+        (phase_x_part_34 * e_8) - (terms_1_protection_phase_x_2 * protection_phase_x_part_40) -
+        (terms_1_protection_phase_x_4 * protection_phase_x_part_42);
     const float protection_phase_x_part_44 = forward_3_protection_phase_x * terms_1_protection_phase_x_5;
-    const float protection_phase_x_part_45 = (a_4_phase_x * e_1) + (a_4_phase_x_5 * e_2) + (a_4_phase_x_2 * e_3) + (a_4_phase_x_6 * e_4) + (a_4_phase_x_3 * e_5) + (a_4_phase_x_7 * e_6) + (a_4_phase_x_4 * e_7) + (a_4_phase_x_8 * e_8) - pulls_4_phase_x - (terms_1_protection_phase_x_6 * protection_phase_x_part_40);
-    const float forward_4_protection_phase_x_5 = hall_position_four_limit(protection_phase_x_part_45 - (terms_1_protection_phase_x_7 * protection_phase_x_part_42) - (terms_1_protection_phase_x_8 * forward_3_protection_phase_x), 8486.791f);
+    const float protection_phase_x_part_45 = (a_4_phase_x * e_1) + (a_4_phase_x_5 * e_2) + (a_4_phase_x_2 * e_3) +
+        (a_4_phase_x_6 * e_4) + (a_4_phase_x_3 * e_5) + (a_4_phase_x_7 * e_6) + (a_4_phase_x_4 * e_7) + (a_4_phase_x_8 *
+        e_8) - pulls_4_phase_x - (terms_1_protection_phase_x_6 * protection_phase_x_part_40);
+    const float forward_4_protection_phase_x_5 = hall_position_four_limit(protection_phase_x_part_45 -
+        (terms_1_protection_phase_x_7 * protection_phase_x_part_42) - (terms_1_protection_phase_x_8 *
+        forward_3_protection_phase_x), 8486.791f);
     const float ends_4_protection_phase_x_5 = forward_4_protection_phase_x_5 * protection_phase_x_part_4;
-    const float full_cost = hall_position_four_max(protection_phase_x_part_39 - ((protection_phase_x_part_40 * protection_phase_x_part_41) + (protection_phase_x_part_42 * protection_phase_x_part_43) + (forward_3_protection_phase_x * protection_phase_x_part_44) + (forward_4_protection_phase_x_5 * ends_4_protection_phase_x_5)), 0.0f);
-    const float ends_3_protection_phase_x_5 = protection_phase_x_part_44 - (terms_1_protection_phase_x_8 * ends_4_protection_phase_x_5);
-    const float step_1 = hall_position_four_limit(protection_phase_x_part_41 - (terms_1_protection_phase_x_2 * ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_5), 235.67874f);
+    const float full_cost = hall_position_four_max(protection_phase_x_part_39 - ((protection_phase_x_part_40 *
+        protection_phase_x_part_41) + (protection_phase_x_part_42 * protection_phase_x_part_43) +
+        (forward_3_protection_phase_x * protection_phase_x_part_44) + (forward_4_protection_phase_x_5 *
+        ends_4_protection_phase_x_5)), 0.0f);
+    const float ends_3_protection_phase_x_5 = protection_phase_x_part_44 - (terms_1_protection_phase_x_8 *
+        ends_4_protection_phase_x_5);
+    const float step_1 = hall_position_four_limit(protection_phase_x_part_41 - (terms_1_protection_phase_x_2 *
+        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_5), 235.67874f);
     const float step_3 = hall_position_four_limit(ends_3_protection_phase_x_5, 94.27149f);
     const float step_4 = hall_position_four_limit(ends_4_protection_phase_x_5, 188.54298f);
     const float scores_1 = e_1 - ((a_1_phase_x * step_1) + (a_3_phase_x * step_3) + (a_4_phase_x * step_4));
-    const float step_2 = hall_position_four_limit(protection_phase_x_part_43 - (terms_1_protection_phase_x_4 * ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_5), 235.67874f);
-    const float scores_2_protection_phase_x = e_2 - ((a_2_phase_x * step_2) - (phase_x_part_19 * step_3) + (a_4_phase_x_5 * step_4)) - (lower_2_1_protection_phase_x * scores_1);
-    const float costs_1 = full_cost - ((scores_1 * scores_1 * gains_1) + (scores_2_protection_phase_x * scores_2_protection_phase_x * gains_2));
+    const float step_2 = hall_position_four_limit(protection_phase_x_part_43 - (terms_1_protection_phase_x_4 *
+        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_5), 235.67874f);
+    const float scores_2_protection_phase_x = e_2 - ((a_2_phase_x * step_2) - (phase_x_part_19 * step_3) +
+        (a_4_phase_x_5 * step_4)) - (lower_2_1_protection_phase_x * scores_1);
+    const float costs_1 = full_cost - ((scores_1 * scores_1 * gains_1) + (scores_2_protection_phase_x *
+        scores_2_protection_phase_x * gains_2));
     const float scores_3 = e_3 - ((a_1_phase_x_2 * step_1) + (a_3_phase_x_2 * step_3) + (a_4_phase_x_2 * step_4));
-    const float scores_4_protection_phase_x = e_4 - ((a_2_phase_x_2 * step_2) - (phase_x_part_24 * step_3) + (a_4_phase_x_6 * step_4)) - (lower_2_1_protection_phase_x_2 * scores_3);
-    const float costs_2 = full_cost - ((scores_3 * scores_3 * gains_3) + (scores_4_protection_phase_x * scores_4_protection_phase_x * gains_4));
+    const float scores_4_protection_phase_x = e_4 - ((a_2_phase_x_2 * step_2) - (phase_x_part_24 * step_3) +
+        (a_4_phase_x_6 * step_4)) - (lower_2_1_protection_phase_x_2 * scores_3);
+    const float costs_2 = full_cost - ((scores_3 * scores_3 * gains_3) + (scores_4_protection_phase_x *
+        scores_4_protection_phase_x * gains_4));
     const float scores_5 = e_5 - ((a_1_phase_x_3 * step_1) + (a_3_phase_x_3 * step_3) + (a_4_phase_x_3 * step_4));
-    const float scores_6_protection_phase_x = e_6 - ((a_2_phase_x_3 * step_2) - (phase_x_part_29 * step_3) + (a_4_phase_x_7 * step_4)) - (lower_2_1_protection_phase_x_3 * scores_5);
-    const float costs_3 = full_cost - ((scores_5 * scores_5 * gains_5) + (scores_6_protection_phase_x * scores_6_protection_phase_x * gains_6));
+    const float scores_6_protection_phase_x = e_6 - ((a_2_phase_x_3 * step_2) - (phase_x_part_29 * step_3) +
+        (a_4_phase_x_7 * step_4)) - (lower_2_1_protection_phase_x_3 * scores_5);
+    const float costs_3 = full_cost - ((scores_5 * scores_5 * gains_5) + (scores_6_protection_phase_x *
+        scores_6_protection_phase_x * gains_6));
     const float scores_7 = e_7 - ((a_1_phase_x_4 * step_1) + (a_3_phase_x_4 * step_3) + (a_4_phase_x_4 * step_4));
-    const float scores_8_protection_phase_x = e_8 - ((a_2_phase_x_4 * step_2) - (phase_x_part_34 * step_3) + (a_4_phase_x_8 * step_4)) - (lower_2_1_protection_phase_x_4 * scores_7);
-    const float costs_4 = full_cost - ((scores_7 * scores_7 * gains_7) + (scores_8_protection_phase_x * scores_8_protection_phase_x * gain));
+    const float scores_8_protection_phase_x = e_8 - ((a_2_phase_x_4 * step_2) - (phase_x_part_34 * step_3) +
+        (a_4_phase_x_8 * step_4)) - (lower_2_1_protection_phase_x_4 * scores_7);
+    const float costs_4 = full_cost - ((scores_7 * scores_7 * gains_7) + (scores_8_protection_phase_x *
+        scores_8_protection_phase_x * gain));
     float limit = 20.515005f;
     float protection_phase_x_part_46;
     float protection_phase_y_part_5;
     float level;
     if (hall_position_four_equal(excluded, 0.0f)) {
-        const float worst_protection_phase_x = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_phase_x_part_11), protection_phase_x_part_20), protection_phase_x_part_29), protection_phase_x_part_38);
+        const float worst_protection_phase_x =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_phase_x_part_11), protection_phase_x_part_20), protection_phase_x_part_29),
+            protection_phase_x_part_38);
         protection_phase_x_part_46 = (0.4363929f * sqrtf(worst_protection_phase_x)) + (3.4807565f * deviation_phase_x);
-        const float worst_protection_phase_y = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_phase_y_part), protection_phase_y_part_2), protection_phase_y_part_3), protection_phase_y_part_4);
+        const float worst_protection_phase_y =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_phase_y_part), protection_phase_y_part_2), protection_phase_y_part_3),
+            protection_phase_y_part_4);
         protection_phase_y_part_5 = (0.4363929f * sqrtf(worst_protection_phase_y)) + (3.4807565f * deviation_phase_y);
-        const float worst_protection_yaw = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_yaw_part), protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4);
+        const float worst_protection_yaw =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_yaw_part), protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4);
         level = (0.4363929f * sqrtf(worst_protection_yaw)) + (3.4807565f * deviation_yaw);
     } else {
         limit = 17.729996f;
@@ -982,9 +1254,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         if (costs_1 <= protection_phase_x_part_47) {
             const float scores_1_times_gains_1 = scores_1 * gains_1;
             const float protection_phase_x_part_50 = scores_2_protection_phase_x * gains_2;
-            protection_phase_x_part_48 = fabsf(step_1 - ((moves_1_1 * scores_1_times_gains_1) + (moves_2_1 * protection_phase_x_part_50)) - reported_phase_x_2);
-            protection_phase_y_part_6 = fabsf(step_2 - ((moves_1_2 * scores_1_times_gains_1) + (moves_2_2 * protection_phase_x_part_50)) - reported_phase_y);
-            protection_yaw_part_5 = fabsf(step_3 - ((moves_1_3 * scores_1_times_gains_1) + (moves_2_3 * protection_phase_x_part_50)) - reported_phase_x);
+            protection_phase_x_part_48 = fabsf(step_1 - ((moves_1_1 * scores_1_times_gains_1) + (moves_2_1 *
+                protection_phase_x_part_50)) - reported_phase_x_2);
+            protection_phase_y_part_6 = fabsf(step_2 - ((moves_1_2 * scores_1_times_gains_1) + (moves_2_2 *
+                protection_phase_x_part_50)) - reported_phase_y);
+            protection_yaw_part_5 = fabsf(step_3 - ((moves_1_3 * scores_1_times_gains_1) + (moves_2_3 *
+                protection_phase_x_part_50)) - reported_phase_x);
         } else {
             protection_phase_x_part_49 = 0.0f;
             protection_phase_y_part_7 = 0.0f;
@@ -999,9 +1274,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         if (costs_2 <= protection_phase_x_part_47) {
             const float scores_3_times_gains_3 = scores_3 * gains_3;
             const float protection_phase_x_part_53 = scores_4_protection_phase_x * gains_4;
-            protection_phase_x_part_51 = fabsf(step_1 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_53)) - reported_phase_x_2);
-            protection_phase_y_part_8 = fabsf(step_2 - ((moves_3_2 * scores_3_times_gains_3) + (moves_4_2 * protection_phase_x_part_53)) - reported_phase_y);
-            protection_yaw_part_7 = fabsf(step_3 - ((moves_3_3 * scores_3_times_gains_3) + (moves_4_3 * protection_phase_x_part_53)) - reported_phase_x);
+            protection_phase_x_part_51 = fabsf(step_1 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 *
+                protection_phase_x_part_53)) - reported_phase_x_2);
+            protection_phase_y_part_8 = fabsf(step_2 - ((moves_3_2 * scores_3_times_gains_3) + (moves_4_2 *
+                protection_phase_x_part_53)) - reported_phase_y);
+            protection_yaw_part_7 = fabsf(step_3 - ((moves_3_3 * scores_3_times_gains_3) + (moves_4_3 *
+                protection_phase_x_part_53)) - reported_phase_x);
         } else {
             protection_phase_x_part_52 = 0.0f;
             protection_phase_y_part_9 = 0.0f;
@@ -1016,9 +1294,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         if (costs_3 <= protection_phase_x_part_47) {
             const float scores_5_times_gains_5 = scores_5 * gains_5;
             const float protection_phase_x_part_56 = scores_6_protection_phase_x * gains_6;
-            protection_phase_x_part_54 = fabsf(step_1 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_56)) - reported_phase_x_2);
-            protection_phase_y_part_10 = fabsf(step_2 - ((moves_5_2 * scores_5_times_gains_5) + (moves_6_2 * protection_phase_x_part_56)) - reported_phase_y);
-            protection_yaw_part_9 = fabsf(step_3 - ((moves_5_3 * scores_5_times_gains_5) + (moves_6_3 * protection_phase_x_part_56)) - reported_phase_x);
+            protection_phase_x_part_54 = fabsf(step_1 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 *
+                protection_phase_x_part_56)) - reported_phase_x_2);
+            protection_phase_y_part_10 = fabsf(step_2 - ((moves_5_2 * scores_5_times_gains_5) + (moves_6_2 *
+                protection_phase_x_part_56)) - reported_phase_y);
+            protection_yaw_part_9 = fabsf(step_3 - ((moves_5_3 * scores_5_times_gains_5) + (moves_6_3 *
+                protection_phase_x_part_56)) - reported_phase_x);
         } else {
             protection_phase_x_part_55 = 0.0f;
             protection_phase_y_part_11 = 0.0f;
@@ -1033,28 +1314,58 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         if (costs_4 <= protection_phase_x_part_47) {
             const float scores_7_times_gains_7 = scores_7 * gains_7;
             const float protection_phase_x_part_59 = scores_8_protection_phase_x * gain;
-            protection_phase_x_part_57 = fabsf(step_1 - ((mixed_1_1 * scores_7_times_gains_7) + (mixed_1_2 * protection_phase_x_part_59)) - reported_phase_x_2);
-            protection_phase_y_part_12 = fabsf(step_2 - ((mixed_2_1 * scores_7_times_gains_7) + (mixed_2_2 * protection_phase_x_part_59)) - reported_phase_y);
-            protection_yaw_part_11 = fabsf(step_3 - ((mixed_3_1 * scores_7_times_gains_7) + (mixed_3_2 * protection_phase_x_part_59)) - reported_phase_x);
+            protection_phase_x_part_57 = fabsf(step_1 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 *
+                protection_phase_x_part_59)) - reported_phase_x_2);
+            protection_phase_y_part_12 = fabsf(step_2 - ((moves_7_2 * scores_7_times_gains_7) + (moves_8_2 *
+                protection_phase_x_part_59)) - reported_phase_y);
+            protection_yaw_part_11 = fabsf(step_3 - ((moves_7_3 * scores_7_times_gains_7) + (moves_8_3 *
+                protection_phase_x_part_59)) - reported_phase_x);
         } else {
             protection_phase_x_part_58 = 0.0f;
             protection_phase_y_part_13 = 0.0f;
             protection_yaw_part_12 = 0.0f;
         }
-        const float protection_phase_x_part_60 = terms_1_protection_phase_x_6 - (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_2);
-        const float added_protection_phase_x = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_phase_x_part_49), protection_phase_x_part_52), protection_phase_x_part_55), protection_phase_x_part_58);
-        const float protection_phase_x_part_61 = hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part_48, protection_phase_x_part_51), protection_phase_x_part_54), protection_phase_x_part_57) + (0.20887439f * sqrtf(terms_1_protection_phase_x + (terms_1_protection_phase_x_2 * terms_1_protection_phase_x_2 * terms_1_protection_phase_x_5) + (protection_phase_x_part_60 * protection_phase_x_part_60 * protection_phase_x_part_4) + added_protection_phase_x));
+        const float protection_phase_x_part_60 = terms_1_protection_phase_x_6 - (terms_1_protection_phase_x_8 *
+            terms_1_protection_phase_x_2);
+        const float added_protection_phase_x =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_phase_x_part_49), protection_phase_x_part_52), protection_phase_x_part_55),
+            protection_phase_x_part_58);
+        const float protection_phase_x_part_61 =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part_48,
+            protection_phase_x_part_51), protection_phase_x_part_54), protection_phase_x_part_57) + (0.20887439f *
+            sqrtf(terms_1_protection_phase_x + (terms_1_protection_phase_x_2 * terms_1_protection_phase_x_2 *
+            terms_1_protection_phase_x_5) + (protection_phase_x_part_60 * protection_phase_x_part_60 *
+            protection_phase_x_part_4) + added_protection_phase_x));
         protection_phase_x_part_46 = protection_phase_x_part_61;
-        const float protection_phase_y_part_14 = terms_1_protection_phase_x_7 - (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_4);
-        const float added_protection_phase_y = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_phase_y_part_7), protection_phase_y_part_9), protection_phase_y_part_11), protection_phase_y_part_13);
-        const float protection_phase_y_part_15 = hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part_6, protection_phase_y_part_8), protection_phase_y_part_10), protection_phase_y_part_12) + (0.20887439f * sqrtf(terms_1_protection_phase_x_3 + (terms_1_protection_phase_x_4 * terms_1_protection_phase_x_4 * terms_1_protection_phase_x_5) + (protection_phase_y_part_14 * protection_phase_y_part_14 * protection_phase_x_part_4) + added_protection_phase_y));
+        const float protection_phase_y_part_14 = terms_1_protection_phase_x_7 - (terms_1_protection_phase_x_8 *
+            terms_1_protection_phase_x_4);
+        const float added_protection_phase_y =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_phase_y_part_7), protection_phase_y_part_9), protection_phase_y_part_11),
+            protection_phase_y_part_13);
+        const float protection_phase_y_part_15 =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part_6,
+            protection_phase_y_part_8), protection_phase_y_part_10), protection_phase_y_part_12) + (0.20887439f *
+            sqrtf(terms_1_protection_phase_x_3 + (terms_1_protection_phase_x_4 * terms_1_protection_phase_x_4 *
+            terms_1_protection_phase_x_5) + (protection_phase_y_part_14 * protection_phase_y_part_14 *
+            protection_phase_x_part_4) + added_protection_phase_y));
         protection_phase_y_part_5 = protection_phase_y_part_15;
-        const float added_protection_yaw = hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f, protection_yaw_part_6), protection_yaw_part_8), protection_yaw_part_10), protection_yaw_part_12);
-        const float separated = hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part_5, protection_yaw_part_7), protection_yaw_part_9), protection_yaw_part_11) + (0.20887439f * sqrtf(terms_1_protection_phase_x_5 + (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_8 * protection_phase_x_part_4) + added_protection_yaw));
+        const float added_protection_yaw =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
+            protection_yaw_part_6), protection_yaw_part_8), protection_yaw_part_10), protection_yaw_part_12);
+        const float separated =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part_5,
+            protection_yaw_part_7), protection_yaw_part_9), protection_yaw_part_11) + (0.20887439f *
+            sqrtf(terms_1_protection_phase_x_5 + (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_8 *
+            protection_phase_x_part_4) + added_protection_yaw));
         level = separated;
     }
-    const bool passes = (left_1_1_protection_phase_x <= 14404.0f) && (left_2_2_protection_phase_x <= 14404.0f) && (left_3_3_protection_phase_x <= 90025.0f) && (left_4_4_protection_phase_x <= 22506.25f) && (cost_chi_square_2 <= (0.003601f * limit));
-    const bool detectable = (gains_1 < 999.99f) && (gains_2 < 999.99f) && (gains_3 < 999.99f) && (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
+    const bool passes = (left_1_1_protection_phase_x <= 14404.0f) && (left_2_2_protection_phase_x <= 14404.0f) &&
+        (left_3_3_protection_phase_x <= 90025.0f) && (left_4_4_protection_phase_x <= 22506.25f) && (cost_chi_square_2 <=
+        (0.003601f * limit));
+    const bool detectable = (gains_1 < 999.99f) && (gains_2 < 999.99f) && (gains_3 < 999.99f) && (gains_4 < 999.99f) &&
+        (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
         protection_phase_x_part_46 = 61.842377f;
         protection_phase_y_part_5 = 61.842377f;
@@ -1067,7 +1378,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const bool tracking = 24u <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = 8u <= estimator_missed;
-    const bool phases_valid = converged && phases_valid_test && passes && detectable && (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) && tracking && !lost;
+    const bool phases_valid = converged && phases_valid_test && passes && detectable && (protection_phase_x <=
+        0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) && tracking && !lost;
     out->yaw = yaw;
     out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
@@ -1079,10 +1391,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->excluded = excluded;
     out->tracking = tracking ? 1.0f : 0.0f;
     const bool accepted = phases_valid_test && passes;
-    float estimator_phase_x_part = phase_x;
-    float estimator_phase_y_part = phase_y;
-    float estimator_yaw_part = yaw;
-    float track = amplitude;
+    float track_phase_x = phase_x;
+    float track_phase_y = phase_y;
+    float track_yaw = yaw;
+    float track_amplitude = amplitude;
     float estimator_motion_phase_x_part = estimator_motion_phase_x;
     float estimator_motion_phase_y_part = estimator_motion_phase_y;
     float estimator_motion_yaw_part = estimator_motion_yaw;
@@ -1103,10 +1415,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             estimator_motion_yaw_part = 0.0f;
         }
     } else {
-        estimator_phase_x_part = starts_1;
-        estimator_phase_y_part = starts_2;
-        estimator_yaw_part = starts_3;
-        track = estimator_amplitude;
+        track_phase_x = starts_1;
+        track_phase_y = starts_2;
+        track_yaw = starts_3;
+        track_amplitude = estimator_amplitude;
     }
     const uint32_t estimator_age = state->estimator_age;
     const bool ends = converged || (3u <= estimator_age);
@@ -1119,86 +1431,94 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
     const float apart_estimator_phase_x_2 = fabsf(phase_y - estimator_candidate_phase_y);
     const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-    const float estimator_phase_x_part_2 = 2.0f - ((first || ((hall_position_four_min(apart_estimator_phase_x, fabsf(apart_estimator_phase_x - two_pi)) <= 0.15f) && (hall_position_four_min(apart_estimator_phase_x_2, fabsf(apart_estimator_phase_x_2 - two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
-    const float count_estimator_phase_x = hall_position_four_max((float)estimator_candidates, (solves ? 1.0f : 0.0f) * estimator_phase_x_part_2);
-    const bool unique = last && hall_position_four_equal(count_estimator_phase_x, 1.0f);
-    float estimator_candidate_phase_x_part = phase_x;
-    float estimator_candidate_phase_y_part = phase_y;
+    const float estimator_phase_x_part = 2.0f - ((first || ((hall_position_four_min(apart_estimator_phase_x,
+        fabsf(apart_estimator_phase_x - two_pi)) <= 0.15f) && (hall_position_four_min(apart_estimator_phase_x_2,
+        fabsf(apart_estimator_phase_x_2 - two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f
+        : 0.0f);
+    const float count = hall_position_four_max((float)estimator_candidates, (solves ? 1.0f : 0.0f) *
+        estimator_phase_x_part);
+    const bool unique = last && hall_position_four_equal(count, 1.0f);
+    float candidate_phase_x = phase_x;
+    float candidate_phase_y = phase_y;
     float tracked_2_candidate_yaw = yaw;
-    float candidate = amplitude;
+    float candidate_amplitude = amplitude;
     if (first && solves) {
         state->estimator_candidate_phase_x = phase_x;
         state->estimator_candidate_phase_y = phase_y;
         state->estimator_candidate_yaw = yaw;
         state->estimator_candidate_amplitude = amplitude;
     } else {
-        estimator_candidate_phase_x_part = estimator_candidate_phase_x;
-        estimator_candidate_phase_y_part = estimator_candidate_phase_y;
+        candidate_phase_x = estimator_candidate_phase_x;
+        candidate_phase_y = estimator_candidate_phase_y;
         tracked_2_candidate_yaw = estimator_candidate_yaw;
-        candidate = state->estimator_candidate_amplitude;
+        candidate_amplitude = state->estimator_candidate_amplitude;
     }
-    float estimator_phase_x_part_3 = phase_x;
-    float estimator_phase_y_part_2 = phase_y;
-    float estimator_yaw_part_2 = yaw;
+    float estimator_phase_x_part_2 = phase_x;
+    float estimator_phase_y_part = phase_y;
+    float estimator_yaw_part = yaw;
     float estimator_amplitude_part = 1.0f;
     if (ends) {
-        const float estimator_phase_x_part_4 = state->estimator_begin_phase_x + 5.1470127f;
-        if (pi < estimator_phase_x_part_4) {
-            const float estimator_phase_x_part_5 = estimator_phase_x_part_4 - two_pi;
-            estimator_phase_x_part_3 = estimator_phase_x_part_5;
-            state->estimator_begin_phase_x = estimator_phase_x_part_5;
-        } else {
-            estimator_phase_x_part_3 = estimator_phase_x_part_4;
+        const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
+        if (pi < estimator_phase_x_part_3) {
+            const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
+            estimator_phase_x_part_2 = estimator_phase_x_part_4;
             state->estimator_begin_phase_x = estimator_phase_x_part_4;
-        }
-        const float estimator_phase_y_part_3 = state->estimator_begin_phase_y + 4.2162914f;
-        if (pi < estimator_phase_y_part_3) {
-            const float estimator_phase_y_part_4 = estimator_phase_y_part_3 - two_pi;
-            estimator_phase_y_part_2 = estimator_phase_y_part_4;
-            state->estimator_begin_phase_y = estimator_phase_y_part_4;
         } else {
-            estimator_phase_y_part_2 = estimator_phase_y_part_3;
+            estimator_phase_x_part_2 = estimator_phase_x_part_3;
+            state->estimator_begin_phase_x = estimator_phase_x_part_3;
+        }
+        const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
+        if (pi < estimator_phase_y_part_2) {
+            const float estimator_phase_y_part_3 = estimator_phase_y_part_2 - two_pi;
+            estimator_phase_y_part = estimator_phase_y_part_3;
             state->estimator_begin_phase_y = estimator_phase_y_part_3;
-        }
-        const float estimator_yaw_part_3 = state->estimator_begin_yaw + 0.230258f;
-        if (0.20943952f < estimator_yaw_part_3) {
-            const float estimator_yaw_part_4 = estimator_yaw_part_3 - 0.41887903f;
-            estimator_yaw_part_2 = estimator_yaw_part_4;
-            state->estimator_begin_yaw = estimator_yaw_part_4;
         } else {
-            estimator_yaw_part_2 = estimator_yaw_part_3;
+            estimator_phase_y_part = estimator_phase_y_part_2;
+            state->estimator_begin_phase_y = estimator_phase_y_part_2;
+        }
+        const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
+        if (0.20943952f < estimator_yaw_part_2) {
+            const float estimator_yaw_part_3 = estimator_yaw_part_2 - 0.41887903f;
+            estimator_yaw_part = estimator_yaw_part_3;
             state->estimator_begin_yaw = estimator_yaw_part_3;
+        } else {
+            estimator_yaw_part = estimator_yaw_part_2;
+            state->estimator_begin_yaw = estimator_yaw_part_2;
         }
     } else {
         estimator_amplitude_part = amplitude;
     }
     if (tracking) {
-        state->estimator_phase_x = estimator_phase_x_part;
-        state->estimator_phase_y = estimator_phase_y_part;
-        state->estimator_yaw = estimator_yaw_part;
-        state->estimator_amplitude = track;
+        state->estimator_phase_x = track_phase_x;
+        state->estimator_phase_y = track_phase_y;
+        state->estimator_yaw = track_yaw;
+        state->estimator_amplitude = track_amplitude;
         state->estimator_start_number = 24u;
     } else {
         if (unique) {
-            state->estimator_phase_x = estimator_candidate_phase_x_part;
-            state->estimator_phase_y = estimator_candidate_phase_y_part;
+            state->estimator_phase_x = candidate_phase_x;
+            state->estimator_phase_y = candidate_phase_y;
             state->estimator_yaw = tracked_2_candidate_yaw;
-            state->estimator_amplitude = candidate;
+            state->estimator_amplitude = candidate_amplitude;
         } else {
-            state->estimator_phase_x = estimator_phase_x_part_3;
-            state->estimator_phase_y = estimator_phase_y_part_2;
-            state->estimator_yaw = estimator_yaw_part_2;
+            state->estimator_phase_x = estimator_phase_x_part_2;
+            state->estimator_phase_y = estimator_phase_y_part;
+            state->estimator_yaw = estimator_yaw_part;
             state->estimator_amplitude = estimator_amplitude_part;
         }
         if (last) {
             const float estimator_start_number_part = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)estimator_start_number_part;
         } else {
-            state->estimator_start_number = (uint32_t)hall_position_four_min((float)estimator_start_number + (ends ? 1.0f : 0.0f), 23.0f);
+            const uint32_t estimator_start_number_part_2 = estimator_start_number + hall_position_four_flag(ends);
+            state->estimator_start_number = (uint32_t)hall_position_four_min((float)estimator_start_number_part_2,
+                23.0f);
         }
     }
-    state->estimator_motion_phase_x = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_phase_x_part, 0.5f);
-    state->estimator_motion_phase_y = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_phase_y_part, 0.5f);
+    state->estimator_motion_phase_x = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_phase_x_part,
+        0.5f);
+    state->estimator_motion_phase_y = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_phase_y_part,
+        0.5f);
     state->estimator_motion_yaw = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_yaw_part, 0.1f);
     float best = 0.0f;
     if (!(full_cost <= 0.07387453f)) {
@@ -1212,13 +1532,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float tracked_2_excluded = (tracking ? 1.0f : 0.0f) * hall_position_four_max(best, 0.0f);
     state->estimator_excluded = (uint32_t)tracked_2_excluded;
     const bool searching = !tracking;
-    const float tracked_2_candidates = ((searching && (!last || unique)) ? 1.0f : 0.0f) * count_estimator_phase_x;
+    const float tracked_2_candidates = ((searching && (!last || unique)) ? 1.0f : 0.0f) * count;
     state->estimator_candidates = (uint32_t)tracked_2_candidates;
     const uint32_t estimator_missed_part = estimator_missed + 1u;
-    const float tracked_2_missed = ((tracking && (lost || !accepted)) ? 1.0f : 0.0f) * hall_position_four_min((float)estimator_missed_part, 8.0f);
+    const float tracked_2_missed = ((tracking && (lost || !accepted)) ? 1.0f : 0.0f) *
+        hall_position_four_min((float)estimator_missed_part, 8.0f);
     state->estimator_missed = (uint32_t)tracked_2_missed;
     const uint32_t estimator_age_part = estimator_age + 1u;
-    const float tracked_2_age = ((searching && !ends) ? 1.0f : 0.0f) * hall_position_four_min((float)estimator_age_part, 3.0f);
+    const float tracked_2_age = ((searching && !ends) ? 1.0f : 0.0f) * hall_position_four_min((float)estimator_age_part,
+        3.0f);
     state->estimator_age = (uint32_t)tracked_2_age;
     out->lost = lost ? 1.0f : 0.0f;
 
@@ -1229,16 +1551,18 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float metres_pitch_x = state->metres_pitch_x;
     const uint32_t metres_counting = state->metres_counting;
     const bool tracking_and_metres_counting = tracking && (metres_counting != 0u);
-    const float phase_x_minus_last_x = phase_x - state->metres_last_x;
-    const float metres_pitch_x_part = (((fabsf(metres_pitch_x) <= 8.0f) && tracking_and_metres_counting) ? 1.0f : 0.0f) * (((phase_x_minus_last_x < -pi) ? 1.0f : 0.0f) - ((pi < phase_x_minus_last_x) ? 1.0f : 0.0f));
-    const float metres_pitch_x_next = hall_position_four_limit((metres_pitch_x + metres_pitch_x_part) * (tracking ? 1.0f : 0.0f), 9.0f);
-    const float X = (0.008085071f * phase_x) + (0.0508f * metres_pitch_x_next);
+    const float change_x = phase_x - state->metres_last_x;
+    const float wraps_x = (((fabsf(metres_pitch_x) <= 8.0f) && tracking_and_metres_counting) ? 1.0f : 0.0f) *
+        (((change_x < -pi) ? 1.0f : 0.0f) - ((pi < change_x) ? 1.0f : 0.0f));
+    const float count_x = hall_position_four_limit((metres_pitch_x + wraps_x) * (tracking ? 1.0f : 0.0f), 9.0f);
+    const float X = (0.008085071f * phase_x) + (0.0508f * count_x);
     out->X = X;
     const float metres_pitch_y = state->metres_pitch_y;
-    const float change = phase_y - state->metres_last_y;
-    const float wraps = (((fabsf(metres_pitch_y) <= 8.0f) && tracking_and_metres_counting) ? 1.0f : 0.0f) * (((change < -pi) ? 1.0f : 0.0f) - ((pi < change) ? 1.0f : 0.0f));
-    const float count_2 = hall_position_four_limit((metres_pitch_y + wraps) * (tracking ? 1.0f : 0.0f), 9.0f);
-    const float Y = (0.008085071f * phase_y) + (0.0508f * count_2);
+    const float change_y = phase_y - state->metres_last_y;
+    const float wraps_y = (((fabsf(metres_pitch_y) <= 8.0f) && tracking_and_metres_counting) ? 1.0f : 0.0f) *
+        (((change_y < -pi) ? 1.0f : 0.0f) - ((pi < change_y) ? 1.0f : 0.0f));
+    const float count_y = hall_position_four_limit((metres_pitch_y + wraps_y) * (tracking ? 1.0f : 0.0f), 9.0f);
+    const float Y = (0.008085071f * phase_y) + (0.0508f * count_y);
     out->Y = Y;
     const float deviation_X = 0.008085071f * deviation_phase_x;
     out->deviation_X = deviation_X;
@@ -1248,11 +1572,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->protection_X = protection_X;
     const float protection_Y = 0.008085071f * protection_phase_y;
     out->protection_Y = protection_Y;
-    const bool valid = phases_valid && (fabsf(metres_pitch_x_next) <= 8.0f) && (fabsf(count_2) <= 8.0f);
+    const bool valid = phases_valid && (fabsf(count_x) <= 8.0f) && (fabsf(count_y) <= 8.0f);
     state->metres_last_x = phase_x;
     state->metres_last_y = phase_y;
-    state->metres_pitch_x = metres_pitch_x_next;
-    state->metres_pitch_y = count_2;
+    state->metres_pitch_x = count_x;
+    state->metres_pitch_y = count_y;
     state->metres_counting = hall_position_four_flag(tracking);
     out->valid = valid ? 1.0f : 0.0f;
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)

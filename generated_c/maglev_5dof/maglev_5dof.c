@@ -1238,9 +1238,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             out->i_d3 = i_d3_balanced;
             state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
-
-            /* handover: direct currents without x or z (continued) */
-            state->handover_transfer = 0.0f;
         }
 
         /* accelerations: F(6)
@@ -1355,9 +1352,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
+    const float missed_calls = in->missed_calls;
     if (degraded != 0u) {
         faults |= 0x00020000u;
     }
+    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
@@ -1398,11 +1397,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
-        diagnostics->faults = faults;
-        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = faults;
+        diagnostics->faults = fault_word;
+        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = fault_word;
         }
     }
 #endif
-    return faults;
+    return fault_word;
 }

@@ -14,6 +14,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float planar_6dof_leadlag_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float planar_6dof_leadlag_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -173,6 +178,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_leadlag_state_t){
         .guard_left = 5u,
+        .sensing_scale = 1.0f,
     };
 }
 
@@ -230,6 +236,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
+    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
     static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
     static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
     static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
@@ -295,17 +303,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
         0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit((V_ax_held - filter_phi_p * V_ay_held) * (filter_phi_p * V_ay_held - V_bx_held) /
-     *         (max((V_ax_held - filter_phi_p * V_ay_held)^2, (filter_phi_p * V_ay_held - V_bx_held)^2) +
-     *         least_square), 1)
-     *     ratio_y = limit(-((V_ay_held + filter_phi_p * V_ax_held) * (V_cy_held + filter_phi_p * V_ax_held) /
-     *         (max((V_ay_held + filter_phi_p * V_ax_held)^2, (V_cy_held + filter_phi_p * V_ax_held)^2) +
-     *         least_square)), 1) */
+    /* sensing: position and yaw, (1)-(5) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
     bool complete = false;
+    bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -320,8 +323,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
-        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
+        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
+        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = m_exceeds_x;
@@ -346,14 +351,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y &&
-            !is_jump);
-        const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
-        const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
-        const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
-        const bool suspect_V_by = suspect_V_by_test || is_ambiguous;
-        const bool suspect_V_cx = suspect_V_cx_test || is_ambiguous;
-        const bool suspect_V_cy = suspect_V_cy_test || is_ambiguous;
+        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
+        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
+            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
+            fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
+            !is_jump) || common;
+        const bool suspect_V_ax = suspect_V_ax_test || is_any;
+        const bool suspect_V_ay = suspect_V_ay_test || is_any;
+        const bool suspect_V_bx = suspect_V_bx_test || is_any;
+        const bool suspect_V_by = suspect_V_by_test || is_any;
+        const bool suspect_V_cx = suspect_V_cx_test || is_any;
+        const bool suspect_V_cy = suspect_V_cy_test || is_any;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -372,6 +381,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+        other_amplitude = common;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -432,154 +442,169 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x.p;
 
         /* sensing: position and yaw, (1)-(5) (continued) */
-        const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
-        const float X_c = filter_phi_p_times_V_ay - V_bx_held;
-        const float X_s = V_ax_held - filter_phi_p_times_V_ay;
-        const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
-        const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
-        const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-        const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
-        const float Y_s_squared = Y_s * Y_s;
-        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-            sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
-        const float X_c_squared = X_c * X_c;
-        const float X_s_squared = X_s * X_s;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-            ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
-        const float X_s_times_X_c = X_s * X_c;
-        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x
-            * sensing_power_2))));
-        const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
-        const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-            (product_m_y * sensing_power_2))));
-        const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) &&
-            ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-        const bool accept = !contradicts && complete;
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float phi_raw_part = 0.0f;
-        float within_x;
-        float within_y;
-        if (accept) {
-            const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
-            /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
-                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float sensing_within_x_next;
-            if (X_s_squared <= X_c_squared) {
-                if (X_c < 0.0f) {
-                    if (0.0f < f_x_raw) {
-                        sensing_within_x_next = f_x_raw - half_pitch;
-                    } else {
-                        sensing_within_x_next = f_x_raw + half_pitch;
-                    }
+        float phi_raw_part = filter_phi_p;
+        bool accepted_y = false;
+        float sensing_within_x_next = 0.0f;
+        float sensing_within_y_next = 0.0f;
+        if (complete) {
+            const float sensing_scale = state->sensing_scale;
+            const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - filter_phi_p_times_V_ay);
+            const float X_s_squared = X_s * X_s;
+            const float X_c = sensing_scale * (filter_phi_p_times_V_ay - V_bx_held);
+            const float X_c_squared = X_c * X_c;
+            const float X_s_times_X_c = X_s * X_c;
+            const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
+                (product_m_x * sensing_power_2))));
+            const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
+            const float Y_s_squared = Y_s * Y_s;
+            const float ratio_y_part = sensing_scale * (V_cy_held + filter_phi_p_times_V_ax);
+            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
+                (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
+                sensing_slope_1)));
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
+                ratio_y_part);
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
+            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+            const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
+            const bool contradicts = (guard_ready != 0u) && (squared_confirmation < squared) &&
+                ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
+            if (contradicts) {
+                state->sensing_contradiction_left = 4u;
+                if (sensing_contradiction_left != 0u) {
+                    state->sensing_contradiction_confirmed = 1u;
                 } else {
-                    sensing_within_x_next = f_x_raw;
+                    state->sensing_first_m_x = m_x;
+                    state->sensing_first_m_y = m_y;
+                    state->sensing_first_r_1 = r_1;
+                    state->sensing_first_r_2 = r_2;
+                    state->sensing_first_s_x = X_s;
+                    state->sensing_first_s_y = Y_s;
+                    state->sensing_first_phi = filter_phi_p;
                 }
             } else {
-                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-            }
-            const float sensing_offset_x = state->sensing_offset_x;
-            const float off_x_raw = sensing_within_x_next - (filter_x_p - sensing_offset_x);
-            float offset_x = sensing_offset_x;
-            if (half_pitch < fabsf(off_x_raw)) {
-                if (0.0f < off_x_raw) {
-                    if (-pitch <= sensing_offset_x) {
-                        const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                        offset_x = sensing_offset_x_minus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_minus_pitch;
-                    }
-                } else {
-                    if (sensing_offset_x <= pitch) {
-                        const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                        offset_x = sensing_offset_x_plus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_plus_pitch;
-                    }
-                }
-            }
-            x_raw = sensing_within_x_next + offset_x;
-            within_x = sensing_within_x_next;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared)
-                + least_square));
-            /*@ admit -1.0f <= ratio_y <= 1.0f; */
-            const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
-                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float at;
-            if (Y_s_squared <= ratio_y_part_squared) {
-                if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_y_raw) {
-                        at = f_y_raw - half_pitch;
+                const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) +
+                    least_square);
+                /*@ admit -1.0f <= ratio_x <= 1.0f; */
+                const float ratio_x_squared = ratio_x * ratio_x;
+                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                    (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+                float within_x_2;
+                if (X_s_squared <= X_c_squared) {
+                    if (X_c < 0.0f) {
+                        if (0.0f < f_x_raw) {
+                            within_x_2 = f_x_raw - half_pitch;
+                        } else {
+                            within_x_2 = f_x_raw + half_pitch;
+                        }
                     } else {
-                        at = f_y_raw + half_pitch;
+                        within_x_2 = f_x_raw;
                     }
                 } else {
-                    at = f_y_raw;
+                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
                 }
-            } else {
-                at = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
-            }
-            const float sensing_offset_y = state->sensing_offset_y;
-            const float off_y_raw = at - (filter_y_p - sensing_offset_y);
-            float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_y_raw)) {
-                if (0.0f < off_y_raw) {
-                    if (-pitch <= sensing_offset_y) {
-                        const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                        offset_y = sensing_offset_y_minus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                const float sensing_offset_x = state->sensing_offset_x;
+                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
+                float offset_x = sensing_offset_x;
+                if (half_pitch < fabsf(off_x_raw)) {
+                    if (0.0f < off_x_raw) {
+                        if (-pitch <= sensing_offset_x) {
+                            const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
+                            offset_x = sensing_offset_x_minus_pitch;
+                            state->sensing_offset_x = sensing_offset_x_minus_pitch;
+                        }
+                    } else {
+                        if (sensing_offset_x <= pitch) {
+                            const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
+                            offset_x = sensing_offset_x_plus_pitch;
+                            state->sensing_offset_x = sensing_offset_x_plus_pitch;
+                        }
+                    }
+                }
+                x_raw = within_x_2 + offset_x;
+                sensing_within_x_next = within_x_2;
+                const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared,
+                    ratio_y_part_squared) + least_square));
+                /*@ admit -1.0f <= ratio_y <= 1.0f; */
+                const float ratio_y_squared = ratio_y * ratio_y;
+                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                    (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+                float position;
+                if (Y_s_squared <= ratio_y_part_squared) {
+                    if (-ratio_y_part < 0.0f) {
+                        if (0.0f < f_y_raw) {
+                            position = f_y_raw - half_pitch;
+                        } else {
+                            position = f_y_raw + half_pitch;
+                        }
+                    } else {
+                        position = f_y_raw;
                     }
                 } else {
-                    if (sensing_offset_y <= pitch) {
-                        const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                        offset_y = sensing_offset_y_plus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_plus_pitch;
+                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                }
+                const float sensing_offset_y = state->sensing_offset_y;
+                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
+                float offset_y = sensing_offset_y;
+                if (half_pitch < fabsf(off_y_raw)) {
+                    if (0.0f < off_y_raw) {
+                        if (-pitch <= sensing_offset_y) {
+                            const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
+                            offset_y = sensing_offset_y_minus_pitch;
+                            state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                        }
+                    } else {
+                        if (sensing_offset_y <= pitch) {
+                            const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
+                            offset_y = sensing_offset_y_plus_pitch;
+                            state->sensing_offset_y = sensing_offset_y_plus_pitch;
+                        }
                     }
                 }
+                y_raw = position + offset_y;
+                sensing_within_y_next = position;
+                if (1u <= sensing_contradiction_left) {
+                    state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+                }
+                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ?
+                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
+                const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+                const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
+                    / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+                phi_raw_part = filter_phi_p + yaw_correction;
             }
-            y_raw = at + offset_y;
-            state->sensing_within_x = sensing_within_x_next;
-            within_y = at;
-            state->sensing_within_y = at;
-            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) /
-                ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            phi_raw_part = phi_raw_part_2;
-        } else {
-            within_x = state->sensing_within_x;
-            within_y = state->sensing_within_y;
-        }
-        const float phi_raw = planar_6dof_leadlag_limit(filter_phi_p + phi_raw_part, max_yaw);
-        if (contradicts) {
-            state->sensing_contradiction_left = 4u;
-        } else {
-            if (accept && (sensing_contradiction_left != 0u)) {
-                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+            accepted_y = !contradicts;
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->m_x = m_x;
+                diagnostics->m_y = m_y;
+                diagnostics->r_1 = r_1;
+                diagnostics->r_2 = r_2;
             }
+#endif
         }
-        if (contradicts && (sensing_contradiction_left != 0u)) {
-            state->sensing_contradiction_confirmed = 1u;
-        }
-        if (contradicts && (sensing_contradiction_left == 0u)) {
-            state->sensing_first_m_x = m_x;
-            state->sensing_first_m_y = m_y;
-            state->sensing_first_r_1 = r_1;
-            state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = X_s;
-            state->sensing_first_s_y = Y_s;
-            state->sensing_first_phi = filter_phi_p;
-        }
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
+        const float phi_raw = planar_6dof_leadlag_limit(phi_raw_part, max_yaw);
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
+        if (accepted_y) {
+            state->sensing_within_x = sensing_within_x_next;
+            state->sensing_within_y = sensing_within_y_next;
+        } else {
+            sensing_within_x_next = state->sensing_within_x;
+            sensing_within_y_next = state->sensing_within_y;
+        }
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -668,9 +693,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = within_x - (c * sin_i_CQ);
+        const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
+        const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
             distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
@@ -735,15 +760,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
-            diagnostics->r_1 = r_1;
-            diagnostics->r_2 = r_2;
-            diagnostics->m_x = m_x;
-            diagnostics->m_y = m_y;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->within_x = within_x;
-            diagnostics->within_y = within_y;
             diagnostics->phi_raw = phi_raw;
+            diagnostics->within_x = sensing_within_x_next;
+            diagnostics->within_y = sensing_within_y_next;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
@@ -775,6 +796,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 #endif
     }
+    if (other_amplitude) {
+        faults |= 0x20000000u;
+    }
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
+    }
+#endif
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {

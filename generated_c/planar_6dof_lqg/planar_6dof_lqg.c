@@ -14,6 +14,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float planar_6dof_lqg_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float planar_6dof_lqg_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -31,6 +36,15 @@ static inline float planar_6dof_lqg_slew(float last, float target, float step)
     const float lowest = last - step;
     const float below = (target < highest) ? target : highest;
     return (below > lowest) ? below : lowest;
+}
+
+static inline uint32_t planar_6dof_lqg_flag(bool holds)
+{
+    uint32_t value = 0u;
+    if (holds) {
+        value = 1u;
+    }
+    return value;
 }
 
 #if defined(__GNUC__)
@@ -110,7 +124,8 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
-        .guard_left = 5u,
+        .guard_left = 29u,
+        .sensing_scale = 1.0f,
     };
 }
 
@@ -137,12 +152,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
-    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
-    static const float least_information = 0.08612997f;         /* V^2; 0.01 A^2: keeps a divisor from 0 */
+    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
+    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+    static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
+    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
     static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
@@ -170,6 +187,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
+    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
+    static const float reckoning_x_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
+    static const float reckoning_x_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
+    static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_y_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
+    static const float reckoning_y_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
+    static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
+    static const float reckoning_phi_rate_gain = 0.000225f;     /* 1; (1 - r)^2, r = 0.985 */
+    static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
     static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
     static const float lqg_x_integral_input = 0.056925878f;     /* 1; (49): k3 T / (k1 + k3 T) */
@@ -206,6 +234,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float braking_x_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_y_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_phi_gain = -1433.3131f;          /* (A)/rad; 0.5 / (b T^2) */
     /* 1; (23): 1 - integral_decay; times allocation_rear_share */
     static const float loop_z_integral_input_times_allocation_rear_share = 0.004140787f;
     /* 1; (25): 1 - integral_decay; times allocation_half */
@@ -241,17 +272,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
         &faults);
 
-    /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit((V_ax_held - phi_raw * V_ay_held) * (phi_raw * V_ay_held - V_bx_held) /
-     *         (max((V_ax_held - phi_raw * V_ay_held)^2, (phi_raw * V_ay_held - V_bx_held)^2) + least_square),
-     *         1)
-     *     ratio_y = limit(-((V_ay_held + phi_raw * V_ax_held) * (V_cy_held + phi_raw * V_ax_held) /
-     *         (max((V_ay_held + phi_raw * V_ax_held)^2, (V_cy_held + phi_raw * V_ax_held)^2) + least_square)),
-     *         1) */
+    /* sensing: position and yaw, (1)-(5) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
+    const uint32_t guard_left = state->guard_left;
     bool complete = false;
+    bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -266,8 +293,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
-        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
+        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
+        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = m_exceeds_x;
@@ -292,14 +321,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y &&
-            !is_jump);
-        const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
-        const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
-        const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
-        const bool suspect_V_by = suspect_V_by_test || is_ambiguous;
-        const bool suspect_V_cx = suspect_V_cx_test || is_ambiguous;
-        const bool suspect_V_cy = suspect_V_cy_test || is_ambiguous;
+        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
+        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
+            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
+            fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
+            !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
+        const bool suspect_V_ax = suspect_V_ax_test || is_any;
+        const bool suspect_V_ay = suspect_V_ay_test || is_any;
+        const bool suspect_V_bx = suspect_V_bx_test || is_any;
+        const bool suspect_V_by = suspect_V_by_test || is_any;
+        const bool suspect_V_cx = suspect_V_cx_test || is_any;
+        const bool suspect_V_cy = suspect_V_cy_test || is_any;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -318,6 +351,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+        other_amplitude = common;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -334,19 +368,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && ((faults & 0x000001c0u) == 0u)) {
-        state->guard_left = 5u;
+    bool braking = false;
+    if ((guard_left <= 24u) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
+        state->guard_left = 29u;
         state->guard_ready = 1u;
     } else {
-        const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
             latched = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
+        braking = guard_left <= 25u;
     }
 
     /* safe_output: slew to the safe output once latched */
+    if (braking) {
+        faults |= 0x40000000u;
+    }
     if (latched != 0u) {
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
@@ -371,155 +409,247 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
+         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
+        const float reckoning_phi_position = state->reckoning_phi_position;
+        const float reckoning_x_position = state->reckoning_x_position;
+        const float reckoning_y_position = state->reckoning_y_position;
+
         /* sensing: position and yaw, (1)-(5) (continued) */
-        const float sensing_phi_raw = state->sensing_phi_raw;
-        const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-        const float X_c = sensing_phi_raw_times_V_ay - V_bx_held;
-        const float X_s = V_ax_held - sensing_phi_raw_times_V_ay;
-        const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
-        const float ratio_y_part = V_cy_held + sensing_phi_raw_times_V_ax;
-        const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-        const float Y_s = V_ay_held + sensing_phi_raw_times_V_ax;
-        const float Y_s_squared = Y_s * Y_s;
-        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-            sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (h1 * sensing_phi_raw);
-        const float X_c_squared = X_c * X_c;
-        const float X_s_squared = X_s * X_s;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-            ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (h2 * sensing_phi_raw);
-        const float X_s_times_X_c = X_s * X_c;
-        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x
-            * sensing_power_2))));
-        const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
-        const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-            (product_m_y * sensing_power_2))));
-        const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) &&
-            ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-        const bool accept = !contradicts && complete;
-        const float sensing_within_x = state->sensing_within_x;
-        const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_x = state->sensing_offset_x;
+        const float expected_x = reckoning_x_position - sensing_offset_x;
         const float sensing_offset_y = state->sensing_offset_y;
-        float x_raw;
-        float y_raw;
-        float phi_raw_part = 0.0f;
-        float within_x = sensing_within_x;
-        float within_y = sensing_within_y;
-        if (accept) {
+        const float expected_y = reckoning_y_position - sensing_offset_y;
+        float x_raw = reckoning_x_position;
+        float y_raw = reckoning_y_position;
+        float phi_raw_part = reckoning_phi_position;
+        bool accepted_y = false;
+        float within_x_part = 0.0f;
+        float within_y_part = 0.0f;
+        if (complete) {
+            const float sensing_scale = state->sensing_scale;
+            const float sensing_phi_raw = state->sensing_phi_raw;
+            const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
+            const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
+            const float X_s_times_X_c = X_s * X_c;
+            const float X_s_squared = X_s * X_s;
+            const float X_c_squared = X_c * X_c;
             const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + sensing_phi_raw_times_V_ax);
+            const float ratio_y_part = sensing_scale * (V_cy_held + sensing_phi_raw_times_V_ax);
+            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float Y_s_squared = Y_s * Y_s;
+            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) +
+                least_square));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
+                (product_m_x * sensing_power_2))));
+            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
+                (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
+                sensing_slope_1)));
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
+                ratio_y_part);
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                 (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float sensing_within_x_next;
+            float within_x_2;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x_raw) {
-                        sensing_within_x_next = f_x_raw - half_pitch;
+                        within_x_2 = f_x_raw - half_pitch;
                     } else {
-                        sensing_within_x_next = f_x_raw + half_pitch;
+                        within_x_2 = f_x_raw + half_pitch;
                     }
                 } else {
-                    sensing_within_x_next = f_x_raw;
+                    within_x_2 = f_x_raw;
                 }
             } else {
-                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
             }
-            const float off_x_raw = sensing_within_x_next - sensing_within_x;
+            const float off_x_raw = within_x_2 - expected_x;
             float offset_x = sensing_offset_x;
             if (half_pitch < fabsf(off_x_raw)) {
                 if (0.0f < off_x_raw) {
                     if (-pitch <= sensing_offset_x) {
-                        const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                        offset_x = sensing_offset_x_minus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_minus_pitch;
+                        offset_x = sensing_offset_x - pitch;
                     }
                 } else {
                     if (sensing_offset_x <= pitch) {
-                        const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                        offset_x = sensing_offset_x_plus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_plus_pitch;
+                        offset_x = sensing_offset_x + pitch;
                     }
                 }
             }
-            x_raw = sensing_within_x_next + offset_x;
-            within_x = sensing_within_x_next;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) +
-                least_square));
-            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float accepted_x_raw = within_x_2 + offset_x;
+            const float innovation_x = accepted_x_raw - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+            const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float at;
+            float position;
             if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_y_raw) {
-                        at = f_y_raw - half_pitch;
+                    if (0.0f < f_x_raw_2) {
+                        position = f_x_raw_2 - half_pitch;
                     } else {
-                        at = f_y_raw + half_pitch;
+                        position = f_x_raw_2 + half_pitch;
                     }
                 } else {
-                    at = f_y_raw;
+                    position = f_x_raw_2;
                 }
             } else {
-                at = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
             }
-            const float off_y_raw = at - sensing_within_y;
+            const float off_x_raw_2 = position - expected_y;
             float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_y_raw)) {
-                if (0.0f < off_y_raw) {
+            if (half_pitch < fabsf(off_x_raw_2)) {
+                if (0.0f < off_x_raw_2) {
                     if (-pitch <= sensing_offset_y) {
-                        const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                        offset_y = sensing_offset_y_minus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                        offset_y = sensing_offset_y - pitch;
                     }
                 } else {
                     if (sensing_offset_y <= pitch) {
-                        const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                        offset_y = sensing_offset_y_plus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_plus_pitch;
+                        offset_y = sensing_offset_y + pitch;
                     }
                 }
             }
-            y_raw = at + offset_y;
-            state->sensing_within_x = sensing_within_x_next;
-            within_y = at;
-            state->sensing_within_y = at;
+            const float accepted_x_raw_2 = position + offset_y;
+            const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
+            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
+                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) /
-                ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            phi_raw_part = phi_raw_part_2;
-        } else {
-            x_raw = sensing_within_x + sensing_offset_x;
-            y_raw = sensing_within_y + sensing_offset_y;
-        }
-        const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, max_yaw);
-        if (contradicts) {
-            state->sensing_contradiction_left = 4u;
-        } else {
-            if (accept && (sensing_contradiction_left != 0u)) {
-                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+            const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
+                least_information;
+            const float accepted_x_raw_3 = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3
+                * (m_x - m_y)))) / information);
+            const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
+            const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
+            const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
+            const bool contradicts = (guard_ready != 0u) && (squared_confirmation < squared) &&
+                ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
+            if (contradicts) {
+                state->sensing_contradiction_left = 4u;
+                if (sensing_contradiction_left != 0u) {
+                    state->sensing_contradiction_confirmed = 1u;
+                } else {
+                    state->sensing_first_m_x = m_x;
+                    state->sensing_first_m_y = m_y;
+                    state->sensing_first_r_1 = r_1;
+                    state->sensing_first_r_2 = r_2;
+                    state->sensing_first_s_x = X_s;
+                    state->sensing_first_s_y = Y_s;
+                    state->sensing_first_phi = sensing_phi_raw;
+                }
+            } else {
+                x_raw = accepted_x_raw;
+                y_raw = accepted_x_raw_2;
+                phi_raw_part = accepted_x_raw_3;
+                within_x_part = within_x_2;
+                within_y_part = position;
+                if (1u <= sensing_contradiction_left) {
+                    state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+                }
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
+                const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale - (((guard_ready < 1u) ?
+                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
             }
+            accepted_y = !contradicts;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->m_x = m_x;
+                diagnostics->m_y = m_y;
+                diagnostics->r_1 = r_1;
+                diagnostics->r_2 = r_2;
+            }
+#endif
         }
-        if (contradicts && (sensing_contradiction_left != 0u)) {
-            state->sensing_contradiction_confirmed = 1u;
-        }
-        if (contradicts && (sensing_contradiction_left == 0u)) {
-            state->sensing_first_m_x = m_x;
-            state->sensing_first_m_y = m_y;
-            state->sensing_first_r_1 = r_1;
-            state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = X_s;
-            state->sensing_first_s_y = Y_s;
-            state->sensing_first_phi = sensing_phi_raw;
-        }
+        const float phi_raw = planar_6dof_lqg_limit(phi_raw_part, max_yaw);
+        const float within_x = (accepted_y) ? within_x_part : planar_6dof_lqg_limit(expected_x, half_pitch);
+        const float within_y = (accepted_y) ? within_y_part : planar_6dof_lqg_limit(expected_y, half_pitch);
         state->sensing_phi_raw = phi_raw;
+
+        /* lqg_x: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+        const float lqg_x_achieved = state->lqg_x_achieved;
+        const float e_x = x_raw - reckoning_x_position;
+        const float e_y = y_raw - reckoning_y_position;
+        const float e_phi = phi_raw - reckoning_phi_position;
+        const float seen_law_x = lqg_x_L * x_raw;
+        const float seen_law_y = lqg_y_L * y_raw;
+        const float seen_law_phi = lqg_phi_L * phi_raw;
+        float x_advance_part = 0.0f;
+        float y_advance_part = 0.0f;
+        float phi_advance_part = 0.0f;
+        float now_law_x;
+        float now_law_y;
+        float now_law_phi;
+        float reckoning_x_position_part = reckoning_x_position_gain;
+        float reckoning_y_position_part = reckoning_y_position_gain;
+        float M_1 = reckoning_phi_position_gain;
+        if (guard_ready != 0u) {
+            x_advance_part = reckoning_x_rate_gain * e_x;
+            y_advance_part = reckoning_y_rate_gain * e_y;
+            phi_advance_part = reckoning_phi_rate_gain * e_phi;
+            now_law_x = state->lqg_x_x3;
+            now_law_y = state->lqg_y_x3;
+            now_law_phi = state->lqg_phi_x3;
+        } else {
+            now_law_x = -seen_law_x;
+            now_law_y = -seen_law_y;
+            now_law_phi = -seen_law_phi;
+            reckoning_x_position_part = 1.0f;
+            reckoning_y_position_part = 1.0f;
+            M_1 = 1.0f;
+        }
+        state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float a_x = reckoning_x_half_step * lqg_x_achieved;
+        const float middle_x = state->reckoning_x_rate + x_advance_part + a_x;
+        const float x_advance = middle_x + a_x;
+
+        /* lqg_y: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+        const float lqg_y_achieved = state->lqg_y_achieved;
+        state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float a_y = reckoning_y_half_step * lqg_y_achieved;
+        const float middle_y = state->reckoning_y_rate + y_advance_part + a_y;
+        const float y_advance = middle_y + a_y;
+
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+        const float lqg_phi_achieved = state->lqg_phi_achieved;
+        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
+        const float middle_phi = state->reckoning_phi_rate + phi_advance_part + a_phi;
+        const float phi_advance = middle_phi + a_phi;
+        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (reckoning_x_position_part * e_x) +
+            middle_x, 0.2f);
+        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
+        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (reckoning_y_position_part * e_y) +
+            middle_y, 0.2f);
+        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
+        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (M_1 * e_phi) + middle_phi,
+            0.05f);
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -528,55 +658,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
-
-        /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
-        const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool is_small_d_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
-        const float lqg_x_integral = state->lqg_x_integral;
-        const float seen_d_x = lqg_x_L * x_raw;
-        const float seen_d_y = lqg_y_L * y_raw;
-        const float seen_d_phi = lqg_phi_L * phi_raw;
-        float now_d_x;
-        float now_d_y;
-        float now_d_phi;
-        if (guard_ready != 0u) {
-            now_d_x = state->lqg_x_x3;
-            now_d_y = state->lqg_y_x3;
-            now_d_phi = state->lqg_phi_x3;
-        } else {
-            now_d_x = -seen_d_x;
-            now_d_y = -seen_d_y;
-            now_d_phi = -seen_d_phi;
-        }
-        const float lqg_x_achieved = state->lqg_x_achieved;
-        const float d_x_part = now_d_x + seen_d_x + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((is_small_d_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
-            -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part);
-        state->lqg_x_x3 = (lqg_x_F * now_d_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
-        const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_small_d_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
-        const float lqg_y_integral = state->lqg_y_integral;
-        const float lqg_y_achieved = state->lqg_y_achieved;
-        const float d_y_part = now_d_y + seen_d_y + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((is_small_d_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
-            -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part);
-        state->lqg_y_x3 = (lqg_y_F * now_d_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     d_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
-         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
-         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
-        const float lqg_phi_integral = state->lqg_phi_integral;
-        const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float d_phi_part = now_d_phi + seen_d_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part);
-        state->lqg_phi_x3 = (lqg_phi_F * now_d_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
@@ -598,6 +679,50 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
+
+        /* braking: braking before the latch
+         *     d_phi = phi_gain * phi_advance if active is set, else law_phi; likewise d_x, d_y */
+        const uint32_t braking_active = state->braking_active;
+        const float x_ref_minus_x_raw = x_ref_held - x_raw;
+        const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const float lqg_x_integral = state->lqg_x_integral;
+        const float law_x_part = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float y_ref_minus_y_raw = y_ref_held - y_raw;
+        const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const float lqg_y_integral = state->lqg_y_integral;
+        const float law_y_part = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float lqg_phi_integral = state->lqg_phi_integral;
+        const float law_phi_part = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        float d_phi;
+        float d_x;
+        float d_y;
+        if (braking_active != 0u) {
+            d_phi = braking_phi_gain * phi_advance;
+            d_x = braking_x_gain * x_advance;
+            d_y = braking_y_gain * y_advance;
+        } else {
+            /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
+            const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f)
+                ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - law_x_part);
+            d_x = law_x;
+
+            /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
+            const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f)
+                ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - law_y_part);
+            d_y = law_y;
+
+            /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part);
+            d_phi = law_phi;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->law_x = law_x;
+                diagnostics->law_y = law_y;
+                diagnostics->law_phi = law_phi;
+            }
+#endif
+        }
+        state->braking_active = planar_6dof_lqg_flag(braking);
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -633,19 +758,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (is_small_d_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
-            d_x_part))) : lqg_x_integral_part;
+        state->lqg_x_integral = (is_small_law_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
+            law_x_part))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (is_small_d_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
-            d_y_part))) : lqg_y_integral_part;
+        state->lqg_y_integral = (is_small_law_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
+            law_y_part))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi
-            + d_phi_part));
+            + law_phi_part));
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) (continued) */
@@ -735,24 +860,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
-            diagnostics->r_1 = r_1;
-            diagnostics->r_2 = r_2;
-            diagnostics->m_x = m_x;
-            diagnostics->m_y = m_y;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = within_x;
             diagnostics->within_y = within_y;
-            diagnostics->phi_raw = phi_raw;
+            diagnostics->x_advance = x_advance;
+            diagnostics->y_advance = y_advance;
+            diagnostics->phi_advance = phi_advance;
             diagnostics->z = z;
             diagnostics->theta = theta;
             diagnostics->psi = psi;
-            diagnostics->d_x = d_x;
-            diagnostics->d_y = d_y;
-            diagnostics->d_phi = d_phi;
             diagnostics->d_z = d_z;
             diagnostics->d_theta = d_theta;
             diagnostics->d_psi = d_psi;
+            diagnostics->d_phi = d_phi;
+            diagnostics->d_x = d_x;
+            diagnostics->d_y = d_y;
             diagnostics->i_CQ = i_CQ;
             diagnostics->i_AQ = i_AQ;
             diagnostics->i_BQ = i_BQ;
@@ -772,6 +896,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
 #endif
     }
+    if (other_amplitude) {
+        faults |= 0x20000000u;
+    }
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
+    }
+#endif
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
