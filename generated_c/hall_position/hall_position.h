@@ -6,7 +6,7 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
+ * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
  * Two sensors have no fault protection: a failed sensor may leave no residual, and an estimate may be valid and wrong.

@@ -6,7 +6,7 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
+ * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests

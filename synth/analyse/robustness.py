@@ -201,9 +201,8 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     plant = closed.plant.with_parameters(**case) if case else closed.plant
     trimmed = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
-    values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True)) | dict(
-        zip(signal_names(plant.outputs), outputs, strict=True)
-    )
+    values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
+    values |= zip(signal_names(plant.outputs), outputs, strict=True)
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
     references |= {s.name: 0.0 for s in (loops.interface.missed_calls,) if s}
