@@ -128,9 +128,9 @@ def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     A check of each experiment fails if a state of the control laws has reached its bound, unless the stage lists the
     state as one that is limited on purpose.
     """
-    runs = experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
-    double = compiled_controller(stage, np.float64)
-    return [headroom.with_headroom(run, double, stage.limited) for run in runs]
+    loop, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
+    runs = experiments.run(loop, stage.experiments, progress)
+    return [headroom.with_headroom(run, double, stage.limited, loop.call_counts) for run in runs]
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:

@@ -161,6 +161,6 @@ def test_emit_writes_the_other_scalar_type(root: Path, tmp_path: Path) -> None:
     arguments = ["emit", "maglev_5dof", "--scalar", "float64", "--out", str(tmp_path)]
     assert RUNNER.invoke(app, arguments).exit_code == 0
     manifest = json.loads((tmp_path / "maglev_5dof" / "manifest.json").read_text())
-    assert manifest["scalar"] == "float64" and manifest["structs"]["input"]["size"] == 88
+    assert manifest["scalar"] == "float64" and manifest["structs"]["input"]["size"] == 12 * 8
     wrong = RUNNER.invoke(app, ["emit", "maglev_5dof", "--scalar", "float16", "--out", str(tmp_path)])
     assert wrong.exit_code == 2

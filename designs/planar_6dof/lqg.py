@@ -140,7 +140,8 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
         after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
-        return -(now + seen + k["achieved_gain"] * x["achieved"]), {"x3": after}
+        estimated = now + seen + k["achieved_gain"] * x["achieved"]
+        return -estimated, {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
     state = State(Signal("x3", unit, -x3, x3, "estimated rate less L times the position, as a demand"), 0.0)

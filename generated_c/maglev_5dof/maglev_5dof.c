@@ -719,8 +719,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             suspects_y2 = (redundancy_excluded_y2 + doubted) != 0u;
             suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
             suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
-            const uint32_t missing = maglev_5dof_flag(!usable_y1) + maglev_5dof_flag(!usable_y2) +
-                maglev_5dof_flag(!usable_y3) + maglev_5dof_flag(!usable_y4);
+            const uint32_t gaps_sufficient_part = maglev_5dof_flag((usable_y1) ? false : true) +
+                maglev_5dof_flag((usable_y2) ? false : true) + maglev_5dof_flag((usable_y3) ? false : true);
+            const uint32_t missing = gaps_sufficient_part + maglev_5dof_flag((usable_y4) ? false : true);
             gaps_sufficient = missing <= 2u;
             const bool missing_at_most_1 = missing <= 1u;
             float predicted_y1 = y1_expected;

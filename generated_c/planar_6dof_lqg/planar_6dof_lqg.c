@@ -533,9 +533,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
             const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            const bool contradicts = (guard_ready != 0u) && (squared_confirmation < squared) &&
-                ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-            if (contradicts) {
+            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
+                    (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
@@ -552,6 +551,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 x_raw = accepted_x_raw;
                 y_raw = accepted_x_raw_2;
                 phi_raw_part = accepted_x_raw_3;
+                accepted_y = true;
                 within_x_part = within_x_2;
                 within_y_part = position;
                 if (1u <= sensing_contradiction_left) {
@@ -563,7 +563,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
             }
-            accepted_y = !contradicts;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->m_x = m_x;
@@ -587,19 +586,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float seen_law_x = lqg_x_L * x_raw;
         const float seen_law_y = lqg_y_L * y_raw;
         const float seen_law_phi = lqg_phi_L * phi_raw;
-        float x_advance_part = 0.0f;
-        float y_advance_part = 0.0f;
-        float phi_advance_part = 0.0f;
+        float correction_x = 0.0f;
+        float correction_y = 0.0f;
+        float correction_phi = 0.0f;
         float now_law_x;
         float now_law_y;
         float now_law_phi;
-        float reckoning_x_position_part = reckoning_x_position_gain;
-        float reckoning_y_position_part = reckoning_y_position_gain;
-        float M_1 = reckoning_phi_position_gain;
+        float position_gain_x = reckoning_x_position_gain;
+        float position_gain_y = reckoning_y_position_gain;
+        float position_gain_phi = reckoning_phi_position_gain;
         if (guard_ready != 0u) {
-            x_advance_part = reckoning_x_rate_gain * e_x;
-            y_advance_part = reckoning_y_rate_gain * e_y;
-            phi_advance_part = reckoning_phi_rate_gain * e_phi;
+            correction_x = reckoning_x_rate_gain * e_x;
+            correction_y = reckoning_y_rate_gain * e_y;
+            correction_phi = reckoning_phi_rate_gain * e_phi;
             now_law_x = state->lqg_x_x3;
             now_law_y = state->lqg_y_x3;
             now_law_phi = state->lqg_phi_x3;
@@ -607,15 +606,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_x = -seen_law_x;
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
-            reckoning_x_position_part = 1.0f;
-            reckoning_y_position_part = 1.0f;
-            M_1 = 1.0f;
+            position_gain_x = 1.0f;
+            position_gain_y = 1.0f;
+            position_gain_phi = 1.0f;
         }
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = state->reckoning_x_rate + x_advance_part + a_x;
+        const float middle_x = state->reckoning_x_rate + correction_x + a_x;
         const float x_advance = middle_x + a_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
@@ -625,7 +624,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = state->reckoning_y_rate + y_advance_part + a_y;
+        const float middle_y = state->reckoning_y_rate + correction_y + a_y;
         const float y_advance = middle_y + a_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -639,16 +638,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = state->reckoning_phi_rate + phi_advance_part + a_phi;
+        const float middle_phi = state->reckoning_phi_rate + correction_phi + a_phi;
         const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (reckoning_x_position_part * e_x) +
-            middle_x, 0.2f);
+        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (position_gain_x * e_x) + middle_x,
+            0.2f);
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
-        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (reckoning_y_position_part * e_y) +
-            middle_y, 0.2f);
+        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (position_gain_y * e_y) + middle_y,
+            0.2f);
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
-        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (M_1 * e_phi) + middle_phi,
-            0.05f);
+        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (position_gain_phi * e_phi) +
+            middle_phi, 0.05f);
         state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
         /* vertical_kinematics: z and tilts from distances
@@ -686,13 +685,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float law_x_part = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
-        const float law_y_part = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
-        const float law_phi_part = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
         float d_x;
         float d_y;
@@ -703,16 +702,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         } else {
             /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f)
-                ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - law_x_part);
+                ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
             d_x = law_x;
 
             /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f)
-                ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - law_y_part);
+                ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
             d_y = law_y;
 
             /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part);
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral -
+                estimated_law_phi);
             d_phi = law_phi;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -759,18 +759,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
         state->lqg_x_integral = (is_small_law_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
-            law_x_part))) : lqg_x_integral_part;
+            estimated_law_x))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
         state->lqg_y_integral = (is_small_law_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
-            law_y_part))) : lqg_y_integral_part;
+            estimated_law_y))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi
-            + law_phi_part));
+            + estimated_law_phi));
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) (continued) */

@@ -76,10 +76,13 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, f = u[axis.measured.name], u[axis.effort.name]
             e, a = q - p, k[f"{axis.name}_half_step"] * f
-            M = [ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()]
-            middle = s + M[1] * e + a
+            position_gain, rate_gain = (
+                ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()
+            )
+            correction = rate_gain * e
+            middle = s + correction + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            next |= {f"{axis.name}_position": p + M[0] * e + middle, f"{axis.name}_rate": middle + a}
+            next |= {f"{axis.name}_position": p + position_gain * e + middle, f"{axis.name}_rate": middle + a}
         return Step(output, next)
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]

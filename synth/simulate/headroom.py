@@ -40,12 +40,18 @@ def _ratio(values: np.ndarray, low: float, high: float) -> float:
     return float(np.max(np.abs(values - middle)) / half)
 
 
-def with_headroom(experiment: Experiment, controller: host.Controller, limited: Collection[str] = ()) -> Experiment:
+def with_headroom(
+    experiment: Experiment,
+    controller: host.Controller,
+    limited: Collection[str] = (),
+    constants: Mapping[str, float] | None = None,
+) -> Experiment:
     """Return an experiment with its largest r as a measured value, and a check that no state reached its bound.
 
-    `limited` names states that may reach it; `controller` is the C in double precision.
+    `limited` names states that may reach it; `controller` is the C in double precision. `constants` are its inputs that
+    the controller of the experiment may not read.
     """
-    peaks = ratios(controller, experiment.trajectory.measured)
+    peaks = ratios(controller, {**(constants or {}), **experiment.trajectory.measured})
     if not peaks:
         return experiment
     free = {name: r for name, r in peaks.items() if name not in limited}

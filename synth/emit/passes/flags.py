@@ -73,7 +73,7 @@ class Flags:
         first, second, single = self._number(a), self._number(b), self.decides[c] == 1
         if self._is_logical(c) and (first, second) == (1, 0):
             return self.index[c]
-        if self._is_logical(c) and (first, second) == (0, 1):
+        if single and self._is_logical(c) and (first, second) == (0, 1):
             return self._not(self.index[c])
         if single and self._is_logical(c) and (first == 1 or second == 0):
             other = b if first == 1 else a

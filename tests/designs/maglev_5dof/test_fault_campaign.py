@@ -107,7 +107,7 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
 
 
 @pytest.mark.parametrize("plant", [8, 11, 14, 15])
-def test_calls_that_are_missing_at_rest_end_in_no_contact_and_no_fault_bit(plant: int) -> None:
+def test_calls_that_are_missing_at_rest_end_in_no_contact_and_are_reported_at_the_next_call(plant: int) -> None:
     """A pair of the probe that pushes meanwhile moves the platen far, and its code stands still as it turns."""
     faults = replace(DESIGN.stage.faults, durations_s=(0.05, 0.06))
     rig = campaign.with_stops(standard_tasks.rig(replace(DESIGN.stage, faults=faults), DESIGN.scalar))
@@ -115,7 +115,8 @@ def test_calls_that_are_missing_at_rest_end_in_no_contact_and_no_fault_bit(plant
     rest = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.AT_REST)
     _, ended = campaign.run(rig, plant, rest, silent, missing)
     assert len(ended) == 2 and not any(any(run.impacts.values()) for run in ended)
-    assert all(math.isinf(run.notice_s) for run in ended)
+    assert [run.notice_s for run in ended] == pytest.approx([0.05, 0.06])
+    assert all(run.named and not run.wrong_names and math.isinf(run.latch_s) for run in ended)
 
 
 @pytest.mark.parametrize("plant", [0, 5, 12])

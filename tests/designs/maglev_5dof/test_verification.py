@@ -90,7 +90,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
         ("fade * state->r", "fade * -state->r"),
         ("state->guard_left = 5u", "state->guard_left = 4u"),
         ("guard_left <= 1u", "guard_left <= 2u"),
-        ("safe_output_last_i_d2 * safe_output_last_i_d2", "safe_output_last_i_d2 * safe_output_last_i_d4"),
+        ("half_c_2 * (safe_output_last_u_x_squared", "half_c_2 * (safe_output_last_u_z_squared"),
         ("state->safe_output_last_u_x = ", "state->safe_output_last_u_x = -"),
     ],
 )

@@ -235,9 +235,9 @@ def test_recorded_steps_and_failures_keep_below_their_ceilings(sequences: tuple[
 @pytest.mark.parametrize("name", CEILINGS)
 def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     measured_steps: list[Any] = []
+    stage, controller = DESIGNS[name].stage, subject(name).controller
     monkeypatch.setattr(stimuli, "sequences", lambda *arguments: measured_steps.append(arguments) or [])
     monkeypatch.setattr(cost_stimuli, "stimuli", lambda controller: [])
-    stage, controller = DESIGNS[name].stage, subject(name).controller
     assert stage is not None
     standard_tasks.cost_stimuli(replace(stage, experiments=()), cost_stimuli.stimuli, cost_stimuli.FLOOR).sequences(
         controller, lambda _: None
