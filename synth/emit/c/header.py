@@ -84,7 +84,8 @@ def _safe_output(block: Block) -> list[str]:
     bad = f"When a measurement is refused in {safety.bad_samples - safety.braking} samples in a row,"
     bad += f" and after {safety.braking} more in which it brakes," if safety.braking else ""
     if not safety.safe_output:
-        return [f"{bad} the last of them sets the latch bit until init. {safety.reason[0].upper()}{safety.reason[1:]}."]
+        reason = f" {safety.reason[0].upper()}{safety.reason[1:]}." if safety.reason else ""
+        return [f"{bad} the last of them sets the latch bit until init.{reason}"]
     latches = f"{bad} the step latches in the last of them until init"
     if safety.judgement:
         reason = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
