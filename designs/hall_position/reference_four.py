@@ -178,8 +178,8 @@ def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
     s, three = scale(setup), slice(0, 3)
     detected = s * np.sqrt(noncentrality * of.added.max(axis=1)) + k * fitted.deviations
     passing = (of.costs <= limit * s**2 + ROUNDING * of.cost[:, None])[:, :, None]
-    apart = np.where(passing, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
-    separated = apart + k * s * np.sqrt(of.variances + np.where(passing, of.added, 0).max(axis=1))
+    difference = np.where(passing, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
+    separated = difference + k * s * np.sqrt(of.variances + np.where(passing, of.added, 0).max(axis=1))
     level = np.where(excluded[:, None] == 0, detected, separated)[:, three]
     high = LEVEL_RANGE * limits(setup)
     return np.minimum(np.where(of.detectable[:, None], level, high), high)

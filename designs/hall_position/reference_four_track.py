@@ -47,9 +47,9 @@ def advance(setup: Setup, x: Columns, sample: Sample) -> tuple[dict[str, Array],
     """Return the next states of the estimator, whether it tracks, and whether the track is lost."""
     tracking, lost = x["start_number"] >= setup.starts, x["missed"] >= setup.patience
     solves, first = sample.converged & sample.accepted, x["candidates"] == 0
-    apart = np.abs(np.stack([sample.pose[:, i] - x[f"candidate_{n}"] for i, n in enumerate(SEARCHED)], axis=1))
-    apart[:, :2] = np.minimum(apart[:, :2], np.abs(apart[:, :2] - 2 * pi))
-    agrees = (apart <= [setup.agreement, setup.agreement, setup.yaw_agreement]).all(axis=1)
+    difference = np.abs(np.stack([sample.pose[:, i] - x[f"candidate_{n}"] for i, n in enumerate(SEARCHED)], axis=1))
+    difference[:, :2] = np.minimum(difference[:, :2], np.abs(difference[:, :2] - 2 * pi))
+    agrees = (difference <= [setup.agreement, setup.agreement, setup.yaw_agreement]).all(axis=1)
     count = np.maximum(x["candidates"], solves * np.where(first | agrees, 1, 2))
     ends = sample.converged | (x["age"] >= setup.dwell - 1)
     last = ends & (x["start_number"] >= setup.starts - 1)

@@ -9,6 +9,7 @@ import pytest
 
 from designs.maglev_5dof import control, experiments
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.fault_handling import DEGRADED
 from models import maglev_stage
 from synth import standard_tasks
 from synth.progress import silent
@@ -61,7 +62,8 @@ def test_an_encoder_that_freezes_at_rest_does_not_answer_the_probe_and_the_plate
     for i, friction in ((0, False), (0, True), (4, False), (12, False)):
         run = at_rest(rig, i, gap, sensor, friction)
         bits = np.flatnonzero(run.faults)
-        assert 0 <= bits[0] - ONSET < 200 and run.faults[bits[0]] == 1 << 11 + MEASURED.index(sensor) | 1 << 17
+        named = 1 << 11 + MEASURED.index(sensor)
+        assert 0 <= bits[0] - ONSET < 200 and run.faults[bits[0]] == named | 1 << DEGRADED.bit
         assert np.abs(run[sensor] - run[sensor][ONSET]).max() < 10e-3 and run.impacts[sensor] == 0
         assert run.impacts["y"] < 0.02 and run["y"][-1] == pytest.approx(control.GAP[1])
 
