@@ -41,7 +41,9 @@ amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
 INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
-that the currents do not explain, long before the voltages contradict each other.
+that the currents do not explain, long before the voltages contradict each other. Where the forces differ from their
+model, the prediction differs by an almost constant innovation. A bad sample takes the prediction plus the last one, so
+that x, y and the yaw do not jump.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -82,6 +84,10 @@ RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") fo
 RAW["phi"] = Signal("phi_raw", "rad", -MAX_RAW_YAW, MAX_RAW_YAW, "from this sample's voltages")
 PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples before") for a in "xy"}
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
+INNOVATION = {
+    a: Signal(f"{a}_innovation", s.unit, -s.high - PREDICTED[a].high, s.high + PREDICTED[a].high, "raw less predicted")
+    for a, s in RAW.items()
+}
 HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
@@ -149,21 +155,26 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
 
         left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
-        held_yaw = u["phi_predicted"] if predicted else phi
-        output = {yaw: clip(by_case(phi + yaw_correction, held_yaw, held_yaw), RAW["phi"])}
+        last = {a: x[f"innovation_{a}"] if reckoned else 0 for a in RAW}
+        bridge = {a: clip(u[s.name] + last[a], RAW[a]) for a, s in PREDICTED.items()} if reckoned else _hold(u, x, phi, predicted)
+        output = {yaw: clip(by_case(phi + yaw_correction, bridge["phi"], bridge["phi"]), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
-            last = x[f"first_{name}"]
-            next[f"first_{name}"] = by_case(last, ca.if_else(left, last, value), last)
+            first = x[f"first_{name}"]
+            next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
         for axis, position in within.items():
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
-            passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
+            passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
             accepted = by_case(ca.SX(1), ca.SX(0), ca.SX(0))
             output[f"within_{axis}"] = ca.if_else(accepted, by_case(position, ca.SX(0), ca.SX(0)), passed)
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
-            held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
+            output[f"{axis}_raw"] = by_case(position + offset[axis], bridge[axis], bridge[axis])
+        if reckoned:
+            innovation["phi"] = clip(phi + yaw_correction, RAW["phi"]) - u["phi_predicted"]
+            for axis, e in innovation.items():
+                output[f"{axis}_innovation"] = by_case(e, ca.SX(0), ca.SX(0))
+                next[f"innovation_{axis}"] = by_case(e, last[axis], last[axis])
         next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
@@ -181,10 +192,18 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
+    outputs += INNOVATION.values() if reckoned else ()
     states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
+
+
+def _hold(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool) -> dict[str, ca.SX]:
+    """Return x, y and the yaw of a bad sample: as predicted, or as in the sample before."""
+    if predicted:
+        return {a: u[s.name] for a, s in PREDICTED.items()}
+    return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
 
 
 def _states(predicted: bool, reckoned: bool) -> list[State]:
@@ -197,7 +216,8 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    reals = (*shown, *OFFSETS, *(() if reckoned else WITHIN), *last)
+    innovation = [replace(s, name=f"innovation_{a}", about="of the last good sample") for a, s in INNOVATION.items()]
+    reals = (*shown, *OFFSETS, *(innovation if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 

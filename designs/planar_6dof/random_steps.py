@@ -114,6 +114,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
     columns["sensing_phi_raw"] = np.clip(predicted["phi"], -sensing.MAX_RAW_YAW, sensing.MAX_RAW_YAW) * (1 - INSIDE)
     for a in allocation.HORIZONTAL:
         columns |= {
+            f"sensing_innovation_{a}": rng.normal(0, PREDICTED, n),
             f"filter_{a}_p": predicted[a],
             f"filter_{a}_s": rng.normal(0, VELOCITY_STEP, n),
             f"filter_{a}_h": rng.normal(0, ACCELERATION_STEP, n),

@@ -33,7 +33,7 @@ SENSITIVITY = 0.4 * 21  # V/T, section 3.1
 DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
-MAX_RAW_YAW = 0.025  # rad
+MAX_RAW_YAW, FARTHEST = 0.025, 0.16  # rad, m: of a yaw and a position that are measured or bridged
 COUNT = 2  # pitches to either side
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
@@ -129,7 +129,8 @@ def initial_state() -> dict[str, Array]:
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    return rest | {"sensing_phi_raw": np.array(0.0)}
+    innovations = {f"sensing_innovation_{axis}": np.array(0.0) for axis in DENSITY}
+    return rest | innovations | {"sensing_phi_raw": np.array(0.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -206,7 +207,8 @@ def sense(
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, predicted["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
+    bridge = {axis: at + (state[f"sensing_innovation_{axis}"] if reckoned else 0) for axis, at in predicted.items()}
+    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -222,13 +224,16 @@ def sense(
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
-        expected = (
-            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
-        )
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
+        at = np.clip(bridge[axis], -FARTHEST, FARTHEST) if reckoned else bridge[axis]
+        expected = np.clip(at - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], at)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}
+    for axis in DENSITY if reckoned else ():
+        e = out[f"{axis}_raw"] - predicted[axis]
+        out[f"{axis}_innovation"] = np.where(accepted, e, 0)
+        after[f"sensing_innovation_{axis}"] = np.where(accepted, e, state[f"sensing_innovation_{axis}"])
     return out, after
 
 

@@ -48,7 +48,7 @@ def block(
     constants = []
     for axis in axes:
         unit, gain = demands[axis.name][0].unit, -share / (axis.acceleration * time.period_s**2)
-        constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.measured.unit}", f"{share:g} / (b T^2)"))
+        constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.predicted.unit}", f"{share:g} / (b T^2)"))
     inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKING]
     outputs = [demands[axis.name][1] for axis in axes]
     states = [State(Signal("active", "1", 0, 1, "1 from the second braking sample on"), 0, True)]

@@ -19,9 +19,10 @@ from synth.timing import Discrete
 TIME = Discrete(1e-3)
 T, B, R = TIME.period_s, 13.0, 0.9
 Q = Signal("q", "m", -0.1, 0.1)
+E = Signal("e", "m", -0.3, 0.3, "innovation")
 F = Signal("f", "A", -2.0, 2.0, "effort that acts until the next sample")
 PREDICTED = replace(Q, name="q_predicted", low=-0.2, high=0.2)
-AXIS = Axis("q", Q, PREDICTED, F, B, fastest=2.0, pole=R)
+AXIS = Axis("q", E, PREDICTED, F, B, fastest=2.0, pole=R)
 LAW, PASSED = Signal("law_f", "A", -1e3, 1e3), Signal("d_f", "A", -1e5, 1e5)
 
 
@@ -35,11 +36,11 @@ def motion(f: Array, q: float = 0.02, v: float = 0.1) -> Array:
 
 
 def run(block: Block, q: Array, f: Array, bad: Sequence[int] = ()) -> tuple[Array, Array]:
-    """Return predictions and advances (N,); in `bad` samples the prediction itself is fed back as measured."""
+    """Return predictions and advances (N,); a `bad` sample has no innovation."""
     step, x, rows = block.function(), block.initial, []
     for k in range(len(q)):
-        at = float(x[0]) if k in bad else q[k]
-        x, y = (np.asarray(v).ravel() for v in step(x, [at, f[k], float(k > 0)]))
+        e = 0.0 if k in bad else q[k] - float(x[0])
+        x, y = (np.asarray(v).ravel() for v in step(x, [e, f[k], float(k > 0)]))
         rows.append(y)
     return np.array(rows).T[0], np.array(rows).T[1]
 
@@ -84,7 +85,7 @@ def loop(share: float = 0.5, change: float = 1.0) -> Block:
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["q", "acting", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
+                   inputs=["e", "acting", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
 
 
 def brake(block: Block, v: float, samples: int = 60) -> Array:
@@ -92,7 +93,7 @@ def brake(block: Block, v: float, samples: int = 60) -> Array:
     step, x, q, acting, rates, predicted = block.function(), block.initial, 0.0, 0.0, [], 0.0
     for k in range(200 + samples):
         blind = k >= 200
-        inputs = [predicted if blind else q, acting, float(k > 0), 0.0, float(blind)]
+        inputs = [0.0 if blind else q - predicted, acting, float(k > 0), 0.0, float(blind)]
         x, y = (np.asarray(v).ravel() for v in step(x, inputs))
         f = float(np.clip(y[0], -1, 1))
         predicted = float(x[0])
