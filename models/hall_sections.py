@@ -41,9 +41,9 @@ amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
 INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
-that the currents do not explain, long before the voltages contradict each other. Where the forces differ from their
-model, the prediction differs by an almost constant innovation. A bad sample takes the prediction plus the last one, so
-that x, y and the yaw do not jump.
+that the currents do not explain, long before the voltages contradict each other. An unmodelled torque shifts the
+predicted yaw by an almost constant innovation. A bad sample takes the predicted yaw plus the last innovation, so the
+yaw does not jump.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -84,10 +84,8 @@ RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") fo
 RAW["phi"] = Signal("phi_raw", "rad", -MAX_RAW_YAW, MAX_RAW_YAW, "from this sample's voltages")
 PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples before") for a in "xy"}
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
-INNOVATION = {
-    a: Signal(f"{a}_innovation", s.unit, -s.high - PREDICTED[a].high, s.high + PREDICTED[a].high, "raw less predicted")
-    for a, s in RAW.items()
-}
+LARGEST = RAW["phi"].high + PREDICTED["phi"].high
+INNOVATION = Signal("innovation_phi", "rad", -LARGEST, LARGEST, "raw yaw of the sample before less the predicted one")
 HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
@@ -154,10 +152,18 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         def by_case(accepted: ca.SX, contradicted: ca.SX, incomplete: ca.SX) -> ca.SX:
             return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
 
-        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
-        last = {a: x[f"innovation_{a}"] if reckoned else 0 for a in RAW}
-        bridge = {a: clip(u[s.name] + last[a], RAW[a]) for a, s in PREDICTED.items()} if reckoned else _hold(u, x, phi, predicted)
-        output = {yaw: clip(by_case(phi + yaw_correction, bridge["phi"], bridge["phi"]), RAW["phi"])}
+        left, confirmed, zero = x["contradiction_left"], x["contradiction_confirmed"], ca.SX(0)
+        accepted = by_case(ca.SX(1), zero, zero)
+
+        def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
+            return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
+
+        bridge = _bridge(u, x, phi, predicted, reckoned)
+        held_yaw = bridge["phi"]
+        raw_yaw = (
+            or_bridge(phi + yaw_correction, held_yaw) if reckoned else by_case(phi + yaw_correction, held_yaw, held_yaw)
+        )
+        output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
@@ -166,15 +172,12 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         for axis, position in within.items():
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            accepted = by_case(ca.SX(1), ca.SX(0), ca.SX(0))
-            output[f"within_{axis}"] = ca.if_else(accepted, by_case(position, ca.SX(0), ca.SX(0)), passed)
+            output[f"within_{axis}"] = or_bridge(position, passed)
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = by_case(position + offset[axis], bridge[axis], bridge[axis])
         if reckoned:
-            innovation["phi"] = clip(phi + yaw_correction, RAW["phi"]) - u["phi_predicted"]
-            for axis, e in innovation.items():
-                output[f"{axis}_innovation"] = by_case(e, ca.SX(0), ca.SX(0))
-                next[f"innovation_{axis}"] = by_case(e, last[axis], last[axis])
+            e = ca.if_else(ca.logic_and(u["ready"], u["complete"]), output[yaw] - u["phi_predicted"], 0)
+            next[INNOVATION.name] = e
         next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
@@ -192,18 +195,18 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
-    outputs += INNOVATION.values() if reckoned else ()
     states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
 
 
-def _hold(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool) -> dict[str, ca.SX]:
-    """Return x, y and the yaw of a bad sample: as predicted, or as in the sample before."""
-    if predicted:
-        return {a: u[s.name] for a, s in PREDICTED.items()}
-    return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
+def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> dict[str, ca.SX]:
+    """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
+    if not predicted:
+        return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
+    predictions = {a: u[s.name] for a, s in PREDICTED.items()}
+    return predictions | ({"phi": predictions["phi"] + x[INNOVATION.name]} if reckoned else {})
 
 
 def _states(predicted: bool, reckoned: bool) -> list[State]:
@@ -216,8 +219,7 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    innovation = [replace(s, name=f"innovation_{a}", about="of the last good sample") for a, s in INNOVATION.items()]
-    reals = (*shown, *OFFSETS, *(innovation if reckoned else WITHIN), *last)
+    reals = (*shown, *OFFSETS, *([INNOVATION] if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 

@@ -1,6 +1,6 @@
 """Prediction of x, y and phi from the achieved demands, and braking before the latch.
 
-    innovations ------>[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, pitches, innovations
+    raw positions ---->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
     acting demands ----^          '---------> predicted rates -------> [ braking ]---> demands
 
 The demand d that was achieved in the sample before acts until the next one; the law has it as a state. Each axis is
@@ -38,7 +38,7 @@ def axes(plant: Plant) -> list[dead_reckoning.Axis]:
     return [
         dead_reckoning.Axis(
             axis,
-            sensing.INNOVATION[axis],
+            sensing.RAW[axis],
             sensing.PREDICTED[axis],
             ACTING[axis],
             scales[axis] / plant.parameter(INERTIA[axis]).value,

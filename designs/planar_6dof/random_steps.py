@@ -111,10 +111,10 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
         f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
     }
     columns |= {"sensing_scale": rng.uniform(0.99, 1.01, n)} | _first_residuals(rng, n)
+    columns["sensing_innovation_phi"] = rng.normal(0, PREDICTED, n)
     columns["sensing_phi_raw"] = np.clip(predicted["phi"], -sensing.MAX_RAW_YAW, sensing.MAX_RAW_YAW) * (1 - INSIDE)
     for a in allocation.HORIZONTAL:
         columns |= {
-            f"sensing_innovation_{a}": rng.normal(0, PREDICTED, n),
             f"filter_{a}_p": predicted[a],
             f"filter_{a}_s": rng.normal(0, VELOCITY_STEP, n),
             f"filter_{a}_h": rng.normal(0, ACCELERATION_STEP, n),

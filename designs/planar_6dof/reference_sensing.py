@@ -33,7 +33,7 @@ SENSITIVITY = 0.4 * 21  # V/T, section 3.1
 DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
-MAX_RAW_YAW, FARTHEST = 0.025, 0.16  # rad, m: of a yaw and a position that are measured or bridged
+MAX_RAW_YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
@@ -129,8 +129,7 @@ def initial_state() -> dict[str, Array]:
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    innovations = {f"sensing_innovation_{axis}": np.array(0.0) for axis in DENSITY}
-    return rest | innovations | {"sensing_phi_raw": np.array(0.0)}
+    return rest | {"sensing_phi_raw": np.array(0.0), "sensing_innovation_phi": np.array(0.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -180,11 +179,10 @@ def sense(
     k: Constants,
     reckoned: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
+    """Return raw position, that within its pitch and residuals, and the next state, from held voltages. Y(1)-(5).
 
     `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
     predictions a measured motion that differs is a contradiction, too.
-    Source: Y(1)-(5), Fig. 4.
     """
     A, (ready, complete) = k.amplitude, flags
     phi = state["sensing_phi_raw"] if reckoned else predicted["phi"]
@@ -207,8 +205,8 @@ def sense(
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    bridge = {axis: at + (state[f"sensing_innovation_{axis}"] if reckoned else 0) for axis, at in predicted.items()}
-    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
+    bridge = predicted["phi"] + state["sensing_innovation_phi"] if reckoned else predicted["phi"]
+    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -219,21 +217,19 @@ def sense(
     }
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
-    after |= {"sensing_phi_raw": out["phi_raw"]} if reckoned else {}
+    e = np.where((ready > 0) & complete, out["phi_raw"] - predicted["phi"], 0)
+    after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
-        at = np.clip(bridge[axis], -FARTHEST, FARTHEST) if reckoned else bridge[axis]
-        expected = np.clip(at - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], at)
+        expected = (
+            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
+        )
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}
-    for axis in DENSITY if reckoned else ():
-        e = out[f"{axis}_raw"] - predicted[axis]
-        out[f"{axis}_innovation"] = np.where(accepted, e, 0)
-        after[f"sensing_innovation_{axis}"] = np.where(accepted, e, state[f"sensing_innovation_{axis}"])
     return out, after
 
 

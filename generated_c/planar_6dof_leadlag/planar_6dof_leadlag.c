@@ -445,8 +445,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float phi_raw_part = filter_phi_p;
-        bool accepted_y = false;
+        float raw_yaw = filter_phi_p;
+        bool accepted_within_x = false;
         float sensing_within_x_next = 0.0f;
         float sensing_within_y_next = 0.0f;
         if (complete) {
@@ -581,8 +581,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
                 const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
                     / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-                phi_raw_part = filter_phi_p + yaw_correction;
-                accepted_y = true;
+                raw_yaw = filter_phi_p + yaw_correction;
+                accepted_within_x = true;
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -595,9 +595,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
-        const float phi_raw = planar_6dof_leadlag_limit(phi_raw_part, max_yaw);
+        const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
-        if (accepted_y) {
+        if (accepted_within_x) {
             state->sensing_within_x = sensing_within_x_next;
             state->sensing_within_y = sensing_within_y_next;
         } else {

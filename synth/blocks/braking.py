@@ -14,11 +14,10 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.blocks.dead_reckoning import Axis
+from synth.blocks.safety import BRAKING
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
-
-BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
 
 
 @arguments.checked
@@ -48,7 +47,7 @@ def block(
     constants = []
     for axis in axes:
         unit, gain = demands[axis.name][0].unit, -share / (axis.acceleration * time.period_s**2)
-        constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.predicted.unit}", f"{share:g} / (b T^2)"))
+        constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.measured.unit}", f"{share:g} / (b T^2)"))
     inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKING]
     outputs = [demands[axis.name][1] for axis in axes]
     states = [State(Signal("active", "1", 0, 1, "1 from the second braking sample on"), 0, True)]

@@ -7,9 +7,11 @@ e = q - p:
 
     q^ = p + (1 - r^2) e,   s^ = s + (1 - r)^2 e,   p+ = q^ + (s^ + a),   s+ = (s^ + a) + a
 
-The gains place both poles at z = r (critical damping). The Block that measures q reads p and returns e, 0 where it has
-no measurement: then f alone moves the prediction. An acceleration that differs from b f by d leads to e = d T^2 / (1 - r)^2, so e tells a
-measurement that contradicts the motion from a noisy one.
+The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
+e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
+
+In a sample that is not ``complete``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
+prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 6.5.
@@ -26,8 +28,8 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
-STARTS = {"position": 1.0, "rate": 0.0}  # gains before the first good sample
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
+COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 
 
 @arguments.checked
@@ -36,7 +38,7 @@ class Axis:
     """One axis q'' = b f of a machine.
 
     name          prefix of the states and constants of the axis
-    innovation    the signal e; `predicted` is the one of the prediction p, a state, in the same unit
+    measured      the signal q; `predicted` is the one of its prediction, a state, in the same unit
     effort        the achieved effort f that acts from this sample to the next
     acceleration  b, in units of acceleration per unit of f
     fastest       bound of the rate, in the unit of q per s
@@ -44,7 +46,7 @@ class Axis:
     """
 
     name: str
-    innovation: Signal
+    measured: Signal
     predicted: Signal
     effort: Signal
     acceleration: float
@@ -54,18 +56,18 @@ class Axis:
     def advance(self, time: Discrete) -> Signal:
         """Return ``<name>_advance``: T times the rate at the next sample, when the effort of this one begins to act."""
         most = self.fastest * time.period_s
-        return Signal(f"{self.name}_advance", self.predicted.unit, -most, most, "predicted rate times the sample period")
+        return Signal(f"{self.name}_advance", self.measured.unit, -most, most, "predicted rate times the sample period")
 
 
 @arguments.checked
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
-    """Return the Block from innovations, efforts and ``ready`` to the predicted position and advance of each axis.
+    """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
-    assumed to be at rest at p + e.
+    The flags are ``ready`` and ``complete`` of the guard. The prediction is a state, so a Block that measures the
+    position may read it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
-    that is not positive, or a prediction whose unit is not that of the innovation.
+    that is not positive, or a prediction whose unit is not that of the position.
     """
     _check(name, axes)
 
@@ -74,22 +76,23 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         next: dict[str, ca.SX] = {}
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
-            e, a = u[axis.innovation.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
-            position_gain, rate_gain = (
-                ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()
-            )
-            correction = rate_gain * e
-            middle = s + correction + a
+            q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
+            start = ca.if_else(ca.logic_and(u[READY.name], u[COMPLETE.name]), p, q)
+            e = q - start
+            middle = s + k[f"{axis.name}_rate_gain"] * e + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            next |= {f"{axis.name}_position": p + position_gain * e + middle, f"{axis.name}_rate": middle + a}
+            corrected = start + k[f"{axis.name}_position_gain"] * e
+            next |= {f"{axis.name}_position": corrected + middle, f"{axis.name}_rate": middle + a}
         return Step(output, next)
 
-    inputs = [s for axis in axes for s in (axis.innovation, axis.effort)]
+    inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
     outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
     states = [s for axis in axes for s in _states(axis, time)]
     constants = [c for axis in axes for c in _constants(axis, time)]
     tag = "alpha-beta filter, dead reckoning"
-    return build(name, time, law, inputs=[*inputs, READY], outputs=outputs, states=states, constants=constants, tag=tag)
+    return build(
+        name, time, law, inputs=[*inputs, READY, COMPLETE], outputs=outputs, states=states, constants=constants, tag=tag
+    )
 
 
 def _states(axis: Axis, time: Discrete) -> list[State]:
@@ -99,7 +102,7 @@ def _states(axis: Axis, time: Discrete) -> list[State]:
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:
-    r, per = axis.pole, f"{axis.predicted.unit}/({axis.effort.unit})"
+    r, per = axis.pole, f"{axis.measured.unit}/({axis.effort.unit})"
     return [
         Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
         Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
@@ -117,8 +120,8 @@ def _check(name: str, axes: Sequence[Axis]) -> None:
             raise SignalError(f"effort '{axis.effort.name}' accelerates axis '{axis.name}' by 0: give its acceleration")
         if not axis.fastest > 0:
             raise SignalError(f"the bound of the rate of axis '{axis.name}' is {axis.fastest}: it must be positive")
-        if dimension(axis.predicted.unit) != dimension(axis.innovation.unit):
+        if dimension(axis.predicted.unit) != dimension(axis.measured.unit):
             raise SignalError(
-                f"'{axis.predicted.name}' is in {axis.predicted.unit}, but '{axis.innovation.name}' in "
-                f"{axis.innovation.unit}: give both one unit"
+                f"'{axis.predicted.name}' is in {axis.predicted.unit}, but '{axis.measured.name}' in "
+                f"{axis.measured.unit}: give both one unit"
             )

@@ -19,10 +19,9 @@ from synth.timing import Discrete
 TIME = Discrete(1e-3)
 T, B, R = TIME.period_s, 13.0, 0.9
 Q = Signal("q", "m", -0.1, 0.1)
-E = Signal("e", "m", -0.3, 0.3, "innovation")
 F = Signal("f", "A", -2.0, 2.0, "effort that acts until the next sample")
 PREDICTED = replace(Q, name="q_predicted", low=-0.2, high=0.2)
-AXIS = Axis("q", E, PREDICTED, F, B, fastest=2.0, pole=R)
+AXIS = Axis("q", Q, PREDICTED, F, B, fastest=2.0, pole=R)
 LAW, PASSED = Signal("law_f", "A", -1e3, 1e3), Signal("d_f", "A", -1e5, 1e5)
 
 
@@ -36,11 +35,11 @@ def motion(f: Array, q: float = 0.02, v: float = 0.1) -> Array:
 
 
 def run(block: Block, q: Array, f: Array, bad: Sequence[int] = ()) -> tuple[Array, Array]:
-    """Return predictions and advances (N,); a `bad` sample has no innovation."""
+    """Return predictions and advances (N,); in `bad` samples the prediction itself is fed back as measured."""
     step, x, rows = block.function(), block.initial, []
     for k in range(len(q)):
-        e = 0.0 if k in bad else q[k] - float(x[0])
-        x, y = (np.asarray(v).ravel() for v in step(x, [e, f[k], float(k > 0)]))
+        at = float(x[0]) if k in bad else q[k]
+        x, y = (np.asarray(v).ravel() for v in step(x, [at, f[k], float(k > 0), float(k not in bad)]))
         rows.append(y)
     return np.array(rows).T[0], np.array(rows).T[1]
 
@@ -69,6 +68,29 @@ def test_an_unknown_acceleration_is_the_innovation() -> None:
     assert (q - predicted)[-1] == pytest.approx(d * T**2 / (1 - R) ** 2, rel=1e-6)
 
 
+def bridge(repeated: bool) -> float:
+    """Return the largest jump of q over 20 bad samples under an unknown acceleration.
+
+    They take the prediction, plus the last innovation if it is `repeated`.
+    """
+    q, block = motion(np.full(400, 2.0 / B), v=0.0), dead_reckoning.block("reckoning", TIME, [AXIS])
+    step, x, last, jumps = block.function(), block.initial, 0.0, [0.0]
+    for k in range(len(q)):
+        good = not 350 <= k < 370
+        e = q[k] - float(x[0]) if good else last * repeated
+        jumps.append(0.0 if good else abs(float(x[0]) + e - q[k]))
+        x = np.asarray(step(x, [float(x[0]) + e, 0.0, float(k > 0), float(good)])[0]).ravel()
+        last = e if good else 0.0
+    return max(jumps)
+
+
+def test_the_last_innovation_removes_the_offset_of_an_unknown_acceleration() -> None:
+    """The offset d T^2 / (1 - r)^2 is gone; what remains is d t^2 / 2 and an error of the rate."""
+    d, offset = 2.0, 2.0 * T**2 / (1 - R) ** 2
+    assert bridge(repeated=False) > offset
+    assert bridge(repeated=True) < d * (20 * T) ** 2 + d * 20 * T**2 / (1 - R)
+
+
 @pytest.mark.parametrize("defect", ["position_gain", "rate_gain", "half_step"])
 def test_a_planted_constant_is_detected(defect: str) -> None:
     block = dead_reckoning.block("reckoning", TIME, [AXIS])
@@ -85,7 +107,8 @@ def loop(share: float = 0.5, change: float = 1.0) -> Block:
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["e", "acting", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
+                   inputs=["q", "acting", "ready", "complete", "law_f", "braking"],
+                   outputs=["d_f", "q_predicted"])  # fmt: skip
 
 
 def brake(block: Block, v: float, samples: int = 60) -> Array:
@@ -93,7 +116,7 @@ def brake(block: Block, v: float, samples: int = 60) -> Array:
     step, x, q, acting, rates, predicted = block.function(), block.initial, 0.0, 0.0, [], 0.0
     for k in range(200 + samples):
         blind = k >= 200
-        inputs = [0.0 if blind else q - predicted, acting, float(k > 0), 0.0, float(blind)]
+        inputs = [predicted if blind else q, acting, float(k > 0), float(not blind), 0.0, float(blind)]
         x, y = (np.asarray(v).ravel() for v in step(x, inputs))
         f = float(np.clip(y[0], -1, 1))
         predicted = float(x[0])
@@ -118,7 +141,7 @@ def test_a_planted_gain_does_not_stop_it() -> None:
 
 def test_the_law_passes_unchanged_while_nothing_brakes() -> None:
     step = loop().function()
-    y = np.asarray(step(loop().initial, [0.01, 0.3, 1.0, 17.3, 0.0])[1]).ravel()
+    y = np.asarray(step(loop().initial, [0.01, 0.3, 1.0, 1.0, 17.3, 0.0])[1]).ravel()
     assert y[0] == 17.3
 
 
