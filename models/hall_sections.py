@@ -42,8 +42,8 @@ amplitude of all voltages explains has its own bit and suspects all six.
 Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
 INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
 that the currents do not explain, long before the voltages contradict each other. An unmodelled torque shifts the
-predicted yaw by an almost constant innovation. A bad sample takes the predicted yaw plus the last innovation, so the
-yaw does not jump.
+predicted yaw by an almost constant innovation. A sample that is not complete takes the predicted yaw plus the last
+innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -159,10 +159,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
         bridge = _bridge(u, x, phi, predicted, reckoned)
-        held_yaw = bridge["phi"]
-        raw_yaw = (
-            or_bridge(phi + yaw_correction, held_yaw) if reckoned else by_case(phi + yaw_correction, held_yaw, held_yaw)
-        )
+        raw_yaw = or_bridge(phi + yaw_correction, bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
@@ -206,7 +203,9 @@ def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> 
     if not predicted:
         return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
     predictions = {a: u[s.name] for a, s in PREDICTED.items()}
-    return predictions | ({"phi": predictions["phi"] + x[INNOVATION.name]} if reckoned else {})
+    # Not in a contradicted sample: a wrong channel has shifted the last innovation.
+    last = ca.if_else(u["complete"], 0, x[INNOVATION.name]) if reckoned else 0
+    return predictions | {"phi": predictions["phi"] + last}
 
 
 def _states(predicted: bool, reckoned: bool) -> list[State]:

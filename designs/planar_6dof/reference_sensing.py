@@ -205,7 +205,7 @@ def sense(
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    bridge = predicted["phi"] + state["sensing_innovation_phi"] if reckoned else predicted["phi"]
+    bridge = predicted["phi"] + (np.where(complete, 0, state["sensing_innovation_phi"]) if reckoned else 0)
     out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(

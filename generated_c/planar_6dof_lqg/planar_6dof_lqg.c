@@ -426,6 +426,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float y_raw = reckoning_y_position;
         bool accepted_phi_raw = false;
         float raw_yaw = 0.0f;
+        float last = 0.0f;
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
@@ -572,9 +573,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 diagnostics->r_2 = r_2;
             }
 #endif
+        } else {
+            last = state->sensing_innovation_phi;
         }
         if (!accepted_phi_raw) {
-            raw_yaw = reckoning_phi_position + state->sensing_innovation_phi;
+            raw_yaw = reckoning_phi_position + last;
             within_x = planar_6dof_lqg_limit(expected_x, half_pitch);
             within_y = planar_6dof_lqg_limit(expected_y, half_pitch);
         }
