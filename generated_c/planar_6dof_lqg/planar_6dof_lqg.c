@@ -272,7 +272,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
         &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and complete, else 0 */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
@@ -410,7 +411,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         faults |= 0x80000000u;
     } else {
         /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
+         *     x_advance = x_rate + x_rate_gain * (x_raw - (x_position if guard_ready and complete, else x_raw)) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
@@ -423,10 +424,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float expected_y = reckoning_y_position - sensing_offset_y;
         float x_raw = reckoning_x_position;
         float y_raw = reckoning_y_position;
-        float phi_raw_part = reckoning_phi_position;
-        bool accepted_y = false;
-        float within_x_part = 0.0f;
-        float within_y_part = 0.0f;
+        bool accepted_phi_raw = false;
+        float raw_yaw = 0.0f;
+        float last = 0.0f;
+        float within_x = 0.0f;
+        float within_y = 0.0f;
         if (complete) {
             const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
@@ -550,10 +552,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             } else {
                 x_raw = accepted_x_raw;
                 y_raw = accepted_x_raw_2;
-                phi_raw_part = accepted_x_raw_3;
-                accepted_y = true;
-                within_x_part = within_x_2;
-                within_y_part = position;
+                accepted_phi_raw = true;
+                raw_yaw = accepted_x_raw_3;
+                within_x = within_x_2;
+                within_y = position;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
@@ -571,34 +573,38 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 diagnostics->r_2 = r_2;
             }
 #endif
+        } else {
+            last = state->sensing_innovation_phi;
         }
-        const float phi_raw = planar_6dof_lqg_limit(phi_raw_part, max_yaw);
-        const float within_x = (accepted_y) ? within_x_part : planar_6dof_lqg_limit(expected_x, half_pitch);
-        const float within_y = (accepted_y) ? within_y_part : planar_6dof_lqg_limit(expected_y, half_pitch);
+        if (!accepted_phi_raw) {
+            raw_yaw = reckoning_phi_position + last;
+            within_x = planar_6dof_lqg_limit(expected_x, half_pitch);
+            within_y = planar_6dof_lqg_limit(expected_y, half_pitch);
+        }
+        const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
+        float start_x = reckoning_x_position;
+        float start_y = reckoning_y_position;
+        float start_phi = reckoning_phi_position;
+        if ((guard_ready != 0u) && complete) {
+            state->sensing_innovation_phi = phi_raw - reckoning_phi_position;
+        } else {
+            start_x = x_raw;
+            start_y = y_raw;
+            start_phi = phi_raw;
+            state->sensing_innovation_phi = 0.0f;
+        }
         state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float lqg_x_achieved = state->lqg_x_achieved;
-        const float e_x = x_raw - reckoning_x_position;
-        const float e_y = y_raw - reckoning_y_position;
-        const float e_phi = phi_raw - reckoning_phi_position;
         const float seen_law_x = lqg_x_L * x_raw;
         const float seen_law_y = lqg_y_L * y_raw;
         const float seen_law_phi = lqg_phi_L * phi_raw;
-        float correction_x = 0.0f;
-        float correction_y = 0.0f;
-        float correction_phi = 0.0f;
         float now_law_x;
         float now_law_y;
         float now_law_phi;
-        float position_gain_x = reckoning_x_position_gain;
-        float position_gain_y = reckoning_y_position_gain;
-        float position_gain_phi = reckoning_phi_position_gain;
         if (guard_ready != 0u) {
-            correction_x = reckoning_x_rate_gain * e_x;
-            correction_y = reckoning_y_rate_gain * e_y;
-            correction_phi = reckoning_phi_rate_gain * e_phi;
             now_law_x = state->lqg_x_x3;
             now_law_y = state->lqg_y_x3;
             now_law_phi = state->lqg_phi_x3;
@@ -606,15 +612,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_x = -seen_law_x;
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
-            position_gain_x = 1.0f;
-            position_gain_y = 1.0f;
-            position_gain_phi = 1.0f;
         }
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_x = x_raw - start_x;
         const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = state->reckoning_x_rate + correction_x + a_x;
+        const float middle_x = state->reckoning_x_rate + (reckoning_x_rate_gain * e_x) + a_x;
         const float x_advance = middle_x + a_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
@@ -623,8 +627,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_y = y_raw - start_y;
         const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = state->reckoning_y_rate + correction_y + a_y;
+        const float middle_y = state->reckoning_y_rate + (reckoning_y_rate_gain * e_y) + a_y;
         const float y_advance = middle_y + a_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -637,16 +642,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_phi = phi_raw - start_phi;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = state->reckoning_phi_rate + correction_phi + a_phi;
+        const float middle_phi = state->reckoning_phi_rate + (reckoning_phi_rate_gain * e_phi) + a_phi;
         const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (position_gain_x * e_x) + middle_x,
+        state->reckoning_x_position = planar_6dof_lqg_limit(start_x + (reckoning_x_position_gain * e_x) + middle_x,
             0.2f);
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
-        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (position_gain_y * e_y) + middle_y,
+        state->reckoning_y_position = planar_6dof_lqg_limit(start_y + (reckoning_y_position_gain * e_y) + middle_y,
             0.2f);
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
-        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (position_gain_phi * e_phi) +
+        state->reckoning_phi_position = planar_6dof_lqg_limit(start_phi + (reckoning_phi_position_gain * e_phi) +
             middle_phi, 0.05f);
         state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
@@ -862,9 +868,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (diagnostics != NULL) {
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = within_x;
             diagnostics->within_y = within_y;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
             diagnostics->phi_advance = phi_advance;
