@@ -30,8 +30,9 @@ from scipy.stats import qmc
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, glsdc_solution, safety
+from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, safety
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
+from synth.blocks.glsdc_exclusion import Separation
 from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
@@ -98,8 +99,8 @@ def estimator(
         x = glsdc_monitor.with_rejection(monitor, u, x) if monitor else x
         weights = glsdc_monitor.weights(monitor, x) if monitor else None
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
-        solution = glsdc_solution.solve(problem, Iteration() if iteration is None else iteration)
-        return _step(Monitored(of, monitor, search), problem, solution, u, x, named)
+        solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
+        return _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
 
     return build(
         name,
@@ -154,11 +155,17 @@ class Monitored:
 
 
 def _step(
-    estimator: Monitored, problem: Problem, solution: Solution[Normal], u: Exprs, x: Exprs, named: NamedExpressions
+    estimator: Monitored,
+    problem: Problem,
+    solution: Solution[Normal],
+    about: Separation | None,
+    u: Exprs,
+    x: Exprs,
+    named: NamedExpressions,
 ) -> Step:
     of, monitor, search = estimator.model, estimator.monitor, estimator.search
     normal, unknowns = solution.last.normal, of.unknowns
-    variances = glsdc.variances(normal.factors)
+    variances = normal.variances
     roots = [of.scale * ca.sqrt(variance) for variance in variances]
     sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
     cost = ca.fmax(solution.last.cost - normal.decrease, 0)
@@ -172,7 +179,7 @@ def _step(
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
     output |= {CHI_SQUARE.name: clip(cost / of.scale**2, CHI_SQUARE)}
     if monitor:
-        judgement = glsdc_monitor.judge(monitor, solution, search is not None, cost, sigmas, x)
+        judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
         accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         if monitor.integrity.exclude:
@@ -247,7 +254,7 @@ def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:
     """Raise ModelError for a largest deviation beyond DYNAMIC_RANGE times that of an unknown with the others known."""
     low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
     points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
-    turns = np.array([2 * np.pi * p / u.width for u, p in zip(of.unknowns, points, strict=True) if u.periodic])
+    turns = np.array([u.rate * p for u, p in zip(of.unknowns, points, strict=True) if u.rate])
     turns = turns.reshape(-1, SAMPLES)
     values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
     phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()

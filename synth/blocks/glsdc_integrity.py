@@ -162,10 +162,7 @@ def hypotheses(
         slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
         forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
         units.append(LdlNormalEquations(factors, forward))
-    moves = [
-        [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(unit.step, floors, strict=True)]
-        for unit in units
-    ]
+    moves = [_limited(unit.step, floors) for unit in units]
     gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
     for group in groups:
         members = _separabilities(group, units, linear)
@@ -176,6 +173,13 @@ def hypotheses(
             moves[j] = [column[k] for column in mixed]
         mixing.append(members.lower)
     return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
+
+
+def _limited(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
+    """Return a move (n,) within its limits; of a few unknowns, interval arithmetic does not overflow without them."""
+    if len(move) <= glsdc.UNLIMITED:
+        return list(move)
+    return [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(move, floors, strict=True)]
 
 
 def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], linear: Linearisation) -> LdlFactors:

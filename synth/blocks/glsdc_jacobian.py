@@ -5,8 +5,8 @@
 with W lower triangular and s = 1, or with W = I and s^2 the common variance of independent measurements, which then
 needs no multiplication.
 
-A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, and a Phase a(q) by
-its own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`). Chain rule:
+A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, an angle and a Phase
+a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`). Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
 
@@ -18,7 +18,7 @@ weighted least squares).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf
 
 import casadi as ca
 import numpy as np
@@ -54,9 +54,9 @@ class Model:
     is_implicit: bool
 
     @property
-    def periodic(self) -> tuple[Unknown, ...]:
-        """The periodic unknowns."""
-        return tuple(u for u in self.unknowns if u.periodic)
+    def turning(self) -> tuple[Unknown, ...]:
+        """The unknowns with a phasor."""
+        return tuple(u for u in self.unknowns if u.rate)
 
     @property
     def prior_weights(self) -> tuple[float, ...]:
@@ -153,7 +153,7 @@ def _symbols(
 
     return _Symbols(
         {n: ca.SX.sym(n) for n in signal_names([u.signal for u in unknowns])},
-        {u.name: pair(u.name) for u in unknowns if u.periodic},
+        {u.name: pair(u.name) for u in unknowns if u.rate},
         {p.name: pair(p.name) for p in phases},
         {c.name: ca.SX.sym(c.name) for c in constants},
         {n: ca.SX.sym(n) for n in signal_names(channels)},
@@ -174,9 +174,9 @@ def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> c
 def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
     """Return the derivative of a column by an unknown and by its cosine and sine, with the phases fixed."""
     column = ca.jacobian(of, symbols.q[u.name])
-    if u.periodic:
+    if u.rate:
         c, s = symbols.turns[u.name]
-        column += 2 * pi / u.width * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
+        column += u.rate * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
     return column
 
 

@@ -8,7 +8,6 @@ whose sine and cosine are polynomials of low degree.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
 
 import casadi as ca
 
@@ -16,6 +15,7 @@ from synth.block import clip
 from synth.blocks import phasor
 from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_model import Unknown
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -36,12 +36,9 @@ class Prediction:
 
 def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
     """Return the prediction of a sample; `named` receives the parts of the phasors."""
-    turns = []
-    for u, value in ((u, v) for u, v in zip(of.unknowns, values, strict=True) if u.periodic):
-        rate = 2 * pi / u.width
-        halvings = phasor.halvings(rate * max(abs(u.signal.low), abs(u.signal.high)))
-        used = u.name in of.used
-        turns.append(phasor.by_range_reduction(rate * value, halvings, f"{u.name}_part", named) if used else ANY)
+    turns = [
+        _turn(u, value, u.name in of.used, named) for u, value in zip(of.unknowns, values, strict=True) if u.rate
+    ]
     phases = _phases(of, values, turns, constants)
     phasors = [
         phasor.by_range_reduction(
@@ -50,6 +47,18 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
         for p, a in zip(of.phases, phases, strict=True)
     ]
     return Prediction(values, phases, turns, phasors, measured, constants)
+
+
+def _turn(u: Unknown, value: ca.SX, used: bool, named: NamedExpressions) -> Phasor:
+    """Return the phasor of an unknown; names keep functions of an angle's cosine from becoming functions of it."""
+    if not used:
+        return ANY
+    if u.angle:
+        turn = phasor.of(value)
+        named += [(Signal(f"cos_{u.name}", "1", -1, 1), turn.cosine), (Signal(f"sin_{u.name}", "1", -1, 1), turn.sine)]
+        return turn
+    halvings = phasor.halvings(u.rate * max(abs(u.signal.low), abs(u.signal.high)))
+    return phasor.by_range_reduction(u.rate * value, halvings, f"{u.name}_part", named)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +81,8 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
             start + d if u.periodic else clip(start + d, u.signal)
             for u, start, d in zip(of.unknowns, values, at, strict=True)
         ]
-        moved = [2 * pi / u.width * d for u, d in zip(of.unknowns, at, strict=True) if u.periodic]
-        turns = [start if start is ANY else _rotate(start, d) for start, d in zip(turns, moved, strict=True)]
+        moved = [(u, value, d) for u, value, d in zip(of.unknowns, values, at, strict=True) if u.rate]
+        turns = [start if start is ANY else _move(start, *by) for start, by in zip(turns, moved, strict=True)]
         phases = _phases(of, values, turns, prediction.constants)
         phasors = [
             _rotate(start, clip(a - before, Signal(p.name, "rad", -p.change, p.change)))
@@ -94,6 +103,10 @@ def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX
 
 def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
     return ca.vcat([p.cosine for p in phasors]), ca.vcat([p.sine for p in phasors])
+
+
+def _move(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
+    return phasor.of(value) if u.angle else _rotate(start, u.rate * by)
 
 
 def _rotate(start: Phasor, by: ca.SX) -> Phasor:
