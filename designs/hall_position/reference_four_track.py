@@ -85,10 +85,11 @@ def _unknowns(
             half = setup.yaw_range if n == "yaw" else pi
             start = x[f"begin_{n}"] + step[i]
             start = np.clip(np.where(start > half, start - 2 * half, start), -half, half)
-            next[f"begin_{n}"] = np.where(ends, start, x[f"begin_{n}"])
+            next[f"begin_{n}"] = np.where(ends & ~tracking, start, x[f"begin_{n}"])
         sweep = np.where(unique, candidate, np.where(ends, start, sample.pose[:, i]))
         track = np.where(sample.accepted, sample.pose[:, i], sample.start[:, i])
-        next |= {f"candidate_{n}": candidate, n: np.where(tracking, track, sweep)}
+        next |= {f"candidate_{n}": np.where(tracking, x[f"candidate_{n}"], candidate)}
+        next[n] = np.where(tracking, track, sweep)
     return next
 
 

@@ -201,9 +201,9 @@ def _track(
     tracking, lost = glsdc_search.is_tracking(search, x), glsdc_search.is_lost(search, x)
     changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
     for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
-        changed[name] = tracking * ca.if_else(sample.accepted, next[name], x[name])
+        changed[name] = ca.if_else(tracking, ca.if_else(sample.accepted, next[name], x[name]), 0)
     if "excluded" in next:
-        changed["excluded"] = tracking * next["excluded"]
+        changed["excluded"] = ca.if_else(tracking, next["excluded"], 0)
     valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
     return valid, ({"tracking": tracking, "lost": lost}, changed)
 

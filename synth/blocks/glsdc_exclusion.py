@@ -120,16 +120,26 @@ def _reduced(of: Normal, removal: Removal, projections: Vector, dropped: ca.SX) 
 def _removal(groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX) -> tuple[Removal, list[ca.SX]]:
     """Return what is removed, and the scores u_j of the excluded group."""
 
-    def choose(values: Vector, j: int) -> ca.SX:
-        chosen = ca.SX(0)
-        for k, group in reversed(list(enumerate(groups, 1))):
-            chosen = ca.if_else(excluded == k, values[group[j]] if j < len(group) else 0, chosen)
-        return chosen
+    def member(values: Vector, j: int) -> ca.SX:
+        return choose(excluded, [values[group[j]] if j < len(group) else ca.SX(0) for group in groups], 0.0)
 
     sizes, moves = range(max(map(len, groups))), of.faults.moves
-    columns = [[choose([x[i] for x in moves], j) for i in range(len(moves[0]))] for j in sizes]
-    gains, scores = ([choose(values, j) for j in sizes] for values in (of.faults.gains, of.full.scores))
+    columns = [[member([x[i] for x in moves], j) for i in range(len(moves[0]))] for j in sizes]
+    gains, scores = ([member(values, j) for j in sizes] for values in (of.faults.gains, of.full.scores))
     return Removal(columns, gains), scores
+
+
+def choose(number: ca.SX, values: Vector, none: float) -> ca.SX:
+    """Return the value of a number from 1 on, `none` for 0, by halving: both outcomes of each comparison occur."""
+    listed = [ca.SX(none), *values]
+
+    def between(low: int, high: int) -> ca.SX:
+        if high - low == 1:
+            return listed[low]
+        middle = (low + high) // 2
+        return ca.if_else(number < middle, between(low, middle), between(middle, high))
+
+    return ca.if_else(number < 1, listed[0], between(1, len(listed)))
 
 
 def separate(of: Model, groups: Sequence[Sequence[int]], about: Trial[Normal], linear: Linearisation) -> Separation:

@@ -236,7 +236,7 @@ def _added_variance(of: Hypotheses, group: Sequence[int], i: int) -> ca.SX:
 
 def costs(of: Hypotheses, scores: Vector, cost: ca.SX) -> list[ca.SX]:
     """Return the cost c_j s^2 of each hypothesis; `scores` are u_j (m,) by `decorrelate`, `cost` is c s^2 of all."""
-    return [cost - glsdc.total(scores[j] ** 2 * of.gains[j] for j in group) for group in of.groups]
+    return [cost - glsdc.total(scores[j] * (scores[j] * of.gains[j]) for j in group) for group in of.groups]
 
 
 def most_likely(costs: Vector) -> ca.SX:
@@ -258,9 +258,9 @@ class Full:
 
 def separated_level(of: Hypotheses, i: int, full: Full, passing: Vector, reported: ca.SX, deviations: float) -> ca.SX:
     """Return max |q_ji - reported| + k max sigma_ji over the `passing` hypotheses; `deviations` is k s."""
-    apart, added = ca.SX(0), ca.SX(0)
+    apart, added = [], []
     for group, passes in zip(of.groups, passing, strict=True):
         separation = glsdc.total(of.moves[j][i] * (full.scores[j] * of.gains[j]) for j in group)
-        apart = ca.fmax(apart, ca.if_else(passes, ca.fabs(full.step[i] - separation - reported), 0))
-        added = ca.fmax(added, ca.if_else(passes, _added_variance(of, group, i), 0))
-    return apart + deviations * ca.sqrt(full.variances[i] + added)
+        apart.append(ca.if_else(passes, ca.fabs(full.step[i] - reported - separation), 0))
+        added.append(ca.if_else(passes, _added_variance(of, group, i), 0))
+    return reduce(ca.fmax, apart) + deviations * ca.sqrt(full.variances[i] + reduce(ca.fmax, added, ca.SX(0)))

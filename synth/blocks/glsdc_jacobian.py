@@ -18,7 +18,7 @@ weighted least squares).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import factorial, inf
 
 import casadi as ca
 import numpy as np
@@ -32,12 +32,16 @@ from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
 
+MOST_POWER = 6  # of a polynomial in a sine, in the Jacobian
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A measurement model, whitened: `whitening` W (m, m) and `scale` s of the whitened residuals.
 
     The residuals of the channels in `angles` are wrapped into half the width of their ranges, which is one turn.
-    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases; `function` maps
+    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases, and
+    `phase_changes` their changes to those of the phases, if these are affine in them; `function` maps
     these, cosines and sines of the phases, and channels, to residuals (m,), H (m, n) and the unit vectors (m, m), by
     columns, along which an error of each channel acts on the whitened residuals.
     """
@@ -49,6 +53,7 @@ class Model:
     whitening: Array
     scale: float
     phase_function: ca.Function
+    phase_changes: ca.Function | None
     function: ca.Function
     used: frozenset[str]
     is_implicit: bool
@@ -114,11 +119,12 @@ def model(
     ]
     H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
     phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
+    phase_changes = _phase_changes(ca.vcat(turns), of)
     norms = ca.sparsify(ca.DM(np.diag(1 / np.linalg.norm(whitening, axis=0))))
     directions = ca.sparsify(ca.DM(whitening)) @ ca.jacobian(residuals, ca.vcat(list(of.y.values()))) @ norms
     function = ca.Function("model", of.vectors, [residuals, H, directions])
     used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
-    arrays = readonly(whitening), scale, phase_function, function
+    arrays = readonly(whitening), scale, phase_function, phase_changes, function
     return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, isinstance(h, Implicit))
 
 
@@ -171,6 +177,15 @@ def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> c
     return ca.vcat([ca.SX(values[n]) if isinstance(h, Implicit) else symbol - values[n] for n, symbol in of.y.items()])
 
 
+def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:
+    """Return the function of `phase_function`'s arguments with changes in place of values, None if it is not affine."""
+    moving = ca.vertcat(*of.vectors[:3])
+    slopes = ca.jacobian(turns, moving)
+    if ca.depends_on(slopes, moving):
+        return None
+    return ca.Function("changes", [*of.vectors[:3], of.vectors[5]], [slopes @ moving])
+
+
 def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
     """Return the derivative of a column by an unknown and by its cosine and sine, with the phases fixed."""
     column = ca.jacobian(of, symbols.q[u.name])
@@ -183,7 +198,30 @@ def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
 def _by_phases(of: ca.SX, slopes: ca.SX, symbols: _Symbols) -> ca.SX:
     """Return the derivative of a column by way of the phases, whose own derivatives are the slopes."""
     pairs = enumerate(symbols.phases.values())
-    return sum(((c * ca.jacobian(of, s) - s * ca.jacobian(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+    return sum(((c * _slope(of, s) - s * _slope(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+
+
+def _slope(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return the derivative of a column by a cosine or a sine; a polynomial in its square takes half the products."""
+    column = ca.jacobian(of, by)
+    for i in column.sparsity().row():
+        column[i] = _even_polynomial(column[i], by)
+    return column
+
+
+def _even_polynomial(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return a polynomial of even powers up to MOST_POWER by Horner's rule in the square, anything else as it is."""
+    coefficients, derivative = [], of
+    for power in range(MOST_POWER + 1):
+        coefficients.append(ca.simplify(ca.substitute(derivative, by, 0)) / factorial(power))
+        derivative = ca.jacobian(derivative, by)
+    odd = any(not c.is_zero() for c in coefficients[1::2])
+    if odd or ca.depends_on(derivative, by) or not derivative.is_zero():
+        return of
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-2:2]):
+        value = coefficient + by**2 * value
+    return value
 
 
 def _check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...]) -> None:

@@ -83,10 +83,10 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
         ]
         moved = [(u, value, d) for u, value, d in zip(of.unknowns, values, at, strict=True) if u.rate]
         turns = [start if start is ANY else _move(start, *by) for start, by in zip(turns, moved, strict=True)]
-        phases = _phases(of, values, turns, prediction.constants)
+        changes = _phase_changes(of, prediction, values, turns, at)
         phasors = [
-            _rotate(start, clip(a - before, Signal(p.name, "rad", -p.change, p.change)))
-            for p, start, a, before in zip(of.phases, phasors, phases, prediction.phases, strict=True)
+            _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
+            for p, start, change in zip(of.phases, phasors, changes, strict=True)
         ]
     pairs = [*_columns(turns), *_columns(phasors)]
     e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
@@ -99,6 +99,21 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
 def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX) -> list[ca.SX]:
     phases = of.phase_function(ca.vcat(list(values)), *_columns(turns), constants)
     return [phases[i] for i in range(len(of.phases))]
+
+
+def _phase_changes(
+    of: Model, prediction: Prediction, values: Vector, turns: Sequence[Phasor], at: Vector
+) -> list[ca.SX]:
+    """Return how far the phases move; of affine ones from limited changes of phasors, which bound them."""
+    if of.phase_changes is None:
+        phases = _phases(of, values, turns, prediction.constants)
+        return [a - before for a, before in zip(phases, prediction.phases, strict=True)]
+    chords = []
+    for u, turn, start in zip(of.turning, turns, prediction.turns, strict=True):
+        most = Signal("chord", "1", -u.rate * u.step, u.rate * u.step)
+        chords.append(Phasor(clip(turn.cosine - start.cosine, most), clip(turn.sine - start.sine, most)))
+    changes = of.phase_changes(ca.vcat(list(at)), *_columns(chords), prediction.constants)
+    return [changes[i] for i in range(len(of.phases))]
 
 
 def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:

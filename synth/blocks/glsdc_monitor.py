@@ -138,8 +138,9 @@ def weights(of: Monitor, x: Exprs) -> Vector | None:
     """Return the weight of each channel (m,), 0 for the excluded one; None without exclusion."""
     if not of.integrity.exclude:
         return None
-    number = {j: k for k, group in enumerate(of.groups, 1) for j in group}
-    included = {k: x["excluded"] != k for k in range(1, len(of.groups) + 1)}
+    number = {j: k for k, group in enumerate(of.groups) for j in group}
+    groups = range(len(of.groups))
+    included = [glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups], 1.0) for j in groups]
     return [included[number[j]] for j in range(len(of.model.channels))]
 
 

@@ -18,7 +18,7 @@ from functools import reduce
 import casadi as ca
 
 from synth import arguments, numeric
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -50,8 +50,10 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
             flags.append(ca.logic_or(refused, count >= limit))
             next[f"repeats_{index}"] = count
         single = reduce(lambda total, flag: total + flag, flags) <= 1
-        number = reduce(lambda total, pair: total + pair[0] * pair[1], enumerate(flags, 1), ca.SX(0))
-        return Step({"rejected": clip(single * number, rejected), SCREENED.name: single}, next)
+        number = ca.SX(0)
+        for index, flag in reversed(list(enumerate(flags, 1))):
+            number = ca.if_else(flag, index, number)
+        return Step({"rejected": ca.if_else(single, number, 0), SCREENED.name: single}, next)
 
     held = [replace(s, name=f"{s.name}_held") for s in channels]
     faults = [Signal(f"fault_{name}", "1", 0, 1, "refused this sample") for name in names]

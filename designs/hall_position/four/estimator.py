@@ -112,7 +112,7 @@ def _phases(array: PlanarArray, tuning: Tuning) -> list[Phase]:
         rx, ry = (array.wave_number * v for v in place)
         reach = hypot(rx, ry)
         for axis, arm in (("x", (rx, -ry)), ("y", (ry, rx))):
-            change = tuning.phase_step + reach * tuning.yaw_step
+            change = tuning.phase_step + (abs(rx) + abs(ry)) * tuning.yaw_step
             phases.append(Phase(f"{letter}{axis}", _phase(axis, arm), pi + reach, change))
     return phases
 
@@ -129,7 +129,7 @@ def _residuals(array: PlanarArray, q: Exprs, y: Exprs, k: Exprs) -> Exprs:
     residuals, c, s = {}, q["cos_yaw"], q["sin_yaw"]
     for letter in ascii_lowercase[: len(array.positions)]:
         vx, vy = y[f"V_{letter}x"], y[f"V_{letter}y"]
-        for axis, v in (("x", c * vx - s * vy), ("y", s * vx + c * vy)):
+        for axis, v in (("x", c * vx - s * vy), ("y", c * vy + s * vx)):
             p = q[f"sin_{letter}{axis}"]
             field = p * (k["field_1"] + p**2 * (k["field_3"] + p**2 * k["field_5"]))
             residuals[f"V_{letter}{axis}"] = v - q["amplitude"] * field
