@@ -189,7 +189,8 @@ def _step(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
             )
             output, next = output | dict(tracked[0]), next | dict(tracked[1])
-    return Step(output | {"converged": solution.converged, "weak": weak, "valid": good}, next, named)
+    output |= {"converged": solution.converged, "weak": weak, "valid": good}
+    return Step(output, next, named, problem.prediction.certified)
 
 
 def _track(

@@ -40,7 +40,7 @@ class Separation:
 
 @dataclass(frozen=True, eq=False)
 class Removal:
-    """x_j (n,) and gain_j of the excluded group, all 0 without one."""
+    """x_j (n,) and gain_j of the excluded group; without one the gains are 0."""
 
     moves: Sequence[Vector]
     gains: Vector
@@ -121,25 +121,24 @@ def _removal(groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX) -
     """Return what is removed, and the scores u_j of the excluded group."""
 
     def member(values: Vector, j: int) -> ca.SX:
-        return choose(excluded, [values[group[j]] if j < len(group) else ca.SX(0) for group in groups], 0.0)
+        return choose(excluded, [values[group[j]] if j < len(group) else ca.SX(0) for group in groups])
 
     sizes, moves = range(max(map(len, groups))), of.faults.moves
     columns = [[member([x[i] for x in moves], j) for i in range(len(moves[0]))] for j in sizes]
     gains, scores = ([member(values, j) for j in sizes] for values in (of.faults.gains, of.full.scores))
-    return Removal(columns, gains), scores
+    return Removal(columns, [ca.if_else(excluded < 1, 0, gain) for gain in gains]), scores
 
 
-def choose(number: ca.SX, values: Vector, none: float) -> ca.SX:
-    """Return the value of a number from 1 on, `none` for 0, by halving: both outcomes of each comparison occur."""
-    listed = [ca.SX(none), *values]
+def choose(number: ca.SX, values: Vector) -> ca.SX:
+    """Return the value of a number from 1 on, the first one of 0, by halving: both outcomes of a comparison occur."""
 
     def between(low: int, high: int) -> ca.SX:
         if high - low == 1:
-            return listed[low]
+            return values[low - 1]
         middle = (low + high) // 2
         return ca.if_else(number < middle, between(low, middle), between(middle, high))
 
-    return ca.if_else(number < 1, listed[0], between(1, len(listed)))
+    return between(1, len(values) + 1)
 
 
 def separate(of: Model, groups: Sequence[Sequence[int]], about: Trial[Normal], linear: Linearisation) -> Separation:

@@ -258,9 +258,10 @@ class Full:
 
 def separated_level(of: Hypotheses, i: int, full: Full, passing: Vector, reported: ca.SX, deviations: float) -> ca.SX:
     """Return max |q_ji - reported| + k max sigma_ji over the `passing` hypotheses; `deviations` is k s."""
-    apart, added = [], []
+    apart, added = ca.SX(0), ca.SX(0)
     for group, passes in zip(of.groups, passing, strict=True):
         separation = glsdc.total(of.moves[j][i] * (full.scores[j] * of.gains[j]) for j in group)
-        apart.append(ca.if_else(passes, ca.fabs(full.step[i] - reported - separation), 0))
-        added.append(ca.if_else(passes, _added_variance(of, group, i), 0))
-    return reduce(ca.fmax, apart) + deviations * ca.sqrt(full.variances[i] + reduce(ca.fmax, added, ca.SX(0)))
+        difference = ca.fabs(full.step[i] - reported - separation)
+        apart = ca.if_else(passes, ca.fmax(apart, difference), apart)
+        added = ca.if_else(passes, ca.fmax(added, _added_variance(of, group, i)), added)
+    return apart + deviations * ca.sqrt(full.variances[i] + added)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from synth.block import clip
+from synth.block import Certificate, clip
 from synth.blocks import phasor
 from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.glsdc_jacobian import Model
@@ -24,7 +24,10 @@ ANY = Phasor(ca.SX(1), ca.SX(0))  # of an angle that the model does not use
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The predicted unknowns (n,) in their ranges, the phases, the phasors of both, and the held channels."""
+    """The predicted unknowns (n,) in their ranges, the phases, the phasors of both, and the held channels.
+
+    `certified` are the certificates of the phasors' limits.
+    """
 
     values: Vector
     phases: Vector
@@ -32,6 +35,7 @@ class Prediction:
     phasors: Sequence[Phasor]
     measured: Vector
     constants: ca.SX
+    certified: Mapping[str, Certificate]
 
 
 def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
@@ -40,13 +44,13 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
         _turn(u, value, u.name in of.used, named) for u, value in zip(of.unknowns, values, strict=True) if u.rate
     ]
     phases = _phases(of, values, turns, constants)
-    phasors = [
-        phasor.by_range_reduction(
-            clip(a, Signal(p.name, "rad", -p.largest, p.largest)), phasor.halvings(p.largest), f"{p.name}_part", named
-        )
-        for p, a in zip(of.phases, phases, strict=True)
-    ]
-    return Prediction(values, phases, turns, phasors, measured, constants)
+    phasors, certified = [], {}
+    for p, a in zip(of.phases, phases, strict=True):
+        limited = clip(a, Signal(p.name, "rad", -p.largest, p.largest))
+        one, certificates = phasor.by_certified_reduction(limited, phasor.halvings(p.largest), f"{p.name}_part", named)
+        phasors.append(one)
+        certified |= certificates
+    return Prediction(values, phases, turns, phasors, measured, constants, certified)
 
 
 def _turn(u: Unknown, value: ca.SX, used: bool, named: NamedExpressions) -> Phasor:

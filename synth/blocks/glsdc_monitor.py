@@ -140,7 +140,11 @@ def weights(of: Monitor, x: Exprs) -> Vector | None:
         return None
     number = {j: k for k, group in enumerate(of.groups) for j in group}
     groups = range(len(of.groups))
-    included = [glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups], 1.0) for j in groups]
+    none = x["excluded"] < 1
+    included = [
+        ca.if_else(none, 1, glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
+        for j in groups
+    ]
     return [included[number[j]] for j in range(len(of.model.channels))]
 
 
