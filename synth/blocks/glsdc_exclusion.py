@@ -1,4 +1,4 @@
-"""Gauss-Newton corrections without an excluded group of channels, from the factors of all channels.
+"""Gauss-Newton corrections without an excluded group of channels, by a rank update of the factors of all channels.
 
     N = H'H + P = L D L'  of all channels at the prediction, once a sample;   x_j, gain_j = 1/s_j of `glsdc_integrity`
     N_k = N - H_k'H_k,    N_k^-1 = N^-1 + sum over j of group k of x_j gain_j x_j'        (Woodbury)
@@ -80,7 +80,11 @@ class Reduced(Normal):
 
 
 def solve(
-    of: Problem, iteration: Iteration, groups: Sequence[Sequence[int]], excluded: ca.SX, axes: Sequence[Mapping[int, ca.SX]]
+    of: Problem,
+    iteration: Iteration,
+    groups: Sequence[Sequence[int]],
+    excluded: ca.SX,
+    axes: Sequence[Mapping[int, ca.SX]],
 ) -> tuple[Solution[Reduced], Separation]:
     """Return the solution of a sample with the Jacobian of the prediction, and the hypotheses about this.
 

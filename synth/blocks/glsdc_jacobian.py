@@ -6,7 +6,8 @@ with W lower triangular and s = 1, or with W = I and s^2 the common variance of 
 needs no multiplication.
 
 A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, an angle and a Phase
-a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`). Chain rule:
+a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`).
+Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
 
@@ -30,7 +31,6 @@ from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
-
 
 MOST_POWER = 6  # of a polynomial in a sine, in the Jacobian
 
@@ -205,7 +205,7 @@ def _slope(of: ca.SX, by: ca.SX) -> ca.SX:
     """Return the derivative of a column by a cosine or a sine; a polynomial in its square takes half the products."""
     column = ca.jacobian(of, by)
     for i in column.sparsity().row():
-        column[i] = _even_polynomial(column[i], by)
+        column[i] = -_even_polynomial(-column[i], by)  # of y - h, as it stands in h
     return column
 
 
@@ -213,7 +213,8 @@ def _even_polynomial(of: ca.SX, by: ca.SX) -> ca.SX:
     """Return a polynomial of even powers up to MOST_POWER by Horner's rule in the square, anything else as it is."""
     coefficients, derivative = [], of
     for power in range(MOST_POWER + 1):
-        coefficients.append(ca.simplify(ca.substitute(derivative, by, 0)) / factorial(power))
+        number, product = _factors(ca.substitute(derivative, by, 0))
+        coefficients.append(number / factorial(power) * product)
         derivative = ca.jacobian(derivative, by)
     odd = any(not c.is_zero() for c in coefficients[1::2])
     if odd or ca.depends_on(derivative, by) or not derivative.is_zero():
@@ -222,6 +223,20 @@ def _even_polynomial(of: ca.SX, by: ca.SX) -> ca.SX:
     for coefficient in reversed(coefficients[:-2:2]):
         value = coefficient + by**2 * value
     return value
+
+
+def _factors(of: ca.SX) -> tuple[float, ca.SX]:
+    """Return an expression as a number times the rest; sums of multiples of one expression are one multiple."""
+    if of.is_constant():
+        return float(of), ca.SX(1)
+    parts = [_factors(of.dep(i)) for i in range(of.n_dep())]
+    if of.op() == ca.OP_MUL:
+        return parts[0][0] * parts[1][0], parts[0][1] * parts[1][1]
+    if of.op() in (ca.OP_NEG, ca.OP_TWICE):
+        return parts[0][0] * (2 if of.op() == ca.OP_TWICE else -1), parts[0][1]
+    if of.op() == ca.OP_ADD and ca.is_equal(parts[0][1], parts[1][1], 9):
+        return parts[0][0] + parts[1][0], parts[0][1]
+    return 1.0, of
 
 
 def _check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...]) -> None:

@@ -40,11 +40,10 @@ class Prediction:
 
 def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
     """Return the prediction of a sample; `named` receives the parts of the phasors."""
-    turns = [
-        _turn(u, value, u.name in of.used, named) for u, value in zip(of.unknowns, values, strict=True) if u.rate
-    ]
+    turns = [_turn(u, value, u.name in of.used, named) for u, value in zip(of.unknowns, values, strict=True) if u.rate]
     phases = _phases(of, values, turns, constants)
-    phasors, certified = [], {}
+    phasors: list[Phasor] = []
+    certified: dict[str, Certificate] = {}
     for p, a in zip(of.phases, phases, strict=True):
         limited = clip(a, Signal(p.name, "rad", -p.largest, p.largest))
         one, certificates = phasor.by_certified_reduction(limited, phasor.halvings(p.largest), f"{p.name}_part", named)

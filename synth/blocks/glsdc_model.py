@@ -60,9 +60,10 @@ class Unknown:
     """An unknown with its range. Its deviation is resolved up to `largest_deviation`, in the unit of the signal.
 
     The sum of corrections in a sample is at most `step`. The estimate begins at `start`. The range of a `periodic`
-    unknown is one period. Of an `angle`, rad within +-MAX_ANGLE and not periodic, h has the cosine and the sine, too. `prior` is the standard deviation of a prior, infinite for none, which is about `prior_value`
-    or, if this is None, about the prediction. The prediction continues the last motion if the `velocity_gain` is above
-    0: motion + velocity_gain * correction.
+    unknown is one period. h also has the cosine and the sine of an `angle`, which is not periodic and within 1.2 rad.
+    `prior` is the standard deviation of a prior, infinite for none, which is about `prior_value` or, if this is None,
+    about the prediction. The prediction continues the last motion if the `velocity_gain` is above 0: motion +
+    velocity_gain * correction.
 
     Raises ModelError for a value out of its range.
     """

@@ -91,9 +91,7 @@ def by_certified_reduction(
     limits = [Signal(f"{name}_{n}", "1", -h * (1 + SLACK), h * (1 + SLACK)) for n, h in (("doubled", 2), ("full", 1))]
     result, values = _by_doubling(angle, halvings, name, named, limits)
     named += zip(limits, values, strict=True)
-    return result, {
-        s.name: partial(_doubled_bound, round(s.high), halvings) for s in limits
-    }
+    return result, {s.name: partial(_doubled_bound, round(s.high), halvings) for s in limits}
 
 
 def _doubled_bound(size: int, halvings: int, u: float, e: float) -> float:
@@ -109,10 +107,10 @@ def _by_doubling(
         about = f"of 1/{2**halvings} of it" + (f", times {2**halvings}" if function == "sine" else "")
         named.append((Signal(f"{name}_{function}", "1", -(2**halvings), 2**halvings, about), value))
     for left in reversed(range(halvings)):
-        twice = s = s if left else clip(s, limits[0])
+        value = s = s if left else clip(s, limits[0])
         s, c = s * c, 1 - s**2 / 2 ** (2 * left + 1)
-    sine = clip(s, limits[1])
-    return Phasor(c, sine), [twice, sine]
+    each = clip(s, limits[1])
+    return Phasor(c, each), [value, each]
 
 
 def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> Distance:

@@ -5,8 +5,8 @@
     rejected = number of the only faulty group, else 0;           screened = no group or one group is faulty
 
 One count serves a group. A group of m converters whose noise spreads over several codes counts to n with a probability
-of about (m p)^n, where p = step / (2 sqrt(pi) sigma) for a normal noise sigma. Without noise, as in a simulation of ideal sensors, a body at
-rest is indistinguishable from a frozen converter.
+of about (m p)^n, where p = step / (2 sqrt(pi) sigma) for a normal noise sigma. Without noise, as in a simulation of
+ideal sensors, a body at rest is indistinguishable from a frozen converter.
 
 Source: Gertler, "Fault Detection and Diagnosis in Engineering Systems", section 1.3 (limit and plausibility checks).
 """
