@@ -447,43 +447,55 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     }
 
     /* screen: refused and repeated codes
-     *     repeats_1_next = min(repeats_1 + 1, 6) if V_ax_held == last_V_ax or V_ay_held == last_V_ay, else 0;
-     *         likewise repeats_2_next, repeats_3_next, repeats_4_next */
-    float screen_repeats_1_next = 0.0f;
-    if (hall_position_four_equal(V_ax_held, state->screen_last_V_ax) || hall_position_four_equal(V_ay_held,
-            state->screen_last_V_ay)) {
+     *     repeats_1_next = min(repeats_1 + 1, 6) if |V_ax_held - last_V_ax| <= 0 or |V_ay_held - last_V_ay| <=
+     *         0, else 0; likewise repeats_2_next, repeats_3_next, repeats_4_next */
+    bool screened_test = false;
+    if ((fabsf(V_ax_held - state->screen_last_V_ax) <= 0.0f) || (fabsf(V_ay_held - state->screen_last_V_ay) <= 0.0f)) {
         const uint32_t screen_repeats_1 = state->screen_repeats_1;
-        const uint32_t screen_repeats_1_part = screen_repeats_1 + 1u;
-        screen_repeats_1_next = hall_position_four_min((float)screen_repeats_1_part, 6.0f);
+        const uint32_t screened_part = screen_repeats_1 + 1u;
+        const float screened_part_2 = hall_position_four_min((float)screened_part, 6.0f);
+        screened_test = 6.0f <= screened_part_2;
+        state->screen_repeats_1 = (uint32_t)screened_part_2;
+    } else {
+        state->screen_repeats_1 = 0u;
     }
-    const bool flag = fault_V_ax || fault_V_ay || (6.0f <= screen_repeats_1_next);
-    float screen_repeats_2_next = 0.0f;
-    if (hall_position_four_equal(V_bx_held, state->screen_last_V_bx) || hall_position_four_equal(V_by_held,
-            state->screen_last_V_by)) {
+    const bool flag = fault_V_ax || fault_V_ay || screened_test;
+    bool screened_test_2 = false;
+    if ((fabsf(V_bx_held - state->screen_last_V_bx) <= 0.0f) || (fabsf(V_by_held - state->screen_last_V_by) <= 0.0f)) {
         const uint32_t screen_repeats_2 = state->screen_repeats_2;
-        const uint32_t screen_repeats_2_part = screen_repeats_2 + 1u;
-        screen_repeats_2_next = hall_position_four_min((float)screen_repeats_2_part, 6.0f);
+        const uint32_t screened_part_3 = screen_repeats_2 + 1u;
+        const float screened_part_4 = hall_position_four_min((float)screened_part_3, 6.0f);
+        screened_test_2 = 6.0f <= screened_part_4;
+        state->screen_repeats_2 = (uint32_t)screened_part_4;
+    } else {
+        state->screen_repeats_2 = 0u;
     }
-    const bool flags_2 = fault_V_bx || fault_V_by || (6.0f <= screen_repeats_2_next);
-    float screen_repeats_3_next = 0.0f;
-    if (hall_position_four_equal(V_cx_held, state->screen_last_V_cx) || hall_position_four_equal(V_cy_held,
-            state->screen_last_V_cy)) {
+    const bool flags_2 = fault_V_bx || fault_V_by || screened_test_2;
+    bool screened_test_3 = false;
+    if ((fabsf(V_cx_held - state->screen_last_V_cx) <= 0.0f) || (fabsf(V_cy_held - state->screen_last_V_cy) <= 0.0f)) {
         const uint32_t screen_repeats_3 = state->screen_repeats_3;
-        const uint32_t screen_repeats_3_part = screen_repeats_3 + 1u;
-        screen_repeats_3_next = hall_position_four_min((float)screen_repeats_3_part, 6.0f);
+        const uint32_t screened_part_5 = screen_repeats_3 + 1u;
+        const float screened_part_6 = hall_position_four_min((float)screened_part_5, 6.0f);
+        screened_test_3 = 6.0f <= screened_part_6;
+        state->screen_repeats_3 = (uint32_t)screened_part_6;
+    } else {
+        state->screen_repeats_3 = 0u;
     }
-    const bool flags_3 = fault_V_cx || fault_V_cy || (6.0f <= screen_repeats_3_next);
-    float count = 0.0f;
-    if (hall_position_four_equal(V_dx_held, state->screen_last_V_dx) || hall_position_four_equal(V_dy_held,
-            state->screen_last_V_dy)) {
+    const bool flags_3 = fault_V_cx || fault_V_cy || screened_test_3;
+    bool frozen = false;
+    if ((fabsf(V_dx_held - state->screen_last_V_dx) <= 0.0f) || (fabsf(V_dy_held - state->screen_last_V_dy) <= 0.0f)) {
         const uint32_t screen_repeats_4 = state->screen_repeats_4;
-        const uint32_t screen_repeats_4_part = screen_repeats_4 + 1u;
-        count = hall_position_four_min((float)screen_repeats_4_part, 6.0f);
+        const uint32_t screened_part_7 = screen_repeats_4 + 1u;
+        const float count = hall_position_four_min((float)screened_part_7, 6.0f);
+        frozen = 6.0f <= count;
+        state->screen_repeats_4 = (uint32_t)count;
+    } else {
+        state->screen_repeats_4 = 0u;
     }
-    const bool flags_4 = fault_V_dx || fault_V_dy || (6.0f <= count);
-    const uint32_t screened_part = hall_position_four_flag(flag) + hall_position_four_flag(flags_2) +
+    const bool flags_4 = fault_V_dx || fault_V_dy || frozen;
+    const uint32_t screened_part_8 = hall_position_four_flag(flag) + hall_position_four_flag(flags_2) +
         hall_position_four_flag(flags_3) + hall_position_four_flag(flags_4);
-    const bool screened = screened_part <= 1u;
+    const bool screened = screened_part_8 <= 1u;
     float rejected = 0.0f;
     if (screened) {
         if (flag) {
@@ -500,10 +512,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     state->screen_last_V_cy = V_cy_held;
     state->screen_last_V_dx = V_dx_held;
     state->screen_last_V_dy = V_dy_held;
-    state->screen_repeats_1 = (uint32_t)screen_repeats_1_next;
-    state->screen_repeats_2 = (uint32_t)screen_repeats_2_next;
-    state->screen_repeats_3 = (uint32_t)screen_repeats_3_next;
-    state->screen_repeats_4 = (uint32_t)count;
 
     /* estimator: weighted least squares
      *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
@@ -1054,134 +1062,188 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_argument_2 = phase_x_part_62 * phase_x_part_62;
     const float cos_yaw_2 = cos_yaw_polynomial(cos_yaw_argument_2);
     const float sin_yaw_2 = phase_x_part_62 * sin_yaw_polynomial(cos_yaw_argument_2);
-    const float phase_x_part_63 = hall_position_four_limit(steps_4 + phase_x_part_56, 0.125f);
-    const float phase_x_part_64 = hall_position_four_max(hall_position_four_min(estimator_amplitude + phase_x_part_63,
-        1.25f), 0.75f);
     const float cos_yaw_2_minus_cos_yaw = cos_yaw_2 - cos_yaw;
-    const float phase_x_part_65 = hall_position_four_limit(sin_yaw_2 - sin_yaw, 0.1f);
-    const float phase_x_part_66 = phase_x_part_60 + (0.28902653f * cos_yaw_2_minus_cos_yaw) + (0.45238933f *
-        phase_x_part_65);
-    const float f19_argument = phase_x_part_66 * phase_x_part_66;
-    const float phase_x_part_67 = (ax_part_full * f19_polynomial(f19_argument)) + (start_cosine_phase_x *
-        (phase_x_part_66 * f20_polynomial(f19_argument)));
-    const float phase_x_part_67_squared = phase_x_part_67 * phase_x_part_67;
-    const float phase_x_part_68 = (cos_yaw_2 * V_ax_held) - (sin_yaw_2 * V_ay_held) - (phase_x_part_64 *
-        (phase_x_part_67 * (estimator_field_1 + (phase_x_part_67_squared * (estimator_field_3 + (phase_x_part_67_squared
-        * estimator_field_5))))));
-    const float phase_x_part_69 = (weights_1 ? 1.0f : 0.0f) * phase_x_part_68;
-    const float phase_x_part_70 = phase_x_part_60 - (1.118407f * cos_yaw_2_minus_cos_yaw) + (1.7404423f *
-        phase_x_part_65);
-    const float f21_argument = phase_x_part_70 * phase_x_part_70;
-    const float phase_x_part_71 = (bx_part_full * f21_polynomial(f21_argument)) + (start_cosine_phase_x_2 *
-        (phase_x_part_70 * f22_polynomial(f21_argument)));
-    const float phase_x_part_71_squared = phase_x_part_71 * phase_x_part_71;
-    const float phase_x_part_72 = (cos_yaw_2 * V_bx_held) - (sin_yaw_2 * V_by_held) - (phase_x_part_64 *
-        (phase_x_part_71 * (estimator_field_1 + (phase_x_part_71_squared * (estimator_field_3 + (phase_x_part_71_squared
-        * estimator_field_5))))));
-    const float phase_x_part_73 = (weights_3 ? 1.0f : 0.0f) * phase_x_part_72;
-    const float phase_x_part_74 = phase_x_part_60 - (2.506991f * cos_yaw_2_minus_cos_yaw) + (3.0033627f *
-        phase_x_part_65);
-    const float f23_argument = phase_x_part_74 * phase_x_part_74;
-    const float phase_x_part_75 = (cx_part_full * f23_polynomial(f23_argument)) + (start_cosine_phase_x_3 *
-        (phase_x_part_74 * f24_polynomial(f23_argument)));
-    const float phase_x_part_75_squared = phase_x_part_75 * phase_x_part_75;
-    const float phase_x_part_76 = (cos_yaw_2 * V_cx_held) - (sin_yaw_2 * V_cy_held) - (phase_x_part_64 *
-        (phase_x_part_75 * (estimator_field_1 + (phase_x_part_75_squared * (estimator_field_3 + (phase_x_part_75_squared
-        * estimator_field_5))))));
-    const float phase_x_part_77 = (weights_5 ? 1.0f : 0.0f) * phase_x_part_76;
-    const float phase_x_part_78 = phase_x_part_60 + (1.627345f * cos_yaw_2_minus_cos_yaw) - (0.76654863f *
-        phase_x_part_65);
-    const float f25_argument = phase_x_part_78 * phase_x_part_78;
-    const float phase_x_part_79 = (dx_part_full * f25_polynomial(f25_argument)) + (start_cosine_phase_x_4 *
-        (phase_x_part_78 * f26_polynomial(f25_argument)));
-    const float phase_x_part_79_squared = phase_x_part_79 * phase_x_part_79;
-    const float phase_x_part_80 = (cos_yaw_2 * V_dx_held) - (sin_yaw_2 * V_dy_held) - (phase_x_part_64 *
-        (phase_x_part_79 * (estimator_field_1 + (phase_x_part_79_squared * (estimator_field_3 + (phase_x_part_79_squared
-        * estimator_field_5))))));
-    const float phase_x_part_81 = (weights_7 ? 1.0f : 0.0f) * phase_x_part_80;
-    const float phase_x_part_82 = (rows_1_1 * phase_x_part_69) + (rows_3_1 * phase_x_part_73) + (rows_5_1 *
-        phase_x_part_77) + (rows_7_1 * phase_x_part_81);
-    const float phase_x_part_83 = phase_x_part_82 * terms_1_phase_x;
-    const float phase_x_part_84 = hall_position_four_limit(steps_2 + phase_x_part_57, 0.5f);
-    const float phase_x_part_85 = phase_x_part_84 - (0.45238933f * cos_yaw_2_minus_cos_yaw) + (0.28902653f *
-        phase_x_part_65);
-    const float f27_argument = phase_x_part_85 * phase_x_part_85;
-    const float phase_x_part_86 = (ay_part_full * f27_polynomial(f27_argument)) + (start_cosine_phase_x_5 *
-        (phase_x_part_85 * f28_polynomial(f27_argument)));
-    const float phase_x_part_86_squared = phase_x_part_86 * phase_x_part_86;
-    const float phase_x_part_87 = (cos_yaw_2 * V_ay_held) + (sin_yaw_2 * V_ax_held) - (phase_x_part_64 *
-        (phase_x_part_86 * (estimator_field_1 + (phase_x_part_86_squared * (estimator_field_3 + (phase_x_part_86_squared
-        * estimator_field_5))))));
-    const float phase_x_part_88 = (weights_1 ? 1.0f : 0.0f) * phase_x_part_87;
-    const float phase_x_part_89 = phase_x_part_84 - (1.7404423f * cos_yaw_2_minus_cos_yaw) - (1.118407f *
-        phase_x_part_65);
-    const float f29_argument = phase_x_part_89 * phase_x_part_89;
-    const float phase_x_part_90 = (by_part_full * f29_polynomial(f29_argument)) + (start_cosine_phase_x_6 *
-        (phase_x_part_89 * f30_polynomial(f29_argument)));
-    const float phase_x_part_90_squared = phase_x_part_90 * phase_x_part_90;
-    const float phase_x_part_91 = (cos_yaw_2 * V_by_held) + (sin_yaw_2 * V_bx_held) - (phase_x_part_64 *
-        (phase_x_part_90 * (estimator_field_1 + (phase_x_part_90_squared * (estimator_field_3 + (phase_x_part_90_squared
-        * estimator_field_5))))));
-    const float phase_x_part_92 = (weights_3 ? 1.0f : 0.0f) * phase_x_part_91;
-    const float phase_x_part_93 = phase_x_part_84 - (3.0033627f * cos_yaw_2_minus_cos_yaw) - (2.506991f *
-        phase_x_part_65);
-    const float f31_argument = phase_x_part_93 * phase_x_part_93;
-    const float phase_x_part_94 = (cy_part_full * f31_polynomial(f31_argument)) + (start_cosine_phase_x_7 *
-        (phase_x_part_93 * f32_polynomial(f31_argument)));
-    const float phase_x_part_94_squared = phase_x_part_94 * phase_x_part_94;
-    const float phase_x_part_95 = (cos_yaw_2 * V_cy_held) + (sin_yaw_2 * V_cx_held) - (phase_x_part_64 *
-        (phase_x_part_94 * (estimator_field_1 + (phase_x_part_94_squared * (estimator_field_3 + (phase_x_part_94_squared
-        * estimator_field_5))))));
-    const float phase_x_part_96 = (weights_5 ? 1.0f : 0.0f) * phase_x_part_95;
-    const float phase_x_part_97 = phase_x_part_84 + (0.76654863f * cos_yaw_2_minus_cos_yaw) + (1.627345f *
-        phase_x_part_65);
-    const float f33_argument = phase_x_part_97 * phase_x_part_97;
-    const float phase_x_part_98 = (dy_part_full * f33_polynomial(f33_argument)) + (start_cosine_phase_x_8 *
-        (phase_x_part_97 * f34_polynomial(f33_argument)));
-    const float phase_x_part_98_squared = phase_x_part_98 * phase_x_part_98;
-    const float phase_x_part_99 = (cos_yaw_2 * V_dy_held) + (sin_yaw_2 * V_dx_held) - (phase_x_part_64 *
-        (phase_x_part_98 * (estimator_field_1 + (phase_x_part_98_squared * (estimator_field_3 + (phase_x_part_98_squared
-        * estimator_field_5))))));
-    const float phase_x_part_100 = (weights_7 ? 1.0f : 0.0f) * phase_x_part_99;
-    const float phase_x_part_101 = (rows_1_3 * phase_x_part_69) - (phase_x_part_13 * phase_x_part_88) + (rows_3_3 *
-        phase_x_part_73) - (phase_x_part_14 * phase_x_part_92) + (rows_5_3 * phase_x_part_77) - (phase_x_part_15 *
-        phase_x_part_96) + (rows_7_3 * phase_x_part_81) - (phase_x_part_16 * phase_x_part_100);
-    const float phase_x_part_102 = (rows_2_2 * phase_x_part_88) + (rows_4_2 * phase_x_part_92) + (rows_6_2 *
-        phase_x_part_96) + (rows_8_2 * phase_x_part_100);
-    const float phase_x_part_103 = phase_x_part_101 - (terms_1_phase_x_2 * phase_x_part_82) - (terms_1_phase_x_4 *
-        phase_x_part_102);
-    const float phase_x_part_104 = phase_x_part_103 * terms_1_phase_x_5;
-    const float phase_x_part_105 = offsets_4 + phase_x_part_63;
-    const float phase_x_part_106 = (rows_1_4 * phase_x_part_69) + (rows_2_4 * phase_x_part_88) + (rows_3_4 *
-        phase_x_part_73) + (rows_4_4 * phase_x_part_92) + (rows_5_4 * phase_x_part_77) + (rows_6_4 * phase_x_part_96) +
-        (rows_7_4 * phase_x_part_81) + (rows_8_4 * phase_x_part_100) - (1.0002778f * phase_x_part_105);
-    const float phase_x_part_107 = phase_x_part_106 - (terms_1_phase_x_6 * phase_x_part_82) - (terms_1_phase_x_7 *
-        phase_x_part_102) - (terms_1_phase_x_8 * phase_x_part_103);
-    const float phase_x_part_108 = phase_x_part_107 * diagonal_4;
-    const float phase_x_part_109 = phase_x_part_104 - (terms_1_phase_x_8 * phase_x_part_108);
-    const float phase_x_part_110 = (moves_1_1_phase_x_2 * phase_x_part_82) + (moves_1_2_phase_x * phase_x_part_102) +
-        (moves_1_3_phase_x_2 * phase_x_part_101) + (moves_1_4_phase_x_2 * phase_x_part_106);
-    const float phase_x_part_111 = gains_1_phase_x_2 * phase_x_part_110;
-    const float phase_x_part_112 = (moves_2_1_phase_x_2 * phase_x_part_82) + (moves_2_2_phase_x_2 * phase_x_part_102) +
-        (moves_2_3_phase_x * phase_x_part_101) + (moves_2_4_phase_x * phase_x_part_106);
-    const float phase_x_part_113 = gains_2_phase_x_2 * phase_x_part_112;
-    const float phase_x_part_114 = hall_position_four_limit(phase_x_part_60 + (phase_x_part_83 - (terms_1_phase_x_2 *
-        phase_x_part_109) - (terms_1_phase_x_6 * phase_x_part_108) + ((none_phase_x) ? 0.0f : ((moves_1_1_phase_x_2 *
-        phase_x_part_111) + (moves_2_1_phase_x_2 * phase_x_part_113)))), 0.5f);
-    const float phase_x_part_115 = starts_1 + phase_x_part_114;
-    float phase_x_part_116 = phase_x_part_115;
-    if (pi < phase_x_part_115) {
-        phase_x_part_116 = phase_x_part_115 - two_pi;
+    const float phase_x_part_63 = hall_position_four_limit(sin_yaw_2 - sin_yaw, 0.1f);
+    const float phase_x_part_64 = hall_position_four_limit(steps_4 + phase_x_part_56, 0.125f);
+    const float phase_x_part_65 = hall_position_four_max(hall_position_four_min(estimator_amplitude + phase_x_part_64,
+        1.25f), 0.75f);
+    const float phase_x_part_66 = hall_position_four_limit(steps_2 + phase_x_part_57, 0.5f);
+    float phase_x_part_67 = 0.0f;
+    float phase_x_part_68 = 0.0f;
+    float phase_x_part_69 = 0.0f;
+    float phase_x_part_70 = 0.0f;
+    float chi_square_part = 0.0f;
+    if (weights_1) {
+        const float phase_x_part_71 = phase_x_part_60 + (0.28902653f * cos_yaw_2_minus_cos_yaw) + (0.45238933f *
+            phase_x_part_63);
+        const float f19_argument = phase_x_part_71 * phase_x_part_71;
+        const float phase_x_part_72 = (ax_part_full * f19_polynomial(f19_argument)) + (start_cosine_phase_x *
+            (phase_x_part_71 * f20_polynomial(f19_argument)));
+        const float phase_x_part_72_squared = phase_x_part_72 * phase_x_part_72;
+        const float phase_x_part_73 = (cos_yaw_2 * V_ax_held) - (sin_yaw_2 * V_ay_held) - (phase_x_part_65 *
+            (phase_x_part_72 * (estimator_field_1 + (phase_x_part_72_squared * (estimator_field_3 +
+            (phase_x_part_72_squared * estimator_field_5))))));
+        phase_x_part_67 = rows_1_1 * phase_x_part_73;
+        const float phase_x_part_74 = phase_x_part_66 - (0.45238933f * cos_yaw_2_minus_cos_yaw) + (0.28902653f *
+            phase_x_part_63);
+        const float f27_argument = phase_x_part_74 * phase_x_part_74;
+        const float phase_x_part_75 = (ay_part_full * f27_polynomial(f27_argument)) + (start_cosine_phase_x_5 *
+            (phase_x_part_74 * f28_polynomial(f27_argument)));
+        const float phase_x_part_75_squared = phase_x_part_75 * phase_x_part_75;
+        const float phase_x_part_76 = (cos_yaw_2 * V_ay_held) + (sin_yaw_2 * V_ax_held) - (phase_x_part_65 *
+            (phase_x_part_75 * (estimator_field_1 + (phase_x_part_75_squared * (estimator_field_3 +
+            (phase_x_part_75_squared * estimator_field_5))))));
+        phase_x_part_68 = (rows_1_3 * phase_x_part_73) - (phase_x_part_13 * phase_x_part_76);
+        phase_x_part_69 = rows_2_2 * phase_x_part_76;
+        phase_x_part_70 = (rows_1_4 * phase_x_part_73) + (rows_2_4 * phase_x_part_76);
+        chi_square_part = (phase_x_part_73 * phase_x_part_73) + (phase_x_part_76 * phase_x_part_76);
     }
-    float phase_x_part_117 = phase_x_part_116;
-    if (phase_x_part_116 < -pi) {
-        phase_x_part_117 = phase_x_part_116 + two_pi;
+    float phase_x_part_77 = 0.0f;
+    float phase_x_part_78 = 0.0f;
+    float phase_x_part_79 = 0.0f;
+    float phase_x_part_80 = 0.0f;
+    float phase_x_part_81 = 0.0f;
+    float phase_x_part_82 = 0.0f;
+    float chi_square_part_2 = 0.0f;
+    float chi_square_part_3 = 0.0f;
+    if (weights_3) {
+        const float phase_x_part_83 = phase_x_part_60 - (1.118407f * cos_yaw_2_minus_cos_yaw) + (1.7404423f *
+            phase_x_part_63);
+        const float f21_argument = phase_x_part_83 * phase_x_part_83;
+        const float phase_x_part_84 = (bx_part_full * f21_polynomial(f21_argument)) + (start_cosine_phase_x_2 *
+            (phase_x_part_83 * f22_polynomial(f21_argument)));
+        const float phase_x_part_84_squared = phase_x_part_84 * phase_x_part_84;
+        const float phase_x_part_85 = (cos_yaw_2 * V_bx_held) - (sin_yaw_2 * V_by_held) - (phase_x_part_65 *
+            (phase_x_part_84 * (estimator_field_1 + (phase_x_part_84_squared * (estimator_field_3 +
+            (phase_x_part_84_squared * estimator_field_5))))));
+        phase_x_part_77 = rows_3_1 * phase_x_part_85;
+        phase_x_part_78 = rows_3_3 * phase_x_part_85;
+        const float phase_x_part_86 = phase_x_part_66 - (1.7404423f * cos_yaw_2_minus_cos_yaw) - (1.118407f *
+            phase_x_part_63);
+        const float f29_argument = phase_x_part_86 * phase_x_part_86;
+        const float phase_x_part_87 = (by_part_full * f29_polynomial(f29_argument)) + (start_cosine_phase_x_6 *
+            (phase_x_part_86 * f30_polynomial(f29_argument)));
+        const float phase_x_part_87_squared = phase_x_part_87 * phase_x_part_87;
+        const float phase_x_part_88 = (cos_yaw_2 * V_by_held) + (sin_yaw_2 * V_bx_held) - (phase_x_part_65 *
+            (phase_x_part_87 * (estimator_field_1 + (phase_x_part_87_squared * (estimator_field_3 +
+            (phase_x_part_87_squared * estimator_field_5))))));
+        phase_x_part_79 = -(phase_x_part_14 * phase_x_part_88);
+        phase_x_part_80 = rows_4_2 * phase_x_part_88;
+        phase_x_part_81 = rows_3_4 * phase_x_part_85;
+        phase_x_part_82 = rows_4_4 * phase_x_part_88;
+        chi_square_part_2 = phase_x_part_85 * phase_x_part_85;
+        chi_square_part_3 = phase_x_part_88 * phase_x_part_88;
     }
-    const float phase_x = hall_position_four_limit(phase_x_part_117, pi);
-    const float phase_y_part = phase_x_part_102 * terms_1_phase_x_3;
-    const float phase_y_part_2 = hall_position_four_limit(phase_x_part_84 + (phase_y_part - (terms_1_phase_x_4 *
-        phase_x_part_109) - (terms_1_phase_x_7 * phase_x_part_108) + ((none_phase_x) ? 0.0f : ((moves_1_2_phase_x *
-        phase_x_part_111) + (moves_2_2_phase_x_2 * phase_x_part_113)))), 0.5f);
+    float phase_x_part_89 = 0.0f;
+    float phase_x_part_90 = 0.0f;
+    float phase_x_part_91 = 0.0f;
+    float phase_x_part_92 = 0.0f;
+    float phase_x_part_93 = 0.0f;
+    float phase_x_part_94 = 0.0f;
+    float chi_square_part_4 = 0.0f;
+    float chi_square_part_5 = 0.0f;
+    if (weights_5) {
+        const float phase_x_part_95 = phase_x_part_60 - (2.506991f * cos_yaw_2_minus_cos_yaw) + (3.0033627f *
+            phase_x_part_63);
+        const float f23_argument = phase_x_part_95 * phase_x_part_95;
+        const float phase_x_part_96 = (cx_part_full * f23_polynomial(f23_argument)) + (start_cosine_phase_x_3 *
+            (phase_x_part_95 * f24_polynomial(f23_argument)));
+        const float phase_x_part_96_squared = phase_x_part_96 * phase_x_part_96;
+        const float phase_x_part_97 = (cos_yaw_2 * V_cx_held) - (sin_yaw_2 * V_cy_held) - (phase_x_part_65 *
+            (phase_x_part_96 * (estimator_field_1 + (phase_x_part_96_squared * (estimator_field_3 +
+            (phase_x_part_96_squared * estimator_field_5))))));
+        phase_x_part_89 = rows_5_1 * phase_x_part_97;
+        phase_x_part_90 = rows_5_3 * phase_x_part_97;
+        const float phase_x_part_98 = phase_x_part_66 - (3.0033627f * cos_yaw_2_minus_cos_yaw) - (2.506991f *
+            phase_x_part_63);
+        const float f31_argument = phase_x_part_98 * phase_x_part_98;
+        const float phase_x_part_99 = (cy_part_full * f31_polynomial(f31_argument)) + (start_cosine_phase_x_7 *
+            (phase_x_part_98 * f32_polynomial(f31_argument)));
+        const float phase_x_part_99_squared = phase_x_part_99 * phase_x_part_99;
+        const float phase_x_part_100 = (cos_yaw_2 * V_cy_held) + (sin_yaw_2 * V_cx_held) - (phase_x_part_65 *
+            (phase_x_part_99 * (estimator_field_1 + (phase_x_part_99_squared * (estimator_field_3 +
+            (phase_x_part_99_squared * estimator_field_5))))));
+        phase_x_part_91 = -(phase_x_part_15 * phase_x_part_100);
+        phase_x_part_92 = rows_6_2 * phase_x_part_100;
+        phase_x_part_93 = rows_5_4 * phase_x_part_97;
+        phase_x_part_94 = rows_6_4 * phase_x_part_100;
+        chi_square_part_4 = phase_x_part_97 * phase_x_part_97;
+        chi_square_part_5 = phase_x_part_100 * phase_x_part_100;
+    }
+    float phase_x_part_101 = 0.0f;
+    float phase_x_part_102 = 0.0f;
+    float phase_x_part_103 = 0.0f;
+    float phase_x_part_104 = 0.0f;
+    float phase_x_part_105 = 0.0f;
+    float phase_x_part_106 = 0.0f;
+    float chi_square_part_6 = 0.0f;
+    float chi_square_part_7 = 0.0f;
+    if (weights_7) {
+        const float phase_x_part_107 = phase_x_part_60 + (1.627345f * cos_yaw_2_minus_cos_yaw) - (0.76654863f *
+            phase_x_part_63);
+        const float f25_argument = phase_x_part_107 * phase_x_part_107;
+        const float phase_x_part_108 = (dx_part_full * f25_polynomial(f25_argument)) + (start_cosine_phase_x_4 *
+            (phase_x_part_107 * f26_polynomial(f25_argument)));
+        const float phase_x_part_108_squared = phase_x_part_108 * phase_x_part_108;
+        const float phase_x_part_109 = (cos_yaw_2 * V_dx_held) - (sin_yaw_2 * V_dy_held) - (phase_x_part_65 *
+            (phase_x_part_108 * (estimator_field_1 + (phase_x_part_108_squared * (estimator_field_3 +
+            (phase_x_part_108_squared * estimator_field_5))))));
+        phase_x_part_101 = rows_7_1 * phase_x_part_109;
+        phase_x_part_102 = rows_7_3 * phase_x_part_109;
+        const float phase_x_part_110 = phase_x_part_66 + (0.76654863f * cos_yaw_2_minus_cos_yaw) + (1.627345f *
+            phase_x_part_63);
+        const float f33_argument = phase_x_part_110 * phase_x_part_110;
+        const float phase_x_part_111 = (dy_part_full * f33_polynomial(f33_argument)) + (start_cosine_phase_x_8 *
+            (phase_x_part_110 * f34_polynomial(f33_argument)));
+        const float phase_x_part_111_squared = phase_x_part_111 * phase_x_part_111;
+        const float phase_x_part_112 = (cos_yaw_2 * V_dy_held) + (sin_yaw_2 * V_dx_held) - (phase_x_part_65 *
+            (phase_x_part_111 * (estimator_field_1 + (phase_x_part_111_squared * (estimator_field_3 +
+            (phase_x_part_111_squared * estimator_field_5))))));
+        phase_x_part_103 = -(phase_x_part_16 * phase_x_part_112);
+        phase_x_part_104 = rows_8_2 * phase_x_part_112;
+        phase_x_part_105 = rows_7_4 * phase_x_part_109;
+        phase_x_part_106 = rows_8_4 * phase_x_part_112;
+        chi_square_part_6 = phase_x_part_109 * phase_x_part_109;
+        chi_square_part_7 = phase_x_part_112 * phase_x_part_112;
+    }
+    const float phase_x_part_113 = phase_x_part_67 + phase_x_part_77 + phase_x_part_89 + phase_x_part_101;
+    const float phase_x_part_114 = phase_x_part_113 * terms_1_phase_x;
+    const float phase_x_part_115 = phase_x_part_68 + phase_x_part_78 + phase_x_part_79 + phase_x_part_90 +
+        phase_x_part_91 + phase_x_part_102 + phase_x_part_103;
+    const float phase_x_part_116 = phase_x_part_69 + phase_x_part_80 + phase_x_part_92 + phase_x_part_104;
+    const float phase_x_part_117 = phase_x_part_115 - (terms_1_phase_x_2 * phase_x_part_113) - (terms_1_phase_x_4 *
+        phase_x_part_116);
+    const float phase_x_part_118 = phase_x_part_117 * terms_1_phase_x_5;
+    const float phase_x_part_119 = offsets_4 + phase_x_part_64;
+    const float phase_x_part_120 = phase_x_part_70 + phase_x_part_81 + phase_x_part_82 + phase_x_part_93 +
+        phase_x_part_94 + phase_x_part_105 + phase_x_part_106 - (1.0002778f * phase_x_part_119);
+    const float phase_x_part_121 = phase_x_part_120 - (terms_1_phase_x_6 * phase_x_part_113) - (terms_1_phase_x_7 *
+        phase_x_part_116) - (terms_1_phase_x_8 * phase_x_part_117);
+    const float phase_x_part_122 = phase_x_part_121 * diagonal_4;
+    const float phase_x_part_123 = phase_x_part_118 - (terms_1_phase_x_8 * phase_x_part_122);
+    const float phase_x_part_124 = (moves_1_1_phase_x_2 * phase_x_part_113) + (moves_1_2_phase_x * phase_x_part_116) +
+        (moves_1_3_phase_x_2 * phase_x_part_115) + (moves_1_4_phase_x_2 * phase_x_part_120);
+    const float phase_x_part_125 = gains_1_phase_x_2 * phase_x_part_124;
+    const float phase_x_part_126 = (moves_2_1_phase_x_2 * phase_x_part_113) + (moves_2_2_phase_x_2 * phase_x_part_116) +
+        (moves_2_3_phase_x * phase_x_part_115) + (moves_2_4_phase_x * phase_x_part_120);
+    const float phase_x_part_127 = gains_2_phase_x_2 * phase_x_part_126;
+    const float phase_x_part_128 = hall_position_four_limit(phase_x_part_60 + (phase_x_part_114 - (terms_1_phase_x_2 *
+        phase_x_part_123) - (terms_1_phase_x_6 * phase_x_part_122) + ((none_phase_x) ? 0.0f : ((moves_1_1_phase_x_2 *
+        phase_x_part_125) + (moves_2_1_phase_x_2 * phase_x_part_127)))), 0.5f);
+    const float phase_x_part_129 = starts_1 + phase_x_part_128;
+    float phase_x_part_130 = phase_x_part_129;
+    if (pi < phase_x_part_129) {
+        phase_x_part_130 = phase_x_part_129 - two_pi;
+    }
+    float phase_x_part_131 = phase_x_part_130;
+    if (phase_x_part_130 < -pi) {
+        phase_x_part_131 = phase_x_part_130 + two_pi;
+    }
+    const float phase_x = hall_position_four_limit(phase_x_part_131, pi);
+    const float phase_y_part = phase_x_part_116 * terms_1_phase_x_3;
+    const float phase_y_part_2 = hall_position_four_limit(phase_x_part_66 + (phase_y_part - (terms_1_phase_x_4 *
+        phase_x_part_123) - (terms_1_phase_x_7 * phase_x_part_122) + ((none_phase_x) ? 0.0f : ((moves_1_2_phase_x *
+        phase_x_part_125) + (moves_2_2_phase_x_2 * phase_x_part_127)))), 0.5f);
     const float starts_2_plus_phase_y_part_2 = starts_2 + phase_y_part_2;
     float phase_y_part_3 = starts_2_plus_phase_y_part_2;
     if (pi < starts_2_plus_phase_y_part_2) {
@@ -1192,12 +1254,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_y_part_4 = phase_y_part_3 + two_pi;
     }
     const float phase_y = hall_position_four_limit(phase_y_part_4, pi);
-    const float yaw_part = hall_position_four_limit(phase_x_part_61 + (phase_x_part_109 + ((none_phase_x) ? 0.0f :
-        ((moves_1_3_phase_x_2 * phase_x_part_111) + (moves_2_3_phase_x * phase_x_part_113)))), 0.1f);
+    const float yaw_part = hall_position_four_limit(phase_x_part_61 + (phase_x_part_123 + ((none_phase_x) ? 0.0f :
+        ((moves_1_3_phase_x_2 * phase_x_part_125) + (moves_2_3_phase_x * phase_x_part_127)))), 0.1f);
     const float yaw = hall_position_four_limit(starts_3 + yaw_part, 0.20943952f);
-    const float amplitude_part = hall_position_four_min(estimator_amplitude + hall_position_four_limit(phase_x_part_63 +
-        (phase_x_part_108 + ((none_phase_x) ? 0.0f : ((moves_1_4_phase_x_2 * phase_x_part_111) + (moves_2_4_phase_x *
-        phase_x_part_113)))), 0.125f), 1.25f);
+    const float amplitude_part = hall_position_four_min(estimator_amplitude + hall_position_four_limit(phase_x_part_64 +
+        (phase_x_part_122 + ((none_phase_x) ? 0.0f : ((moves_1_4_phase_x_2 * phase_x_part_125) + (moves_2_4_phase_x *
+        phase_x_part_127)))), 0.125f), 1.25f);
     const float amplitude = hall_position_four_max(amplitude_part, 0.75f);
     const float deviation_phase_x_part_2 = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
@@ -1214,18 +1276,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float deviation_yaw = hall_position_four_min(0.060008332f * sqrtf(deviation_yaw_part_2), 0.1f);
     const float deviation_amplitude_part_2 = diagonal_4 + deviation_amplitude_part;
     const float deviation_amplitude = hall_position_four_min(0.060008332f * sqrtf(deviation_amplitude_part_2), 0.2f);
-    const float chi_square_part = (phase_x_part_69 * phase_x_part_68) + (phase_x_part_88 * phase_x_part_87) +
-        (phase_x_part_73 * phase_x_part_72) + (phase_x_part_92 * phase_x_part_91) + (phase_x_part_77 * phase_x_part_76)
-        + (phase_x_part_96 * phase_x_part_95) + (phase_x_part_81 * phase_x_part_80) + (phase_x_part_100 *
-        phase_x_part_99) + (1.0002778f * (phase_x_part_105 * phase_x_part_105));
-    const float chi_square_part_2 = (phase_x_part_82 * phase_x_part_83) + (phase_x_part_102 * phase_y_part) +
-        (phase_x_part_103 * phase_x_part_104) + (phase_x_part_107 * phase_x_part_108) + ((none_phase_x) ? 0.0f :
-        ((gains_1_phase_x_2 * (phase_x_part_110 * phase_x_part_110)) + (gains_2_phase_x_2 * (phase_x_part_112 *
-        phase_x_part_112))));
-    const float chi_square_part_3 = hall_position_four_max(chi_square_part - chi_square_part_2, 0.0f);
-    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * chi_square_part_3, 1e+09f),
-        0.0f);
-    const bool converged = chi_square_part_2 <= 3.601e-05f;
+    const float chi_square_part_8 = (phase_x_part_113 * phase_x_part_114) + (phase_x_part_116 * phase_y_part) +
+        (phase_x_part_117 * phase_x_part_118) + (phase_x_part_121 * phase_x_part_122) + ((none_phase_x) ? 0.0f :
+        ((gains_1_phase_x_2 * (phase_x_part_124 * phase_x_part_124)) + (gains_2_phase_x_2 * (phase_x_part_126 *
+        phase_x_part_126))));
+    const float chi_square_part_9 = hall_position_four_max(chi_square_part + chi_square_part_2 + chi_square_part_3 +
+        chi_square_part_4 + chi_square_part_5 + chi_square_part_6 + chi_square_part_7 + (1.0002778f * (phase_x_part_119
+        * phase_x_part_119)) - chi_square_part_8, 0.0f);
+    const float chi_square = hall_position_four_min(277.70065f * chi_square_part_9, 1e+09f);
+    const bool converged = chi_square_part_8 <= 3.601e-05f;
     const bool factors_2 = (left_1_1 <= 14404.0f) && (left_2_2_phase_x <= 14404.0f) && (left_3_3_phase_x <= 90025.0f) &&
         (left_4_4_phase_x <= 22506.25f);
     const bool weak = !factors_2 || (17.356117f <= deviation_phase_x_part_3) || (17.356117f <= deviation_phase_y_part_3)
@@ -1294,7 +1353,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     } else {
         limit = 17.729996f;
         const float protection_phase_x_part_16 = 0.06384572f + (1e-05f * protection_phase_x_part_5);
-        const float protection_phase_x_part_17 = steps_1 - phase_x_part_114;
+        const float protection_phase_x_part_17 = steps_1 - phase_x_part_128;
         const float steps_2_minus_phase_y_part_2 = steps_2 - phase_y_part_2;
         const float steps_3_minus_yaw_part = steps_3 - yaw_part;
         float protection_phase_x_part_18 = 0.0f;
@@ -1360,7 +1419,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_phase_y_part_8));
         protection_yaw_part_5 = protection_yaw_part_7 + (0.20887439f * sqrtf(diagonal_3 + protection_yaw_part_8));
     }
-    const bool phases_valid_test_2 = factors_2 && (chi_square_part_3 <= (0.003601f * limit));
+    const bool phases_valid_test_2 = factors_2 && (chi_square_part_9 <= (0.003601f * limit));
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
@@ -1440,8 +1499,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             state->estimator_phase_y = phase_y;
             state->estimator_yaw = yaw;
             state->estimator_amplitude = amplitude;
-            if (fabsf(phase_x_part_114) < 0.5f) {
-                estimator_motion_phase_x_part = estimator_motion_phase_x + (0.5f * phase_x_part_114);
+            if (fabsf(phase_x_part_128) < 0.5f) {
+                estimator_motion_phase_x_part = estimator_motion_phase_x + (0.5f * phase_x_part_128);
             }
             if (fabsf(phase_y_part_2) < 0.5f) {
                 estimator_motion_phase_y_part = estimator_motion_phase_y + (0.5f * phase_y_part_2);

@@ -177,7 +177,7 @@ def _step(
     pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
     next = pose | _motions(of, solution, x)
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
-    output |= {CHI_SQUARE.name: clip(cost / of.scale**2, CHI_SQUARE)}
+    output |= {CHI_SQUARE.name: ca.fmin(cost / of.scale**2, CHI_SQUARE.high)}
     if monitor:
         judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
         accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)

@@ -134,7 +134,9 @@ def factorise(of: Model, rows: Sequence[Vector], others: Sequence[Vector]) -> tu
 
 def weighted(of: Problem, values: Vector) -> list[ca.SX]:
     """Return values of the channels times their weights."""
-    return list(values) if of.weights is None else [w * v for w, v in zip(of.weights, values, strict=True)]
+    return (
+        list(values) if of.weights is None else [ca.if_else(w, v, 0) for w, v in zip(of.weights, values, strict=True)]
+    )
 
 
 def residual_bound(of: Model) -> float:

@@ -44,11 +44,12 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         next, flags = {f"last_{name}": u[f"{name}_held"] for name in names}, []
         for index, group in enumerate(groups, 1):
-            same = reduce(ca.logic_or, [u[f"{name}_held"] == x[f"last_{name}"] for name in group])
-            count = ca.if_else(same, ca.fmin(x[f"repeats_{index}"] + 1, limit), 0)
+            same = reduce(ca.logic_or, [ca.fabs(u[f"{name}_held"] - x[f"last_{name}"]) <= 0 for name in group])
+            count = ca.fmin(x[f"repeats_{index}"] + 1, limit)
+            frozen = ca.if_else(same, count >= limit, 0)
             refused = reduce(ca.logic_or, [u[f"fault_{name}"] for name in group])
-            flags.append(ca.logic_or(refused, count >= limit))
-            next[f"repeats_{index}"] = count
+            flags.append(ca.logic_or(refused, frozen))
+            next[f"repeats_{index}"] = ca.if_else(same, count, 0)
         single = reduce(lambda total, flag: total + flag, flags) <= 1
         number = ca.SX(0)
         for index, flag in reversed(list(enumerate(flags, 1))):
