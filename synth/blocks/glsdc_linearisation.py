@@ -115,7 +115,11 @@ def _phase_changes(
     for u, turn, start in zip(of.turning, turns, prediction.turns, strict=True):
         most = Signal("chord", "1", -u.rate * u.step, u.rate * u.step)
         chords.append(Phasor(clip(turn.cosine - start.cosine, most), clip(turn.sine - start.sine, most)))
-    changes = of.phase_changes(ca.vcat(list(at)), *_columns(chords), prediction.constants)
+    moved = [
+        d if u.periodic else end - start
+        for u, d, end, start in zip(of.unknowns, at, values, prediction.values, strict=True)
+    ]
+    changes = of.phase_changes(ca.vcat(moved), *_columns(chords), prediction.constants)
     return [changes[i] for i in range(len(of.phases))]
 
 

@@ -7,7 +7,8 @@ A converged sample whose c exceeds T excludes the group of the hypothesis with t
 one whose c does not takes every channel in again. A group is a channel, or several that fail together. One that a check
 in front has refused is excluded in the same sample. The c and the hypotheses that decide on this are of all channels,
 linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
-out of the linear range, and not the prediction. Nothing is valid where a fault of some group is not detectable.
+out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
+corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
 """
 
 from collections.abc import Sequence
