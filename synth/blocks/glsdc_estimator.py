@@ -76,10 +76,11 @@ def estimator(
 ) -> Block:
     """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
 
-    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q, and an angle, has cos_q and sin_q too.
-    R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model error. `angles`
-    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too. With a
-    `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each unknown.
+    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q, and an angle, has cos_q and
+    sin_q too. R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model
+    error. `angles` are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`,
+    too. With a `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each
+    unknown.
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
