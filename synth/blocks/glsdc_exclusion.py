@@ -103,10 +103,10 @@ def solve(
         used = glsdc_solution.weighted(of, linear.residuals)
         if i:
             gradient = glsdc_solution.gradient_of(linear.rows, used, one.normal.pulls)
-            normal = _reduced(one.normal, removal, [dot(x, gradient) for x in removal.moves], ca.SX(0))
+            normal = _without_group(one.normal, removal, [dot(x, gradient) for x in removal.moves], ca.SX(0))
         else:
             dropped = whole.squares - one.squares
-            normal = _reduced(whole.normal, removal, [-u for u in scores], dropped)
+            normal = _without_group(whole.normal, removal, [-u for u in scores], dropped)
         return Trial(at, one.residuals, one.squares, one.cost, normal)
 
     return glsdc_solution.iterate(of.model, iteration, trial), separation
@@ -117,7 +117,7 @@ def linearise(of: Problem, at: Vector) -> Linearisation:
     return glsdc_linearisation.linearise(of.model, of.prediction, at)
 
 
-def _reduced(of: Normal, removal: Removal, projections: Vector, dropped: ca.SX) -> Reduced:
+def _without_group(of: Normal, removal: Removal, projections: Vector, dropped: ca.SX) -> Reduced:
     return Reduced(of.factors, of.forward, of.linear, of.pulls, of.in_range, removal, projections, dropped)
 
 
@@ -164,7 +164,7 @@ def _separation(
     gradient = glsdc_solution.gradient_of(normal.linear.rows, e, normal.pulls)
     forward = glsdc.substitute_forward(factors, gradient, glsdc_solution.forward_bounds(of))
     all_channels = LdlNormalEquations(factors, forward)
-    step = _limited(of, all_channels.step)
+    step = _limit_step(of, all_channels.step)
     scores = [
         glsdc_integrity.dot_sparse(w, e) - dot(slope, step)
         for w, slope in zip(linear.directions, faults.slopes, strict=True)
@@ -174,7 +174,7 @@ def _separation(
     return Separation(faults, full, cost, in_range)
 
 
-def _limited(of: Model, step: Vector) -> list[ca.SX]:
+def _limit_step(of: Model, step: Vector) -> list[ca.SX]:
     if len(step) <= glsdc.UNLIMITED:
         return list(step)
     bounds = [glsdc_solution.residual_bound(of) / sqrt(f) for f in of.floors]

@@ -162,7 +162,7 @@ def hypotheses(
         slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
         forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
         units.append(LdlNormalEquations(factors, forward))
-    moves = [_limited(unit.step, floors) for unit in units]
+    moves = [_limit_moves(unit.step, floors) for unit in units]
     gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
     for group in groups:
         members = _separabilities(group, units, linear)
@@ -175,7 +175,7 @@ def hypotheses(
     return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
 
 
-def _limited(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
+def _limit_moves(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
     """Return a move (n,) within its limits; of a few unknowns, interval arithmetic does not overflow without them."""
     if len(move) <= glsdc.UNLIMITED:
         return list(move)

@@ -40,7 +40,11 @@ class Prediction:
 
 def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
     """Return the prediction of a sample; `named` receives the parts of the phasors."""
-    turns = [_turn(u, value, u.name in of.used, named) for u, value in zip(of.unknowns, values, strict=True) if u.rate]
+    turns = [
+        _unknown_phasor(u, value, u.name in of.used, named)
+        for u, value in zip(of.unknowns, values, strict=True)
+        if u.rate
+    ]
     phases = _phases(of, values, turns, constants)
     phasors: list[Phasor] = []
     certified: dict[str, Certificate] = {}
@@ -52,7 +56,7 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
     return Prediction(values, phases, turns, phasors, measured, constants, certified)
 
 
-def _turn(u: Unknown, value: ca.SX, used: bool, named: NamedExpressions) -> Phasor:
+def _unknown_phasor(u: Unknown, value: ca.SX, used: bool, named: NamedExpressions) -> Phasor:
     """Return the phasor of an unknown; names keep functions of an angle's cosine from becoming functions of it."""
     if not used:
         return ANY

@@ -50,7 +50,7 @@ def solution(number: int, corrections: int, defect: float = 0.0) -> tuple[Array,
     return at, variances, float(ca.evalf(result.last.cost - normal.decrease))
 
 
-def expected(number: int) -> tuple[Array, Array, float]:
+def reference_solution(number: int) -> tuple[Array, Array, float]:
     used = np.repeat(np.arange(1, 4) != number, 2)
     H, y, weight = ROWS[used], Y[used], (SIGMA / 0.5) ** 2
     N = H.T @ H + np.diag([0, weight])
@@ -62,12 +62,12 @@ def expected(number: int) -> tuple[Array, Array, float]:
 @pytest.mark.parametrize("number", range(4))
 @pytest.mark.parametrize("corrections", [1, 2])
 def test_the_rank_update_is_the_solution_without_the_group(number: int, corrections: int) -> None:
-    for value, reference in zip(solution(number, corrections), expected(number), strict=True):
+    for value, reference in zip(solution(number, corrections), reference_solution(number), strict=True):
         np.testing.assert_allclose(value, reference, rtol=1e-9, atol=1e-12)
 
 
 def test_another_gain_of_the_update_shows() -> None:
-    assert not np.allclose(solution(2, 2, 1e-3)[1], expected(2)[1], rtol=1e-6)
+    assert not np.allclose(solution(2, 2, 1e-3)[1], reference_solution(2)[1], rtol=1e-6)
 
 
 @pytest.mark.parametrize("count", range(1, 9))
