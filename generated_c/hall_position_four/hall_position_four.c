@@ -1221,11 +1221,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_x_part_116) - (terms_1_phase_x_8 * phase_x_part_117);
     const float phase_x_part_122 = phase_x_part_121 * diagonal_4;
     const float phase_x_part_123 = phase_x_part_118 - (terms_1_phase_x_8 * phase_x_part_122);
-    const float phase_x_part_124 = (moves_1_1_phase_x_2 * phase_x_part_113) + (moves_1_2_phase_x * phase_x_part_116) +
-        (moves_1_3_phase_x_2 * phase_x_part_115) + (moves_1_4_phase_x_2 * phase_x_part_120);
+    const float phase_x_part_124 = hall_position_four_limit((moves_1_1_phase_x_2 * phase_x_part_113) +
+        (moves_1_2_phase_x * phase_x_part_116) + (moves_1_3_phase_x_2 * phase_x_part_115) + (moves_1_4_phase_x_2 *
+        phase_x_part_120), 1845.495f);
     const float phase_x_part_125 = gains_1_phase_x_2 * phase_x_part_124;
-    const float phase_x_part_126 = (moves_2_1_phase_x_2 * phase_x_part_113) + (moves_2_2_phase_x_2 * phase_x_part_116) +
-        (moves_2_3_phase_x * phase_x_part_115) + (moves_2_4_phase_x * phase_x_part_120);
+    const float phase_x_part_126 = hall_position_four_limit((moves_2_1_phase_x_2 * phase_x_part_113) +
+        (moves_2_2_phase_x_2 * phase_x_part_116) + (moves_2_3_phase_x * phase_x_part_115) + (moves_2_4_phase_x *
+        phase_x_part_120), 1845.495f);
     const float phase_x_part_127 = gains_2_phase_x_2 * phase_x_part_126;
     const float phase_x_part_128 = hall_position_four_limit(phase_x_part_60 + (phase_x_part_114 - (terms_1_phase_x_2 *
         phase_x_part_123) - (terms_1_phase_x_6 * phase_x_part_122) + ((none_phase_x) ? 0.0f : ((moves_1_1_phase_x_2 *

@@ -96,6 +96,9 @@ def solve(
     whole = glsdc_solution.trial(of_all, [ca.SX(0)] * len(of.offsets), begin, factors)
     separation = _separation(of.model, groups, *factors, whole, replace(begin, directions=axes))
     removal, scores = _removal(groups, separation, excluded)
+    # A projection is at most |e|, and what the factors of its group add; the bound keeps its square finite.
+    most = (1 + 1 / sqrt(glsdc_integrity.DETECTABLE)) * glsdc_solution.residual_bound(of.model)
+    bound = Signal("projection", "1", -most, most)
 
     def trial(i: int, at: Vector) -> Trial[Reduced]:
         linear = replace(begin, residuals=linearise(of, at).residuals) if i else begin
@@ -103,7 +106,8 @@ def solve(
         used = glsdc_solution.weighted(of, linear.residuals)
         if i:
             gradient = glsdc_solution.gradient_of(linear.rows, used, one.normal.pulls)
-            normal = _without_group(one.normal, removal, [dot(x, gradient) for x in removal.moves], ca.SX(0))
+            projections = [clip(dot(x, gradient), bound) for x in removal.moves]
+            normal = _without_group(one.normal, removal, projections, ca.SX(0))
         else:
             dropped = whole.squares - one.squares
             normal = _without_group(whole.normal, removal, [-u for u in scores], dropped)
