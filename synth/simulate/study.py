@@ -25,6 +25,7 @@ from synth.errors import DesignError
 from synth.simulate import lockstep, sampling
 from synth.simulate.experiments import Runnable
 from synth.simulate.integration import Integration
+from synth.simulate.lane_memory import Name
 from synth.simulate.lanes import LANES
 from synth.simulate.rig import Rig, Simulate
 from synth.simulate.sampling import Sampling
@@ -100,13 +101,14 @@ def run(
     names = sampling.quantities(rig)
     z = sampling.draw(drawn, len(names), rows)
     tables = []
+    reads: dict[str, list[set[Name]]] = {e.name: [] for e in experiments}
     for first in range(0, len(rows), LANES):
         batch = slice(first, first + LANES)
         machines = [
             sampling.machine(rig, dict(zip(names, values, strict=True)), drawn.seed, row)
             for row, values in zip(rows[batch], z[batch], strict=True)
         ]
-        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, integration.substeps) for e in experiments}
+        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, integration, reads[e.name]) for e in experiments}
         tables.append(_table(rows[batch], names, z[batch], results, integration))
     return join(tables)
 
@@ -237,8 +239,8 @@ def notes(table: StudyTable) -> list[str]:
     return [
         f"{int(table.passed.sum())} of {len(table.rows)} machines keep every limit: yield {share.share:.2%}, "
         f"{share.low:.2%} to {share.high:.2%} with {CONFIDENCE:.0%} confidence.",
-        f"{table.integration.substeps} steps a sample in lanes, with an error of a state of at most "
-        f"{table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
+        f"{table.integration.substeps} steps of order {table.integration.order} a sample in lanes, with an error of a "
+        f"state of at most {table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
         "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
         "rank correlation.",
         *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
