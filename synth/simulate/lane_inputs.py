@@ -25,8 +25,7 @@ def arrays(controller: host.Controller, scenarios: Sequence[Scenario], n: int) -
     distinct = {id(scenario): scenario for scenario in scenarios}
     for scenario in distinct.values():
         closed_loop.require_sources(controller, scenario)
-    by_name = [{k: _course(controller, each, name, n) for k, each in distinct.items()} for name in rows]
-    courses = [[each[id(scenario)] for scenario in scenarios] for each in by_name]
+    courses = [_courses(controller, scenarios, name, n) for name in rows]
     constants = lane_memory.zeros((len(rows), len(scenarios)), scalar)
     varying: dict[bool, list[int]] = {True: [], False: []}
     for row, lanes in enumerate(courses):
@@ -42,6 +41,13 @@ def arrays(controller: host.Controller, scenarios: Sequence[Scenario], n: int) -
         "common": lane_memory.align(np.array([lanes[0] for lanes in common], scalar).reshape(-1, n).T),
         "separate": lane_memory.align(np.array(separate, scalar).reshape(-1, len(scenarios), n).transpose(2, 0, 1)),
     }
+
+
+def _courses(controller: host.Controller, scenarios: Sequence[Scenario], name: str, n: int) -> list[NDArray[Any]]:
+    """Return the samples of an input in each scenario; those of one array, or of one scenario, are one object."""
+    keys = [id(s) if name in s.overrides else id(s.references.get(name)) for s in scenarios]
+    by_key = {key: _course(controller, s, name, n) for key, s in dict(zip(keys, scenarios, strict=True)).items()}
+    return [by_key[key] for key in keys]
 
 
 def _course(controller: host.Controller, scenario: Scenario, name: str, n: int) -> NDArray[Any]:

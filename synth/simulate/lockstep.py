@@ -52,8 +52,10 @@ class _Call:
 class _Meeting:
     """The calls that wait for each other; `present` counts the functions that have not ended."""
 
-    def __init__(self, present: int, nominal: Plant, integration: Integration, reads: list[set[Name]]) -> None:
-        self.present, self.nominal, self.integration, self.reads = present, nominal, integration, reads
+    def __init__(
+        self, present: int, nominals: Sequence[Plant], integration: Integration, reads: list[set[Name]]
+    ) -> None:
+        self.present, self.nominals, self.integration, self.reads = present, nominals, integration, reads
         self.calls: list[_Call] = []
         self.number = 0
         self.changed = threading.Condition()
@@ -86,7 +88,7 @@ class _Meeting:
     def _serve_if_complete(self) -> None:
         if self.calls and len(self.calls) == self.present:
             calls, self.calls = self.calls, []
-            _serve(calls, self.nominal, self.integration, self._recording())
+            _serve(calls, self.nominals, self.integration, self._recording())
             self.changed.notify_all()
 
     def _recording(self) -> Recording:
@@ -101,17 +103,17 @@ class _Meeting:
 
 def run(
     functions: Sequence[Callable[[Simulate], T]],
-    nominal: Plant,
+    nominals: Sequence[Plant],
     integration: Integration,
     reads: list[set[Name]] | None = None,
 ) -> list[Result[T]]:
     """Run the functions, each with a `simulate`, and return their results in order.
 
-    Loops of plants that differ from the `nominal` one in their parameters run in lanes, with the steps of the
+    Loops of plants that differ from one of the `nominals` in their parameters run in lanes, with the steps of the
     `integration`. Other loops run alone, with the substeps of their scenario. `reads` has the columns that the
     functions read of each of their runs, one after another; the next functions of the same kind record only these.
     """
-    meeting = _Meeting(len(functions), nominal, integration, [] if reads is None else reads)
+    meeting = _Meeting(len(functions), nominals, integration, [] if reads is None else reads)
     results: list[Result[T]] = [Result() for _ in functions]
 
     def work(k: int) -> None:
@@ -130,13 +132,14 @@ def run(
     return results
 
 
-def _serve(calls: Sequence[_Call], nominal: Plant, integration: Integration, recording: Recording) -> None:
+def _serve(calls: Sequence[_Call], nominals: Sequence[Plant], integration: Integration, recording: Recording) -> None:
     """Simulate the scenario of every call, in lanes where that is possible."""
-    groups: dict[tuple[object, ...], list[_Call]] = {}
+    groups: dict[tuple[Plant, host.Controller, tuple[host.Controller, ...], float], list[_Call]] = {}
     for call in calls:
-        if call.plant.f is nominal.f and call.disturbance is None:
-            groups.setdefault((call.controller, call.drive, call.scenario.duration_s), []).append(call)
-    for group in groups.values():
+        kind = next((n for n in nominals if n.f is call.plant.f), None)
+        if kind is not None and call.disturbance is None:
+            groups.setdefault((kind, call.controller, call.drive, call.scenario.duration_s), []).append(call)
+    for (nominal, *_), group in groups.items():
         try:
             _serve_in_lanes(group, nominal, integration, recording)
         except SynthError:
