@@ -1,14 +1,13 @@
 """`synth study`: the machines of a study, their table at the terminal and in files, and the search for the worst."""
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from synth import store, strict_json, study_jobs, tables, workspace
 from synth.command_results import run_jobs
-from synth.jobs import Job, Outcome
+from synth.jobs import Job
 from synth.report import study as report
 from synth.simulate import sampling, study_table, worst_case
 from synth.simulate.study import StudyTable

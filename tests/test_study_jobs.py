@@ -15,7 +15,7 @@ import pytest
 from synth import jobs, store, study_command, study_jobs, workspace
 from synth.errors import DesignError
 from synth.progress import Lines, silent
-from synth.simulate import study, study_table
+from synth.simulate import study_table
 from synth.simulate.sampling import Method, Sampling
 from synth.simulate.study import StudyTable
 from synth.study_jobs import Plan

@@ -101,7 +101,7 @@ class LaneLoop:
         """Return the arrays of a run, and its record."""
         time = sample_times(scenarios[0].duration_s, self.controller.period_s)
         arrays = self._arrays(plants, scenarios, time) | {"p": lane_memory.align(p)}
-        wide, narrow = (recording.choose(names) for names in self._names)
+        wide, narrow = (recording.choose(names) for names in self._signals)
         frames, scalar = len(time[:: recording.every]), self.controller.scalar
         width = np.uint32 if scalar is np.float32 else np.uint64
         arrays |= {
@@ -112,13 +112,13 @@ class LaneLoop:
             "faults": lane_memory.zeros((len(self.blocks), self.lanes, frames), width),
         }
         self._call(arrays, scenarios[0], len(time), order, recording.every)
-        columns = {self._names[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
-        columns |= {self._names[1][k]: arrays["narrow"][i] for i, k in enumerate(narrow)}
+        columns = {self._signals[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
+        columns |= {self._signals[1][k]: arrays["narrow"][i] for i, k in enumerate(narrow)}
         again = partial(self._run, plants, scenarios, order, p, Recording(None, recording.every))
         return arrays, Record(columns, lambda: again()[1])
 
     @cached_property
-    def _names(self) -> tuple[list[Name], list[Name]]:
+    def _signals(self) -> tuple[list[Name], list[Name]]:
         """The columns that C calls wide and narrow, in the order of its rows."""
         plant, (first, *drive) = self.fast.plant, self.blocks
         wide = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
@@ -198,7 +198,7 @@ class LaneLoop:
         lane: int,
     ) -> Trajectory:
         names: dict[str, list[str]] = {"driven": []}
-        for group, name in (*self._names[0], *self._names[1]):
+        for group, name in (*self._signals[0], *self._signals[1]):
             names.setdefault(group, []).append(name)
         groups = {group: record.lane(group, each, lane, recording.read) for group, each in names.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))

@@ -57,8 +57,8 @@ def search(rig: Rig, experiments: Sequence[Runnable], seed: int, table: StudyTab
         near = neighbours(z)
         tried = study.run_machines(rig, selected, near, seed, [row] * len(near), table.integration)
         values = {**tried.figures, **tried.checks}.get(check, np.full(len(near), np.nan))
-        best = int(np.nanargmax(np.append(values, worst.value)))
-        worst = replace(worst, machines=worst.machines + len(near), converged=best == len(near))
+        best = int(np.nanargmax(np.append(worst.value, values))) - 1
+        worst = replace(worst, machines=worst.machines + len(near), converged=best < 0)
         if worst.converged:
             break
         z = near[best]
