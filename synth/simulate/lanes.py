@@ -215,7 +215,7 @@ def _coefficients(fast: FastPlant, plants: tuple[Plant, ...]) -> Coefficients:
     return fast.coefficients(plants)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)  # a study of all experiments returns to each loop with every batch
 def compile_loop(
     plant: Plant,
     controller: host.Controller,

@@ -88,7 +88,11 @@ class _Meeting:
     def _serve_if_complete(self) -> None:
         if self.calls and len(self.calls) == self.present:
             calls, self.calls = self.calls, []
-            _serve(calls, self.nominals, self.integration, self._recording())
+            try:
+                _serve(calls, self.nominals, self.integration, self._recording())
+            except Exception as error:
+                for call in calls:
+                    call.error = error  # no caller waits for ever
             self.changed.notify_all()
 
     def _recording(self) -> Recording:

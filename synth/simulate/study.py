@@ -111,7 +111,7 @@ def run_machines(
             sampling.machine(rig, dict(zip(names, values, strict=True)), seed, row)
             for row, values in zip(rows[batch], z[batch], strict=True)
         ]
-        nominals = (rig.plant, rig.without_drive.plant)
+        nominals = (rig.plant, rig.stage.plant)
         results = {e.name: lockstep.run(_runs(e, machines), nominals, integration, reads[e.name]) for e in experiments}
         tables.append(_table(rows[batch], names, z[batch], results, integration))
     return join(tables)

@@ -69,6 +69,15 @@ def test_an_error_stays_with_its_function(rig: Rig) -> None:
     assert "no_state" in str(results[2].error)
 
 
+def test_an_error_of_the_server_reaches_every_function(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("planted")
+
+    monkeypatch.setattr(lockstep, "_serve", broken)
+    results = lockstep.run([peak(rig, 1.2), peak(rig, 1.3)], [rig.plant], STEPS)
+    assert [type(r.error) for r in results] == [ZeroDivisionError] * 2
+
+
 def test_what_cannot_run_in_lanes_runs_alone(rig: Rig) -> None:
     x, t = ca.SX.sym("x", len(rig.plant.states)), ca.SX.sym("t")
     pushed = replace(rig, disturbance=ca.Function("d", [x, t], [ca.SX.ones(len(rig.plant.states)) * 0.1]))
