@@ -92,7 +92,7 @@ class _Meeting:
                 _serve(calls, self.nominals, self.integration, self._recording())
             except Exception as error:
                 for call in calls:
-                    call.error = error  # no caller waits for ever
+                    call.error = error
             self.changed.notify_all()
 
     def _recording(self) -> Recording:
