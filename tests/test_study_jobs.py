@@ -104,8 +104,8 @@ def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytes
 
 
 def test_rows_and_designs_that_do_not_exist_are_refused(design: Design) -> None:
-    with pytest.raises(DesignError, match="row 101 of a study of 101 rows: give 0 to 100"):
-        study_jobs.row(design, PLAN, 101, silent)
+    with pytest.raises(DesignError, match="row 293 of a study of 293 rows: give 0 to 292"):
+        study_jobs.row(design, PLAN, 293, silent)
     with pytest.raises(DesignError, match="no experiment is called 'stp'"):
         study_jobs.jobs(design, Plan(Sampling(3, 0, Method.LATIN), ("stp",)))
 
