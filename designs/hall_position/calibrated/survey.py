@@ -1,0 +1,85 @@
+"""Survey of integrity of calibrated units: faults of a sensor, at rest and in motion, with gains that have drifted.
+
+A unit is calibrated (`stages`), its estimator compiled (`estimator`), and run in its own field. Since the calibration
+the amplitude has changed by +-10 %, and each gain by +-`drift`, both anew for each body. SEEDS are those of units
+whose tolerances were not used to choose anything.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from designs.hall_position.calibrated import estimator, stages
+from designs.hall_position.calibrated import unit as units
+from designs.hall_position.calibrated.estimator import GAIN_DRIFT
+from designs.hall_position.four import config, trust
+from designs.hall_position.four.parameters import Tuning
+from designs.hall_position.four.trust import ColdStart, Samples, World
+from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from models.hall_motions import Numbers, Pose
+from synth.execute import build, host
+from synth.simulate import stanford
+from synth.simulate.stanford import Diagram
+
+SEEDS = (11, 12, 13)  # of units as built
+COLD_SAMPLES = 125
+
+
+@dataclass(frozen=True)
+class Case:
+    """A unit by its field and seed, the stage of its calibration, the drift that R covers, and that of the gains."""
+
+    field: str
+    seed: int
+    stage: str = stages.STAGES[-1]
+    budget: float = GAIN_DRIFT
+    drift: float = GAIN_DRIFT
+
+
+@cache
+def compiled(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
+    """Return the C of a calibrated unit in single precision, and its tuning."""
+    block, tuning = estimator.of_unit(field, seed, stage, budget)
+    return build.compile_block(block, np.float32, error=SURROGATE_ERROR[np.float32]), tuning
+
+
+def world(case: Case, bodies: int, rng: np.random.Generator) -> World:
+    """Return bodies in the field of a unit."""
+    unit = units.draw(case.field, case.seed)
+    scale = 1 + trust.AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
+    scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, 4, 2)))
+
+    def read(pose: Pose) -> Numbers:
+        return np.asarray(scale * unit.read(np.column_stack([pose.X, pose.Y, pose.yaw])))
+
+    return World(read)
+
+
+def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Samples:
+    """Return the samples after a fault; raise ModelError for an unknown fault."""
+    rng = np.random.default_rng(seed)
+    controller, tuning = compiled(case.field, case.seed, case.stage, case.budget)
+    return trust.simulate(controller, tuning, world(case, bodies, rng), fault, bodies, speed, rng)
+
+
+def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:
+    """Return the result from init of bodies at rest anywhere in the pitch."""
+    rng, half = np.random.default_rng(seed), config.array().pitch / 2 - trust.MARGIN
+    X, Y = rng.uniform(-half, half, (2, bodies))
+    pose = Pose(X, Y, rng.uniform(-trust.YAW, trust.YAW, bodies))
+    controller, _ = compiled(case.field, case.seed, case.stage, case.budget)
+    return trust.start_from_init(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng)
+
+
+def join(runs: Sequence[Samples]) -> Samples:
+    """Return the samples of several runs side by side."""
+    parts = ([getattr(r, n) for r in runs] for n in ("valid", "errors", "deviations", "levels"))
+    return Samples(*(np.concatenate(part, axis=1) for part in parts))
+
+
+def diagram(samples: Samples, limit: float, axis: int = 0) -> Diagram:
+    """Return the Stanford diagram of X, or of another coordinate; lengths in mm, angles in mrad."""
+    columns = (1e3 * v[..., axis].ravel() for v in (samples.errors, samples.levels))
+    return stanford.diagram(*columns, samples.valid.ravel(), 1e3 * limit, "mrad" if axis == 2 else "mm")
