@@ -6,7 +6,7 @@ from functools import cache
 from designs.hall_position import config as hall
 from designs.hall_position.calibrated import corrections, stages
 from designs.hall_position.calibrated.stages import UnitCalibration
-from designs.hall_position.four import config, estimator, metres
+from designs.hall_position.four import config, estimator, metres, trust
 from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels
 from models.hall_two_waves import PlanarArray
@@ -18,16 +18,17 @@ from synth.signals import signal_names
 NAME = "hall_position_calibrated"
 GAIN_DRIFT = 3e-3  # relative, to either side, of gains since the calibration
 UNIFORM = 3**-0.5  # rms of a uniform distribution over its half width
-POSE = ("X", "Y", "yaw", "amplitude", "tracking")
-DWELL = 5  # samples of a start: the table follows a sample behind
+POSE = ("X", "Y", "yaw", "amplitude", "tracking", "excluded", "valid")
+ALERT = {"position_limit": trust.WRONG, "yaw_limit": trust.WRONG_YAW}  # m, rad
+RISK = 1e-4  # allocated to a sample: a tenth of the usual, as hypotheses are linear to about R only
 
 
 def tuning(of: UnitCalibration, gain_drift: float = GAIN_DRIFT) -> Tuning:
-    """Return the tuning with the model error of a calibration, and limits in proportion to it."""
+    """Return the tuning with the model error of a calibration, and limits in proportion to it, from ALERT on."""
     error = of.model_error(UNIFORM * gain_drift)
     usual, scale = config.USUAL, error / config.USUAL.model_error
-    limits = {"position_limit": scale * usual.position_limit, "yaw_limit": scale * usual.yaw_limit}
-    return replace(usual, model_error=error, dwell=DWELL, **limits)
+    limits = {n: max(least, scale * getattr(usual, n)) for n, least in ALERT.items()}
+    return replace(usual, model_error=error, risk=RISK, **limits)
 
 
 def array(of: UnitCalibration) -> PlanarArray:

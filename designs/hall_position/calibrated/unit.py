@@ -23,7 +23,7 @@ REFERENCES = {"X": 1e-6, "Y": 1e-6, "yaw": 1e-5}  # m, m, rad: standard deviatio
 AVERAGED = 8  # samples at a point of the scan
 NOISE = config.array().deviation / AVERAGED**0.5  # V, of a mean
 READINGS = {name: NOISE for name in signal_names(channels.voltages(4))}
-REACH, SPACING, YAWS, YAW_JITTER = 0.036, 3.2e-3, (-0.16, 0.0, 0.16), 0.005  # m, m, rad, rad
+REACH, SPACING, YAWS, YAW_JITTER = 0.036, 2.4e-3, (-0.16, 0.0, 0.16), 0.005  # m, m, rad, rad
 HELD_OUT = 1000  # poses
 TOLERANCES = built_matrix.Tolerances
 

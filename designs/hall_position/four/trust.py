@@ -196,6 +196,7 @@ def _tracking_states(
     states["estimator_yaw"], states["estimator_start_number"], states["metres_counting"] = at.yaw, tuning.starts, 1
     names = states.dtype.names or ()
     tables = {"last_X": at.X, "last_Y": at.Y, "last_yaw": at.yaw, "motion_X": moved[0], "motion_Y": moved[1]}
+    tables["aligned"] = np.ones(len(at.X))
     for name, value in tables.items():
         if f"calibration_{name}" in names:
             states[f"calibration_{name}"] = value
