@@ -8,6 +8,7 @@ whose tolerances were not used to choose anything.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 
@@ -45,23 +46,32 @@ def compiled(field: str, seed: int, stage: str, budget: float) -> tuple[host.Con
     return build.compile_block(block, np.float32, error=SURROGATE_ERROR[np.float32]), tuning
 
 
-def world(case: Case, bodies: int, rng: np.random.Generator) -> World:
-    """Return bodies in the field of a unit."""
+def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[int] = ()) -> World:
+    """Return bodies in the field of a unit, whose converters of the `refused` sensors give NaN."""
     unit = units.draw(case.field, case.seed)
     scale = 1 + trust.AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
     scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, 4, 2)))
 
     def read(pose: Pose) -> Numbers:
-        return np.asarray(scale * unit.read(np.column_stack([pose.X, pose.Y, pose.yaw])))
+        V = scale * unit.read(np.column_stack([pose.X, pose.Y, pose.yaw]))
+        V[:, list(refused)] = np.nan
+        return np.asarray(V)
 
     return World(read)
 
 
-def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Samples:
-    """Return the samples after a fault; raise ModelError for an unknown fault."""
+def run(
+    case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()
+) -> Samples:
+    """Return the samples after a fault, with `refused` sensors from the start; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
     controller, tuning = compiled(case.field, case.seed, case.stage, case.budget)
-    return trust.simulate(controller, tuning, world(case, bodies, rng), fault, bodies, speed, rng)
+    return trust.simulate(controller, tuning, world(case, bodies, rng, refused), fault, bodies, speed, rng)
+
+
+def subsets() -> list[tuple[int, ...]]:
+    """Return every set of sensors that may be refused, from none to all."""
+    return [each for size in range(5) for each in combinations(range(4), size)]
 
 
 def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:

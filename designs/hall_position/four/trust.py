@@ -143,8 +143,13 @@ def _bench(field: str, seed: int) -> hall_bench.Bench:
 
 def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Outcome:
     """Simulate a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
+    return samples(tuning, field, fault, bodies, speed, seed).outcome()
+
+
+def samples(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Samples:
+    """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
     rng = np.random.default_rng(seed)
-    return simulate(compile_estimator(tuning), tuning, world(field, bodies, rng), fault, bodies, speed, rng).outcome()
+    return simulate(compile_estimator(tuning), tuning, world(field, bodies, rng), fault, bodies, speed, rng)
 
 
 def simulate(
@@ -163,7 +168,7 @@ def simulate(
     start, other = (_draw(REACH, bodies, rng) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
-    states, samples = _tracking_states(controller, tuning, start, speed, heading), []
+    states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
         V = of.read(pose) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
@@ -174,8 +179,8 @@ def simulate(
         batch = controller.batch(states, motions.by_input(np.clip(V, -END, END)))
         states = batch.states
         if k >= BEFORE:
-            samples.append(_sample(batch.outputs, pose))
-    return Samples(*(np.array(each) for each in zip(*samples, strict=True)))
+            outcomes.append(_sample(batch.outputs, pose))
+    return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
 def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
