@@ -647,7 +647,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float left_1_1_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_1_phase_x * a_1_phase_x) + ((weights_3 ? 1.0f : 0.0f)
         * a_1_phase_x_2 * a_1_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_1_phase_x_3 * a_1_phase_x_3) + ((weights_7 ?
         1.0f : 0.0f) * a_1_phase_x_4 * a_1_phase_x_4);
-    const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1_phase_x, 0.057616f);
+    const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1_phase_x, 0.048416f);
     const float f19_argument = starts_3 - 0.03125f;
     const float a_3_phase_x = (V_ax_held * D_21_ax_part_sine) + (V_ay_held * D_11_ax_part_sine) + (a_1_phase_x *
         f19_polynomial(f19_argument));
@@ -746,7 +746,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float left_2_2_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_2_phase_x * a_2_phase_x) + ((weights_3 ? 1.0f : 0.0f)
         * a_2_phase_x_2 * a_2_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_2_phase_x_3 * a_2_phase_x_3) + ((weights_7 ?
         1.0f : 0.0f) * a_2_phase_x_4 * a_2_phase_x_4);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.057616f);
+    const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.048416f);
     const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_part_39 * terms_1_phase_x_3), 1250.0f);
     const float gradient_2_phase_x = (a_2_phase_x * used_2_phase_x) + (a_2_phase_x_2 * used_4_phase_x) + (a_2_phase_x_3
         * used_6_phase_x) + (a_2_phase_x_4 * used_8_phase_x);
@@ -758,7 +758,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         a_3_phase_x_2) + (phase_x_part_36 * phase_x_part_24) + (used_5_3 * a_3_phase_x_3) + (phase_x_part_37 *
         phase_x_part_29) + (used_7_3 * a_3_phase_x_4) + (phase_x_part_38 * phase_x_part_34);
     const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 *
-        left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_39), 0.3601f);
+        left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_39), 0.3026f);
     const float used_1_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x;
     const float used_2_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x_5;
     const float used_3_4 = (weights_3 ? 1.0f : 0.0f) * a_4_phase_x_2;
@@ -779,18 +779,18 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_x_part_39);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
-    const float pulls_4_phase_x = 1.0002778f * offsets_4_phase_x;
+    const float pulls_4_phase_x = 0.84055555f * offsets_4_phase_x;
     const float phase_x_part_40 = (a_4_phase_x * used_1_phase_x) + (a_4_phase_x_5 * used_2_phase_x) + (a_4_phase_x_2 *
         used_3_phase_x) + (a_4_phase_x_6 * used_4_phase_x) + (a_4_phase_x_3 * used_5_phase_x) + (a_4_phase_x_7 *
         used_6_phase_x) + (a_4_phase_x_4 * used_7_phase_x) + (a_4_phase_x_8 * used_8_phase_x) - pulls_4_phase_x -
         (terms_1_phase_x_6 * gradient_1_phase_x);
     const float left_4_4_phase_x = (used_1_4 * a_4_phase_x) + (used_2_4 * a_4_phase_x_5) + (used_3_4 * a_4_phase_x_2) +
         (used_4_4 * a_4_phase_x_6) + (used_5_4 * a_4_phase_x_3) + (used_6_4 * a_4_phase_x_7) + (used_7_4 *
-        a_4_phase_x_4) + (used_8_4 * a_4_phase_x_8) + 1.0002778f;
+        a_4_phase_x_4) + (used_8_4 * a_4_phase_x_8) + 0.84055555f;
     const float variances_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1_phase_x) -
-        (terms_1_phase_x_7 * left_4_2_phase_x) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.090025f);
+        (terms_1_phase_x_7 * left_4_2_phase_x) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
     const float best_4 = hall_position_four_limit(hall_position_four_limit(phase_x_part_40 - (terms_1_phase_x_7 *
-        gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 8486.791f) * variances_4, 0.125f);
+        gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 7779.7153f) * variances_4, 0.125f);
     const float best_3 = hall_position_four_limit((forward_3_phase_x * terms_1_phase_x_5) - (terms_1_phase_x_8 *
         best_4), 0.1f);
     const float best_1 = hall_position_four_limit((gradient_1_phase_x * terms_1_phase_x) - (terms_1_phase_x_2 * best_3)
@@ -899,10 +899,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float gradient_4_phase_x = (a_4_phase_x * used_1_phase_x_2) + (a_4_phase_x_5 * used_2_phase_x_2) +
         (a_4_phase_x_2 * used_3_phase_x_2) + (a_4_phase_x_6 * used_4_phase_x_2) + (a_4_phase_x_3 * used_5_phase_x_2) +
         (a_4_phase_x_7 * used_6_phase_x_2) + (a_4_phase_x_4 * used_7_phase_x_2) + (a_4_phase_x_8 * used_8_phase_x_2) -
-        (1.0002778f * offsets_4_phase_x_2);
+        (0.84055555f * offsets_4_phase_x_2);
     const float forward_4_phase_x = hall_position_four_limit(gradient_4_phase_x - (terms_1_phase_x_6 *
         gradient_1_phase_x_2) - (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2),
-        8486.791f);
+        7779.7153f);
     const float step_phase_x = forward_4_phase_x * variances_4;
     const float at_4 = hall_position_four_limit(best_4 + step_phase_x, 0.125f);
     const float moves_4 = at_4 - best_4;
@@ -939,27 +939,27 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float deviation_phase_x_part_2 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5)
         + (deviation_phase_x_part * deviation_phase_x_part * variances_4);
-    const float deviation_phase_x = hall_position_four_min(0.060008332f * sqrtf(deviation_phase_x_part_2), 0.25f);
+    const float deviation_phase_x = hall_position_four_min(0.05500909f * sqrtf(deviation_phase_x_part_2), 0.25f);
     const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float deviation_phase_y_part_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 *
         terms_1_phase_x_5) + (deviation_phase_y_part * deviation_phase_y_part * variances_4);
-    const float deviation_phase_y = hall_position_four_min(0.060008332f * sqrtf(deviation_phase_y_part_2), 0.25f);
+    const float deviation_phase_y = hall_position_four_min(0.05500909f * sqrtf(deviation_phase_y_part_2), 0.25f);
     const float variances_3_deviation_yaw = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * variances_4);
-    const float deviation_yaw = hall_position_four_min(0.060008332f * sqrtf(variances_3_deviation_yaw), 0.1f);
-    const float deviation_amplitude = 0.060008332f * sqrtf(variances_4);
+    const float deviation_yaw = hall_position_four_min(0.05500909f * sqrtf(variances_3_deviation_yaw), 0.1f);
+    const float deviation_amplitude = 0.05500909f * sqrtf(variances_4);
     const float cost_chi_square = (used_1_phase_x_2 * residuals_1) + (used_2_phase_x_2 * residuals_2) +
         (used_3_phase_x_2 * residuals_3) + (used_4_phase_x_2 * residuals_4) + (used_5_phase_x_2 * residuals_5) +
         (used_6_phase_x_2 * residuals_6) + (used_7_phase_x_2 * residuals_7) + (used_8_phase_x_2 * residuals_8) +
-        (1.0002778f * (offsets_4_phase_x_2 * offsets_4_phase_x_2));
+        (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2));
     const float chi_square_part = (gradient_1_phase_x_2 * phase_x_part_43) + (gradient_2_phase_x_2 * phase_y_part) +
         (forward_3_phase_x_2 * phase_x_part_44) + (forward_4_phase_x * step_phase_x);
     const float cost_chi_square_2 = hall_position_four_max(cost_chi_square - chi_square_part, 0.0f);
-    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * cost_chi_square_2, 1e+09f),
+    const float chi_square = hall_position_four_max(hall_position_four_min(330.46927f * cost_chi_square_2, 1e+09f),
         0.0f);
-    const bool converged = chi_square_part <= 3.601e-05f;
-    const bool weak = !((left_1_1_phase_x <= 14404.0f) && (left_2_2_phase_x <= 14404.0f) && (left_3_3_phase_x <=
-        90025.0f) && (left_4_4_phase_x <= 22506.25f)) || (17.356117f <= deviation_phase_x_part_2) || (17.356117f <=
-        deviation_phase_y_part_2) || (2.7769787f <= variances_3_deviation_yaw) || (11.107915f <= variances_4);
+    const bool converged = chi_square_part <= 3.026e-05f;
+    const bool weak = !((left_1_1_phase_x <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <=
+        75650.0f) && (left_4_4_phase_x <= 18912.5f)) || (20.654123f <= deviation_phase_x_part_2) || (20.654123f <=
+        deviation_phase_y_part_2) || (3.3046596f <= variances_3_deviation_yaw) || (13.218638f <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const float left_1_1_protection_phase_x = (a_1_phase_x * a_1_phase_x) + (a_1_phase_x_2 * a_1_phase_x_2) +
         (a_1_phase_x_3 * a_1_phase_x_3) + (a_1_phase_x_4 * a_1_phase_x_4);
@@ -971,8 +971,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float left_4_4_protection_phase_x = (a_4_phase_x * a_4_phase_x) + (a_4_phase_x_5 * a_4_phase_x_5) +
         (a_4_phase_x_2 * a_4_phase_x_2) + (a_4_phase_x_6 * a_4_phase_x_6) + (a_4_phase_x_3 * a_4_phase_x_3) +
         (a_4_phase_x_7 * a_4_phase_x_7) + (a_4_phase_x_4 * a_4_phase_x_4) + (a_4_phase_x_8 * a_4_phase_x_8) +
-        1.0002778f;
-    const float terms_1_protection_phase_x = 1.0f / hall_position_four_max(left_1_1_protection_phase_x, 0.057616f);
+        0.84055555f;
+    const float terms_1_protection_phase_x = 1.0f / hall_position_four_max(left_1_1_protection_phase_x, 0.048416f);
     const float protection_phase_x_part = a_1_phase_x * terms_1_protection_phase_x;
     const float left_3_1_protection_phase_x = (a_3_phase_x * a_1_phase_x) + (a_3_phase_x_2 * a_1_phase_x_2) +
         (a_3_phase_x_3 * a_1_phase_x_3) + (a_3_phase_x_4 * a_1_phase_x_4);
@@ -981,12 +981,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float b_3_protection_phase_x = a_3_phase_x - (terms_1_protection_phase_x_2 * a_1_phase_x);
     const float protection_phase_x_part_2 = (phase_x_part_19 * a_2_phase_x) + (phase_x_part_24 * a_2_phase_x_2) +
         (phase_x_part_29 * a_2_phase_x_3) + (phase_x_part_34 * a_2_phase_x_4);
-    const float terms_1_protection_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_protection_phase_x, 0.057616f);
+    const float terms_1_protection_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_protection_phase_x, 0.048416f);
     const float terms_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_2 *
         terms_1_protection_phase_x_3), 1250.0f);
     const float terms_1_protection_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_protection_phase_x -
         (terms_1_protection_phase_x_2 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_2), 0.3601f);
+        protection_phase_x_part_2), 0.3026f);
     const float protection_phase_x_part_3 = b_3_protection_phase_x * terms_1_protection_phase_x_5;
     const float left_4_1_protection_phase_x = (a_4_phase_x * a_1_phase_x) + (a_4_phase_x_2 * a_1_phase_x_2) +
         (a_4_phase_x_3 * a_1_phase_x_3) + (a_4_phase_x_4 * a_1_phase_x_4);
@@ -1004,22 +1004,22 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float terms_1_protection_phase_x_8 = hall_position_four_limit(left_4_3_protection_phase_x *
         terms_1_protection_phase_x_5, 250.0f);
     const float b_4_protection_phase_x = hall_position_four_limit(a_4_phase_x - (terms_1_protection_phase_x_6 *
-        a_1_phase_x) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 150.02083f);
+        a_1_phase_x) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 137.52272f);
     const float protection_phase_x_part_4 = 1.0f / hall_position_four_max(left_4_4_protection_phase_x -
         (terms_1_protection_phase_x_6 * left_4_1_protection_phase_x) - (terms_1_protection_phase_x_7 *
-        left_4_2_protection_phase_x) - (terms_1_protection_phase_x_8 * left_4_3_protection_phase_x), 0.090025f);
+        left_4_2_protection_phase_x) - (terms_1_protection_phase_x_8 * left_4_3_protection_phase_x), 0.07565f);
     const float ends_4_protection_phase_x = b_4_protection_phase_x * protection_phase_x_part_4;
     const float ends_3_protection_phase_x = protection_phase_x_part_3 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x);
     const float moves_1_1 = hall_position_four_limit(protection_phase_x_part - (terms_1_protection_phase_x_2 *
-        ends_3_protection_phase_x) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x), 8.332176f);
+        ends_3_protection_phase_x) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x), 9.089407f);
     const float gains_1 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x * protection_phase_x_part) +
         (b_3_protection_phase_x * protection_phase_x_part_3) + (b_4_protection_phase_x * ends_4_protection_phase_x)),
         0.001f);
     const float protection_phase_x_part_5 = phase_x_part_19 + (terms_1_protection_phase_x_4 * a_2_phase_x);
     const float protection_phase_x_part_6 = protection_phase_x_part_5 * terms_1_protection_phase_x_5;
     const float forward_4_protection_phase_x = hall_position_four_limit(a_4_phase_x_5 - (terms_1_protection_phase_x_7 *
-        a_2_phase_x) + (terms_1_protection_phase_x_8 * protection_phase_x_part_5), 150.02083f);
+        a_2_phase_x) + (terms_1_protection_phase_x_8 * protection_phase_x_part_5), 137.52272f);
     const float protection_phase_x_part_7 = forward_4_protection_phase_x * protection_phase_x_part_4;
     const float protection_phase_x_part_8 = protection_phase_x_part_6 + (terms_1_protection_phase_x_8 *
         protection_phase_x_part_7);
@@ -1028,7 +1028,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float lower_2_1_protection_phase_x = hall_position_four_limit(-(protection_phase_x_part_9 * gains_1),
         31.622776f);
     const float moves_2_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_8) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_7), 8.332176f) - (lower_2_1_protection_phase_x *
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_7), 9.089407f) - (lower_2_1_protection_phase_x *
         moves_1_1);
     const float protection_phase_x_part_10 = a_2_phase_x * terms_1_protection_phase_x_3;
     const float gains_2 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x * protection_phase_x_part_10) +
@@ -1039,19 +1039,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float b_3_protection_phase_x_2 = a_3_phase_x_2 - (terms_1_protection_phase_x_2 * a_1_phase_x_2);
     const float protection_phase_x_part_13 = b_3_protection_phase_x_2 * terms_1_protection_phase_x_5;
     const float b_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_2 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_2) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 150.02083f);
+        a_1_phase_x_2) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 137.52272f);
     const float ends_4_protection_phase_x_2 = b_4_protection_phase_x_2 * protection_phase_x_part_4;
     const float ends_3_protection_phase_x_2 = protection_phase_x_part_13 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_2);
     const float moves_3_1 = hall_position_four_limit(protection_phase_x_part_12 - (terms_1_protection_phase_x_2 *
-        ends_3_protection_phase_x_2) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_2), 8.332176f);
+        ends_3_protection_phase_x_2) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_2), 9.089407f);
     const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_2 * protection_phase_x_part_12) +
         (b_3_protection_phase_x_2 * protection_phase_x_part_13) + (b_4_protection_phase_x_2 *
         ends_4_protection_phase_x_2)), 0.001f);
     const float protection_phase_x_part_14 = phase_x_part_24 + (terms_1_protection_phase_x_4 * a_2_phase_x_2);
     const float protection_phase_x_part_15 = protection_phase_x_part_14 * terms_1_protection_phase_x_5;
     const float forward_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_6 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_2) + (terms_1_protection_phase_x_8 * protection_phase_x_part_14), 150.02083f);
+        * a_2_phase_x_2) + (terms_1_protection_phase_x_8 * protection_phase_x_part_14), 137.52272f);
     const float protection_phase_x_part_16 = forward_4_protection_phase_x_2 * protection_phase_x_part_4;
     const float protection_phase_x_part_17 = protection_phase_x_part_15 + (terms_1_protection_phase_x_8 *
         protection_phase_x_part_16);
@@ -1060,7 +1060,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float lower_2_1_protection_phase_x_2 = hall_position_four_limit(-(protection_phase_x_part_18 * gains_3),
         31.622776f);
     const float moves_4_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_17) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_16), 8.332176f) - (lower_2_1_protection_phase_x_2 *
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_16), 9.089407f) - (lower_2_1_protection_phase_x_2 *
         moves_3_1);
     const float protection_phase_x_part_19 = a_2_phase_x_2 * terms_1_protection_phase_x_3;
     const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_2 * protection_phase_x_part_19) +
@@ -1071,19 +1071,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float b_3_protection_phase_x_3 = a_3_phase_x_3 - (terms_1_protection_phase_x_2 * a_1_phase_x_3);
     const float protection_phase_x_part_22 = b_3_protection_phase_x_3 * terms_1_protection_phase_x_5;
     const float b_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_3 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_3) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 150.02083f);
+        a_1_phase_x_3) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 137.52272f);
     const float ends_4_protection_phase_x_3 = b_4_protection_phase_x_3 * protection_phase_x_part_4;
     const float ends_3_protection_phase_x_3 = protection_phase_x_part_22 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_3);
     const float moves_5_1 = hall_position_four_limit(protection_phase_x_part_21 - (terms_1_protection_phase_x_2 *
-        ends_3_protection_phase_x_3) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_3), 8.332176f);
+        ends_3_protection_phase_x_3) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_3), 9.089407f);
     const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_3 * protection_phase_x_part_21) +
         (b_3_protection_phase_x_3 * protection_phase_x_part_22) + (b_4_protection_phase_x_3 *
         ends_4_protection_phase_x_3)), 0.001f);
     const float protection_phase_x_part_23 = phase_x_part_29 + (terms_1_protection_phase_x_4 * a_2_phase_x_3);
     const float protection_phase_x_part_24 = protection_phase_x_part_23 * terms_1_protection_phase_x_5;
     const float forward_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_7 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_3) + (terms_1_protection_phase_x_8 * protection_phase_x_part_23), 150.02083f);
+        * a_2_phase_x_3) + (terms_1_protection_phase_x_8 * protection_phase_x_part_23), 137.52272f);
     const float protection_phase_x_part_25 = forward_4_protection_phase_x_3 * protection_phase_x_part_4;
     const float protection_phase_x_part_26 = protection_phase_x_part_24 + (terms_1_protection_phase_x_8 *
         protection_phase_x_part_25);
@@ -1092,7 +1092,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float lower_2_1_protection_phase_x_3 = hall_position_four_limit(-(protection_phase_x_part_27 * gains_5),
         31.622776f);
     const float moves_6_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_26) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_25), 8.332176f) - (lower_2_1_protection_phase_x_3 *
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_25), 9.089407f) - (lower_2_1_protection_phase_x_3 *
         moves_5_1);
     const float protection_phase_x_part_28 = a_2_phase_x_3 * terms_1_protection_phase_x_3;
     const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_3 * protection_phase_x_part_28) +
@@ -1103,19 +1103,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float b_3_protection_phase_x_4 = a_3_phase_x_4 - (terms_1_protection_phase_x_2 * a_1_phase_x_4);
     const float protection_phase_x_part_31 = b_3_protection_phase_x_4 * terms_1_protection_phase_x_5;
     const float b_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_4 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_4) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 150.02083f);
+        a_1_phase_x_4) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 137.52272f);
     const float ends_4_protection_phase_x_4 = b_4_protection_phase_x_4 * protection_phase_x_part_4;
     const float ends_3_protection_phase_x_4 = protection_phase_x_part_31 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_4);
     const float moves_7_1 = hall_position_four_limit(protection_phase_x_part_30 - (terms_1_protection_phase_x_2 *
-        ends_3_protection_phase_x_4) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_4), 8.332176f);
+        ends_3_protection_phase_x_4) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_4), 9.089407f);
     const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_4 * protection_phase_x_part_30) +
         (b_3_protection_phase_x_4 * protection_phase_x_part_31) + (b_4_protection_phase_x_4 *
         ends_4_protection_phase_x_4)), 0.001f);
     const float protection_phase_x_part_32 = phase_x_part_34 + (terms_1_protection_phase_x_4 * a_2_phase_x_4);
     const float protection_phase_x_part_33 = protection_phase_x_part_32 * terms_1_protection_phase_x_5;
     const float forward_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_8 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_4) + (terms_1_protection_phase_x_8 * protection_phase_x_part_32), 150.02083f);
+        * a_2_phase_x_4) + (terms_1_protection_phase_x_8 * protection_phase_x_part_32), 137.52272f);
     const float protection_phase_x_part_34 = forward_4_protection_phase_x_4 * protection_phase_x_part_4;
     const float protection_phase_x_part_35 = protection_phase_x_part_33 + (terms_1_protection_phase_x_8 *
         protection_phase_x_part_34);
@@ -1124,7 +1124,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float lower_2_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_36 * gains_7),
         31.622776f);
     const float moves_8_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_35) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_34), 8.332176f) - (lower_2_1_protection_phase_x_4 *
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_34), 9.089407f) - (lower_2_1_protection_phase_x_4 *
         moves_7_1);
     const float protection_phase_x_part_37 = a_2_phase_x_4 * terms_1_protection_phase_x_3;
     const float gain = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_4 * protection_phase_x_part_37) +
@@ -1132,47 +1132,47 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         protection_phase_x_part_34)) + (lower_2_1_protection_phase_x_4 * protection_phase_x_part_36), 0.001f);
     const float protection_phase_x_part_38 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
     const float moves_1_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x) +
-        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x)), 8.332176f);
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x)), 9.089407f);
     const float moves_2_2 = hall_position_four_limit(protection_phase_x_part_10 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_8) - (terms_1_protection_phase_x_7 * protection_phase_x_part_7), 8.332176f) -
+        protection_phase_x_part_8) - (terms_1_protection_phase_x_7 * protection_phase_x_part_7), 9.089407f) -
         (lower_2_1_protection_phase_x * moves_1_2);
     const float protection_phase_y_part = (moves_1_2 * moves_1_2 * gains_1) + (moves_2_2 * moves_2_2 * gains_2);
     const float moves_3_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_2) +
-        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_2)), 8.332176f);
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_2)), 9.089407f);
     const float moves_4_2 = hall_position_four_limit(protection_phase_x_part_19 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_17) - (terms_1_protection_phase_x_7 * protection_phase_x_part_16), 8.332176f) -
+        protection_phase_x_part_17) - (terms_1_protection_phase_x_7 * protection_phase_x_part_16), 9.089407f) -
         (lower_2_1_protection_phase_x_2 * moves_3_2);
     const float protection_phase_y_part_2 = (moves_3_2 * moves_3_2 * gains_3) + (moves_4_2 * moves_4_2 * gains_4);
     const float moves_5_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_3) +
-        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_3)), 8.332176f);
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_3)), 9.089407f);
     const float moves_6_2 = hall_position_four_limit(protection_phase_x_part_28 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_26) - (terms_1_protection_phase_x_7 * protection_phase_x_part_25), 8.332176f) -
+        protection_phase_x_part_26) - (terms_1_protection_phase_x_7 * protection_phase_x_part_25), 9.089407f) -
         (lower_2_1_protection_phase_x_3 * moves_5_2);
     const float protection_phase_y_part_3 = (moves_5_2 * moves_5_2 * gains_5) + (moves_6_2 * moves_6_2 * gains_6);
     const float moves_7_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_4) +
-        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_4)), 8.332176f);
+        (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_4)), 9.089407f);
     const float moves_8_2 = hall_position_four_limit(protection_phase_x_part_37 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_35) - (terms_1_protection_phase_x_7 * protection_phase_x_part_34), 8.332176f) -
+        protection_phase_x_part_35) - (terms_1_protection_phase_x_7 * protection_phase_x_part_34), 9.089407f) -
         (lower_2_1_protection_phase_x_4 * moves_7_2);
     const float protection_phase_y_part_4 = (moves_7_2 * moves_7_2 * gains_7) + (moves_8_2 * moves_8_2 * gain);
-    const float moves_1_3 = hall_position_four_limit(ends_3_protection_phase_x, 3.3328705f);
-    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_8, 3.3328705f) -
+    const float moves_1_3 = hall_position_four_limit(ends_3_protection_phase_x, 3.6357627f);
+    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_8, 3.6357627f) -
         (lower_2_1_protection_phase_x * moves_1_3);
     const float protection_yaw_part = (moves_1_3 * moves_1_3 * gains_1) + (moves_2_3 * moves_2_3 * gains_2);
-    const float moves_3_3 = hall_position_four_limit(ends_3_protection_phase_x_2, 3.3328705f);
-    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_17, 3.3328705f) -
+    const float moves_3_3 = hall_position_four_limit(ends_3_protection_phase_x_2, 3.6357627f);
+    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_17, 3.6357627f) -
         (lower_2_1_protection_phase_x_2 * moves_3_3);
     const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) + (moves_4_3 * moves_4_3 * gains_4);
-    const float moves_5_3 = hall_position_four_limit(ends_3_protection_phase_x_3, 3.3328705f);
-    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_26, 3.3328705f) -
+    const float moves_5_3 = hall_position_four_limit(ends_3_protection_phase_x_3, 3.6357627f);
+    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_26, 3.6357627f) -
         (lower_2_1_protection_phase_x_3 * moves_5_3);
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (moves_6_3 * moves_6_3 * gains_6);
-    const float moves_7_3 = hall_position_four_limit(ends_3_protection_phase_x_4, 3.3328705f);
-    const float moves_8_3 = hall_position_four_limit(-protection_phase_x_part_35, 3.3328705f) -
+    const float moves_7_3 = hall_position_four_limit(ends_3_protection_phase_x_4, 3.6357627f);
+    const float moves_8_3 = hall_position_four_limit(-protection_phase_x_part_35, 3.6357627f) -
         (lower_2_1_protection_phase_x_4 * moves_7_3);
     const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (moves_8_3 * moves_8_3 * gain);
     const float protection_phase_x_part_39 = (e_1 * e_1) + (e_2 * e_2) + (e_3 * e_3) + (e_4 * e_4) + (e_5 * e_5) + (e_6
-        * e_6) + (e_7 * e_7) + (e_8 * e_8) + (1.0002778f * (offsets_4_phase_x * offsets_4_phase_x));
+        * e_6) + (e_7 * e_7) + (e_8 * e_8) + (0.84055555f * (offsets_4_phase_x * offsets_4_phase_x));
     const float protection_phase_x_part_40 = (a_1_phase_x * e_1) + (a_1_phase_x_2 * e_3) + (a_1_phase_x_3 * e_5) +
         (a_1_phase_x_4 * e_7);
     const float protection_phase_x_part_41 = protection_phase_x_part_40 * terms_1_protection_phase_x;
@@ -1189,7 +1189,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         e_8) - pulls_4_phase_x - (terms_1_protection_phase_x_6 * protection_phase_x_part_40);
     const float forward_4_protection_phase_x_5 = hall_position_four_limit(protection_phase_x_part_45 -
         (terms_1_protection_phase_x_7 * protection_phase_x_part_42) - (terms_1_protection_phase_x_8 *
-        forward_3_protection_phase_x), 8486.791f);
+        forward_3_protection_phase_x), 7779.7153f);
     const float ends_4_protection_phase_x_5 = forward_4_protection_phase_x_5 * protection_phase_x_part_4;
     const float full_cost = hall_position_four_max(protection_phase_x_part_39 - ((protection_phase_x_part_40 *
         protection_phase_x_part_41) + (protection_phase_x_part_42 * protection_phase_x_part_43) +
@@ -1198,12 +1198,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float ends_3_protection_phase_x_5 = protection_phase_x_part_44 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_5);
     const float step_1 = hall_position_four_limit(protection_phase_x_part_41 - (terms_1_protection_phase_x_2 *
-        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_5), 235.67874f);
-    const float step_3 = hall_position_four_limit(ends_3_protection_phase_x_5, 94.27149f);
-    const float step_4 = hall_position_four_limit(ends_4_protection_phase_x_5, 188.54298f);
+        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_5), 257.0957f);
+    const float step_3 = hall_position_four_limit(ends_3_protection_phase_x_5, 102.83827f);
+    const float step_4 = hall_position_four_limit(ends_4_protection_phase_x_5, 205.67654f);
     const float scores_1 = e_1 - ((a_1_phase_x * step_1) + (a_3_phase_x * step_3) + (a_4_phase_x * step_4));
     const float step_2 = hall_position_four_limit(protection_phase_x_part_43 - (terms_1_protection_phase_x_4 *
-        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_5), 235.67874f);
+        ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_5), 257.0957f);
     const float scores_2_protection_phase_x = e_2 - ((a_2_phase_x * step_2) - (phase_x_part_19 * step_3) +
         (a_4_phase_x_5 * step_4)) - (lower_2_1_protection_phase_x * scores_1);
     const float costs_1 = full_cost - ((scores_1 * scores_1 * gains_1) + (scores_2_protection_phase_x *
@@ -1232,19 +1232,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
             protection_phase_x_part_11), protection_phase_x_part_20), protection_phase_x_part_29),
             protection_phase_x_part_38);
-        protection_phase_x_part_46 = (0.4363929f * sqrtf(worst_protection_phase_x)) + (3.4807565f * deviation_phase_x);
+        protection_phase_x_part_46 = (0.40003738f * sqrtf(worst_protection_phase_x)) + (3.4807565f * deviation_phase_x);
         const float worst_protection_phase_y =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
             protection_phase_y_part), protection_phase_y_part_2), protection_phase_y_part_3),
             protection_phase_y_part_4);
-        protection_phase_y_part_5 = (0.4363929f * sqrtf(worst_protection_phase_y)) + (3.4807565f * deviation_phase_y);
+        protection_phase_y_part_5 = (0.40003738f * sqrtf(worst_protection_phase_y)) + (3.4807565f * deviation_phase_y);
         const float worst_protection_yaw =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
             protection_yaw_part), protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4);
-        level = (0.4363929f * sqrtf(worst_protection_yaw)) + (3.4807565f * deviation_yaw);
+        level = (0.40003738f * sqrtf(worst_protection_yaw)) + (3.4807565f * deviation_yaw);
     } else {
         limit = 17.729996f;
-        const float protection_phase_x_part_47 = 0.06384572f + (1e-05f * full_cost);
+        const float protection_phase_x_part_47 = 0.053650968f + (1e-05f * full_cost);
         float protection_phase_x_part_48 = 0.0f;
         float protection_phase_x_part_49 = protection_phase_x_part_11;
         float protection_phase_y_part_6 = 0.0f;
@@ -1333,7 +1333,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_phase_x_part_58);
         const float protection_phase_x_part_61 =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part_48,
-            protection_phase_x_part_51), protection_phase_x_part_54), protection_phase_x_part_57) + (0.20887439f *
+            protection_phase_x_part_51), protection_phase_x_part_54), protection_phase_x_part_57) + (0.19147325f *
             sqrtf(terms_1_protection_phase_x + (terms_1_protection_phase_x_2 * terms_1_protection_phase_x_2 *
             terms_1_protection_phase_x_5) + (protection_phase_x_part_60 * protection_phase_x_part_60 *
             protection_phase_x_part_4) + added_protection_phase_x));
@@ -1346,7 +1346,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_phase_y_part_13);
         const float protection_phase_y_part_15 =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part_6,
-            protection_phase_y_part_8), protection_phase_y_part_10), protection_phase_y_part_12) + (0.20887439f *
+            protection_phase_y_part_8), protection_phase_y_part_10), protection_phase_y_part_12) + (0.19147325f *
             sqrtf(terms_1_protection_phase_x_3 + (terms_1_protection_phase_x_4 * terms_1_protection_phase_x_4 *
             terms_1_protection_phase_x_5) + (protection_phase_y_part_14 * protection_phase_y_part_14 *
             protection_phase_x_part_4) + added_protection_phase_y));
@@ -1356,14 +1356,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_yaw_part_6), protection_yaw_part_8), protection_yaw_part_10), protection_yaw_part_12);
         const float separated =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part_5,
-            protection_yaw_part_7), protection_yaw_part_9), protection_yaw_part_11) + (0.20887439f *
+            protection_yaw_part_7), protection_yaw_part_9), protection_yaw_part_11) + (0.19147325f *
             sqrtf(terms_1_protection_phase_x_5 + (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_8 *
             protection_phase_x_part_4) + added_protection_yaw));
         level = separated;
     }
-    const bool passes = (left_1_1_protection_phase_x <= 14404.0f) && (left_2_2_protection_phase_x <= 14404.0f) &&
-        (left_3_3_protection_phase_x <= 90025.0f) && (left_4_4_protection_phase_x <= 22506.25f) && (cost_chi_square_2 <=
-        (0.003601f * limit));
+    const bool passes = (left_1_1_protection_phase_x <= 12104.0f) && (left_2_2_protection_phase_x <= 12104.0f) &&
+        (left_3_3_protection_phase_x <= 75650.0f) && (left_4_4_protection_phase_x <= 18912.5f) && (cost_chi_square_2 <=
+        (0.003026f * limit));
     const bool detectable = (gains_1 < 999.99f) && (gains_2 < 999.99f) && (gains_3 < 999.99f) && (gains_4 < 999.99f) &&
         (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
@@ -1521,7 +1521,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         0.5f);
     state->estimator_motion_yaw = hall_position_four_limit((tracking ? 1.0f : 0.0f) * estimator_motion_yaw_part, 0.1f);
     float best = 0.0f;
-    if (!(full_cost <= 0.07387453f)) {
+    if (!(full_cost <= 0.06207841f)) {
         const float costs_2_min_costs_1 = hall_position_four_min(costs_2, costs_1);
         if (costs_4 < hall_position_four_min(costs_3, costs_2_min_costs_1)) {
             best = 4.0f;

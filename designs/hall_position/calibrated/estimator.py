@@ -20,7 +20,7 @@ GAIN_DRIFT = 3e-3  # relative, to either side, of gains since the calibration
 UNIFORM = 3**-0.5  # rms of a uniform distribution over its half width
 POSE = ("X", "Y", "yaw", "amplitude", "tracking", "excluded", "valid")
 ALERT = {"position_limit": trust.WRONG, "yaw_limit": trust.WRONG_YAW}  # m, rad
-RISK = 2e-5  # of a sample: less than usual, since over half a millimetre hypotheses are linear to about R only
+RISK = 1e-5  # of a sample: less than usual, since over half a millimetre hypotheses are linear to about R only
 
 
 def tuning(of: UnitCalibration, gain_drift: float = GAIN_DRIFT) -> Tuning:
