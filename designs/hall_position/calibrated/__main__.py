@@ -28,7 +28,9 @@ def print_stages() -> None:
         for stage in stages.STAGES:
             of = stages.of_unit(field, seed, stage)
             error = of.model_error(estimator.UNIFORM * estimator.GAIN_DRIFT)
-            sizes = f"{1e3 * of.residual:6.2f} {1e3 * error:6.2f} {1e6 * of.position_error:6.1f} {1e6 * of.yaw_error:6.0f}"
+            sizes = (
+                f"{1e3 * of.residual:6.2f} {1e3 * error:6.2f} {1e6 * of.position_error:6.1f} {1e6 * of.yaw_error:6.0f}"
+            )
             write(f"{field:10s} {seed:2d} {stage:10s} {sizes}")
 
 

@@ -39,15 +39,16 @@ def corrections(of: UnitCalibration, time: Discrete, pose: Mapping[str, Signal])
     """
     volts, inverse = channels.voltages(len(LETTERS)), np.linalg.inv(of.gains())
     constants = _constants(of, inverse)
-    assert of.table is not None
-    tables = {a: table(f"field_{a}", of.table.values[..., i].ravel()) for i, a in enumerate("xy")}
+    fitted = of.table
+    assert fitted is not None
+    tables = {a: table(f"field_{a}", fitted.values[..., i].ravel().tolist()) for i, a in enumerate("xy")}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         predicted = {n: clip(x[f"last_{n}"] + x[f"motion_{n}"], pose[n]) for n in "XY"} | {"yaw": x["last_yaw"]}
         output: dict[str, ca.SX] = {}
         c, s = ca.cos(predicted["yaw"]), ca.sin(predicted["yaw"])
         for letter in LETTERS:
-            field = _field(tables, of.table.grid, letter, predicted, (c, s), k)
+            field = _field(tables, fitted.grid, letter, predicted, (c, s), k)
             body = c * field["x"] + s * field["y"], c * field["y"] - s * field["x"]
             held = [u[f"V_{letter}{axis}_held"] for axis in "xy"]
             for axis, B in zip("xy", body, strict=True):
@@ -100,15 +101,16 @@ def _advance(u: Exprs, x: Exprs, predicted: Mapping[str, ca.SX], pose: Mapping[s
     trusted = ca.logic_and(u["valid"], u["excluded"] == 0)
     aligned = ca.logic_and(u["tracking"], ca.logic_or(u["valid"], x["aligned"]))
     for name, most in GATE.items():
-        limits = (Signal("gate", pose[name].unit, -v, v) for v in (most, DOUBTED[name]))
-        innovation = ca.if_else(trusted, *(clip(u[name] - predicted[name], limit) for limit in limits))
+        change = u[name] - predicted[name]
+        wide, narrow = (clip(change, Signal("gate", pose[name].unit, -v, v)) for v in (most, DOUBTED[name]))
+        innovation = ca.if_else(trusted, wide, narrow)
         following = clip(predicted[name] + innovation, pose[name])
         next[f"last_{name}"] = ca.if_else(aligned, following, u[name])
         if name in "XY":
             motion = clip(x[f"motion_{name}"] + VELOCITY_GAIN * innovation, _motion(name))
             next[f"motion_{name}"] = aligned * motion
-    change = AMPLITUDE_GAIN * (u["amplitude"] - x["mean_amplitude"])
-    mean = clip(x["mean_amplitude"] + aligned * change, pose["amplitude"])
+    shift = AMPLITUDE_GAIN * (u["amplitude"] - x["mean_amplitude"])
+    mean = clip(x["mean_amplitude"] + aligned * shift, pose["amplitude"])
     return next | {"mean_amplitude": mean, "aligned": aligned}
 
 

@@ -55,7 +55,9 @@ def block(of: UnitCalibration, tuned: Tuning) -> Block:
 
 
 @cache
-def of_unit(field: str, seed: int, stage: str = stages.STAGES[-1], gain_drift: float = GAIN_DRIFT) -> tuple[Block, Tuning]:
+def of_unit(
+    field: str, seed: int, stage: str = stages.STAGES[-1], gain_drift: float = GAIN_DRIFT
+) -> tuple[Block, Tuning]:
     """Return the estimator of a unit, calibrated up to a stage, and its tuning."""
     of = stages.of_unit(field, seed, stage)
     tuned = tuning(of, gain_drift)

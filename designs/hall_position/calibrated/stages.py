@@ -65,7 +65,9 @@ def voltages(q: Exprs, k: Exprs) -> Exprs:
         body = c * B[0] + s * B[1], c * B[1] - s * B[0]
         for axis in "xy":
             gains = (k[f"gain_{letter}{axis}{of}"] for of in "xy")
-            volts[f"V_{letter}{axis}"] = sum(g * b for g, b in zip(gains, body, strict=True)) + k[f"offset_{letter}{axis}"]
+            volts[f"V_{letter}{axis}"] = (
+                sum(g * b for g, b in zip(gains, body, strict=True)) + k[f"offset_{letter}{axis}"]
+            )
     return volts
 
 
@@ -201,7 +203,8 @@ def _table(fit: Calibration, of: ResidualMap | None) -> ResidualMap:
 
 
 def _extra_waves(values: Mapping[str, float], at: Numbers) -> Numbers:
-    return np.stack(_waves(values, *at.T, [n for n in AXIAL if n not in MODEL_WAVES], CROSS), axis=-1)
+    further = [n for n in AXIAL if n not in MODEL_WAVES]
+    return np.stack(_waves(values, at[:, 0], at[:, 1], further, CROSS), axis=-1)
 
 
 def predict(fit: Calibration, table: ResidualMap | None, poses: Numbers) -> Numbers:

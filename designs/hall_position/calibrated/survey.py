@@ -60,9 +60,7 @@ def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[i
     return World(read)
 
 
-def run(
-    case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()
-) -> Samples:
+def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()) -> Samples:
     """Return the samples after a fault, with `refused` sensors from the start; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
     controller, tuning = compiled(case.field, case.seed, case.stage, case.budget)
@@ -91,5 +89,5 @@ def join(runs: Sequence[Samples]) -> Samples:
 
 def diagram(samples: Samples, limit: float, axis: int = 0) -> Diagram:
     """Return the Stanford diagram of X, or of another coordinate; lengths in mm, angles in mrad."""
-    columns = (1e3 * v[..., axis].ravel() for v in (samples.errors, samples.levels))
-    return stanford.diagram(*columns, samples.valid.ravel(), 1e3 * limit, "mrad" if axis == 2 else "mm")
+    errors, levels = (1e3 * v[..., axis].ravel() for v in (samples.errors, samples.levels))
+    return stanford.diagram(errors, levels, samples.valid.ravel(), 1e3 * limit, "mrad" if axis == 2 else "mm")

@@ -22,7 +22,7 @@ from synth.synthesise.identify.logs import Log
 REFERENCES = {"X": 1e-6, "Y": 1e-6, "yaw": 1e-5}  # m, m, rad: standard deviations of the reference
 AVERAGED = 8  # samples at a point of the scan
 NOISE = config.array().deviation / AVERAGED**0.5  # V, of a mean
-READINGS = {name: NOISE for name in signal_names(channels.voltages(4))}
+READINGS = dict.fromkeys(signal_names(channels.voltages(4)), NOISE)
 REACH, SPACING, YAWS, YAW_JITTER = 0.036, 2.4e-3, (-0.16, 0.0, 0.16), 0.005  # m, m, rad, rad
 HELD_OUT = 1000  # poses
 TOLERANCES = built_matrix.Tolerances

@@ -60,7 +60,9 @@ def fault_rows() -> Rows:
         worst = max(by_fault, key=lambda f: max(o.wrong for o in by_fault[f]))
         ratios = "-".join(f"{v:.2f}" for v in sorted(o.ratio for o in none))
         wrong = 100 * max(o.wrong for o in by_fault[worst])
-        rows.append((name, calibration, 1e3 * R, 100 * min(o.valid for o in none), ratios, worst if wrong else "", wrong))
+        rows.append(
+            (name, calibration, 1e3 * R, 100 * min(o.valid for o in none), ratios, worst if wrong else "", wrong)
+        )
     return rows
 
 

@@ -104,7 +104,7 @@ def test_every_subset_of_sensors_is_protected_or_not_valid() -> None:
 def test_the_diagram_counts_what_misleads() -> None:
     """The planted defect: errors of 1 mm where the levels say less."""
     sound = samples("none")
-    errors = sound.errors + [1e-3, 0, 0]
+    errors = sound.errors + np.array([1e-3, 0, 0])
     wrong = Samples(sound.valid, errors, sound.deviations, sound.levels)
     good, bad = (survey.diagram(s, trust.WRONG) for s in (sound, wrong))
     assert good.hazardous == 0 and bad.hazardous == bad.samples - bad.unavailable > 0
