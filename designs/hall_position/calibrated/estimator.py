@@ -1,4 +1,4 @@
-"""The estimator of four sensors with a unit's calibration: its voltages corrected, and its R from held-out residuals."""
+"""The estimator of four sensors with a unit's calibration: corrected voltages, and R from held-out residuals."""
 
 from dataclasses import replace
 from functools import cache

@@ -4,9 +4,9 @@
     B = sum over (m, n) of a_mn (m, n) sin(w (m X + n Y))  +  map(X, Y)
 
 Each wave is that of a potential. alpha = a_10 = a_01 keeps its value, as M_k has the gains. The map is fitted to the
-residuals in the field's axes, at the sensors' places, and the other parameters to what the map leaves, in turn, PASSES
-times: fitted without the map, gains and places follow the field's own errors by up to 1 %. The estimator has the waves 1 and 5 along each axis; everything
-else of B is in its table, of spacing pitch / PER_PITCH.
+residuals in the field's axes, at the sensors' places, and the other parameters to what the map leaves, in turn,
+PASSES times: fitted without the map, gains and places follow the field's own errors by up to 1 %. The estimator has
+the waves 1 and 5 along each axis; everything else of B is in its table, of spacing pitch / PER_PITCH.
 """
 
 from collections.abc import Mapping, Sequence
@@ -46,7 +46,9 @@ def parameters() -> list[Parameter]:
     for letter, place in zip(LETTERS, array.positions, strict=True):
         made += [Parameter(f"gain_{letter}{e}", float(e in ("xx", "yy")), "1", 0.02, "nominal") for e in MATRIX]
         made += [Parameter(f"offset_{letter}{axis}", 0.0, "V", 0.0, "nominal") for axis in "xy"]
-        made += [Parameter(f"place_{letter}{axis}", v, "m", 0.01, "nominal") for axis, v in zip("xy", place)]
+        made += [
+            Parameter(f"place_{letter}{axis}", v, "m", 0.01, "nominal") for axis, v in zip("xy", place, strict=True)
+        ]
     sizes = {1: array.alpha, 5: array.beta}
     made += [Parameter(f"wave_{n}", sizes.get(n, 0.0), "V", 0.1, "nominal") for n in AXIAL]
     return made + [Parameter(_cross(of), 0.0, "V", 0.1, "nominal") for of in CROSS]
@@ -208,7 +210,7 @@ def _extra_waves(values: Mapping[str, float], at: Numbers) -> Numbers:
 
 
 def predict(fit: Calibration, table: ResidualMap | None, poses: Numbers) -> Numbers:
-    """Return the voltages (N, 4, 2) at poses (N, 3) by the estimator's model: two waves along each axis, and a table."""
+    """Return the voltages (N, 4, 2) at poses (N, 3) by the estimator's model: two waves an axis, and a table."""
     at = sensor_places(fit, poses)
     B = np.stack(_waves(fit.values, at[..., 0], at[..., 1], MODEL_WAVES, ()), axis=-1)
     if table is not None:

@@ -61,7 +61,7 @@ def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[i
 
 
 def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()) -> Samples:
-    """Return the samples after a fault, with `refused` sensors from the start; raise ModelError for an unknown fault."""
+    """Return the samples after a fault, some sensors being `refused`; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
     controller, tuning = compiled(case.field, case.seed, case.stage, case.budget)
     return trust.simulate(controller, tuning, world(case, bodies, rng, refused), fault, bodies, speed, rng)

@@ -1,4 +1,4 @@
-"""Integrity of four sensors in the report: calibration by stages, faults over fields and calibrations, Stanford diagram."""
+"""Integrity of four sensors in the report: stages of the calibration, faults over fields, Stanford diagram."""
 
 from collections.abc import Callable
 from dataclasses import replace
