@@ -126,10 +126,10 @@ def calibrate(unit: Unit, stage: str = STAGES[-1]) -> UnitCalibration:
     if stage not in STAGES:
         raise ModelError(f"'{stage}' is not a stage of the calibration: give one of {', '.join(STAGES)}")
     log, test = units.scan(unit), units.held_out(unit)
-    return _calibrated(stage, log, test)
+    return _evaluate_stage(stage, log, test)
 
 
-def _calibrated(stage: str, log: Log, test: Log) -> UnitCalibration:
+def _evaluate_stage(stage: str, log: Log, test: Log) -> UnitCalibration:
     fit, of = _fit_map(log) if stage == "map" else (_fit(stage, log), None)
     table = _table(fit, of) if stage in ("waves", "map") else None
     predicted = predict(fit, table, test.columns(tuple(units.REFERENCES)))
@@ -154,7 +154,7 @@ def _fit_map(log: Log) -> tuple[Calibration, ResidualMap]:
 def _map_voltages(fit: Calibration, of: ResidualMap, poses: Numbers) -> Numbers:
     """Return what a map of the field adds to the voltages (N, 8) at poses (N, 3)."""
     at = sensor_places(fit, poses)
-    B = _turned(of.at(at.reshape(-1, 2)).reshape(at.shape), -poses[:, 2])
+    B = _rotate(of.at(at.reshape(-1, 2)).reshape(at.shape), -poses[:, 2])
     return np.asarray(np.einsum("kij,nkj->nki", _gains(fit), B).reshape(len(poses), -1))
 
 
@@ -172,7 +172,7 @@ def _field_residuals(fit: Calibration, log: Log) -> tuple[Numbers, Numbers]:
     """Return the places (4 N, 2) of the sensors, and the residuals there in the field's axes (4 N, 2), V."""
     poses = log.columns(tuple(units.REFERENCES))
     e = np.linalg.solve(_gains(fit)[None], fit.residuals(log).reshape(-1, 4, 2, 1))[..., 0]
-    return sensor_places(fit, poses).reshape(-1, 2), _turned(e, poses[:, 2]).reshape(-1, 2)
+    return sensor_places(fit, poses).reshape(-1, 2), _rotate(e, poses[:, 2]).reshape(-1, 2)
 
 
 def _gains(fit: Calibration) -> Numbers:
@@ -182,10 +182,10 @@ def _gains(fit: Calibration) -> Numbers:
 def sensor_places(fit: Calibration, poses: Numbers) -> Numbers:
     """Return the places of the sensors (N, 4, 2) at poses (N, 3), m."""
     r = np.array([[fit.values[f"place_{n}{axis}"] for axis in "xy"] for n in LETTERS])
-    return np.asarray(poses[:, None, :2] + _turned(np.broadcast_to(r, (len(poses), 4, 2)), poses[:, 2]))
+    return np.asarray(poses[:, None, :2] + _rotate(np.broadcast_to(r, (len(poses), 4, 2)), poses[:, 2]))
 
 
-def _turned(v: Numbers, yaw: Numbers) -> Numbers:
+def _rotate(v: Numbers, yaw: Numbers) -> Numbers:
     c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
     return np.stack([c * v[..., 0] - s * v[..., 1], s * v[..., 0] + c * v[..., 1]], axis=-1)
 
@@ -216,7 +216,7 @@ def predict(fit: Calibration, table: ResidualMap | None, poses: Numbers) -> Numb
     if table is not None:
         B = B + table.at(at.reshape(-1, 2)).reshape(B.shape)
     offsets = np.array([[fit.values[f"offset_{n}{axis}"] for axis in "xy"] for n in LETTERS])
-    return np.einsum("kij,nkj->nki", _gains(fit), _turned(B, -poses[:, 2])) + offsets
+    return np.einsum("kij,nkj->nki", _gains(fit), _rotate(B, -poses[:, 2])) + offsets
 
 
 def _pose_errors(fit: Calibration, log: Log, residuals: Numbers) -> Numbers:

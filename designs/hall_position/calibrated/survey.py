@@ -40,7 +40,7 @@ class Case:
 
 
 @cache
-def compiled(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
+def compile_unit(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
     """Return the C of a calibrated unit in single precision, and its tuning."""
     block, tuning = estimator.of_unit(field, seed, stage, budget)
     return build.compile_block(block, np.float32, error=SURROGATE_ERROR[np.float32]), tuning
@@ -63,7 +63,7 @@ def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[i
 def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()) -> Samples:
     """Return the samples after a fault, some sensors being `refused`; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
-    controller, tuning = compiled(case.field, case.seed, case.stage, case.budget)
+    controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget)
     return trust.simulate(controller, tuning, world(case, bodies, rng, refused), fault, bodies, speed, rng)
 
 
@@ -77,7 +77,7 @@ def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:
     rng, half = np.random.default_rng(seed), config.array().pitch / 2 - trust.MARGIN
     X, Y = rng.uniform(-half, half, (2, bodies))
     pose = Pose(X, Y, rng.uniform(-trust.YAW, trust.YAW, bodies))
-    controller, _ = compiled(case.field, case.seed, case.stage, case.budget)
+    controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget)
     return trust.start_from_init(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng)
 
 

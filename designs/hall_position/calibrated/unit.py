@@ -40,8 +40,8 @@ class Unit:
         """Return the voltages (N, 4, 2) at poses (N, 3), without noise."""
         V = hall_bench.static_voltages(self.bench, poses).reshape(-1, 4, 2)
         c, s = np.cos(self.angles), np.sin(self.angles)
-        turned = np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
-        return np.asarray(self.gains * turned)
+        rotated = np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
+        return np.asarray(self.gains * rotated)
 
 
 @cache

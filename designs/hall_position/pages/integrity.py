@@ -70,17 +70,17 @@ def _runners() -> list[tuple[str, str, float, Runner]]:
     """Return field, calibration, R in V and how to run a fault, of each row."""
     runners: list[tuple[str, str, float, Runner]] = []
     for name, case in UNITS.items():
-        runners.append((name, "none", config.USUAL.model_error, _uncalibrated(case.field)))
-        runners += [_calibrated(name, stage, replace(case, stage=stage)) for stage in stages.STAGES[2:]]
+        runners.append((name, "none", config.USUAL.model_error, _runner_without(case.field)))
+        runners += [_runner_with(name, stage, replace(case, stage=stage)) for stage in stages.STAGES[2:]]
     return runners
 
 
-def _uncalibrated(field: str) -> Runner:
+def _runner_without(field: str) -> Runner:
     return lambda fault, speed: trust.samples(config.USUAL, field, fault, BODIES, speed)
 
 
-def _calibrated(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:
-    _, tuning = survey.compiled(case.field, case.seed, case.stage, case.budget)
+def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:
+    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget)
     return name, label, tuning.model_error, lambda fault, speed: survey.run(case, fault, BODIES, speed)
 
 
@@ -115,7 +115,7 @@ def stanford(of: Samples) -> Figure:
 def subset_rows(case: Case) -> Rows:
     """Return the counts of the Stanford diagram of X for every subset of sensors in use, without a further fault."""
     rows: list[tuple[page.Cell, ...]] = []
-    _, tuning = survey.compiled(case.field, case.seed, case.stage, case.budget)
+    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget)
     for refused in survey.subsets():
         used = "".join(ascii_uppercase[k] for k in range(4) if k not in refused) or "none"
         each = survey.diagram(survey.run(case, "none", BODIES, trust.SPEED, refused=refused), tuning.position_limit)

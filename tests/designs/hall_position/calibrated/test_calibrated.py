@@ -76,7 +76,7 @@ def test_waves_alone_do_not_meet_the_bar() -> None:
 
 def test_the_calibration_of_another_unit_shows() -> None:
     """The planted defect: a table of another matrix is worse than none."""
-    controller, tuning = survey.compiled("built", SEED, "map", estimator.GAIN_DRIFT)
+    controller, tuning = survey.compile_unit("built", SEED, "map", estimator.GAIN_DRIFT)
     rng = np.random.default_rng(0)
     of = survey.world(Case("built", OTHER), 500, rng)
     outcome = trust.simulate(controller, tuning, of, "none", 500, 0.0, rng).outcome()
