@@ -1,7 +1,7 @@
 """Survey of integrity of calibrated units: faults of a sensor, at rest and in motion, with gains that have drifted.
 
 A unit is calibrated (`stages`), its estimator compiled (`estimator`), and run in its own field. Since the calibration
-the amplitude has changed by +-10 %, and each gain by +-`drift`, both anew for each body. SEEDS are those of units
+the amplitude has changed by +-10 %, and each gain by +-`drift`, both drawn for each body. SEEDS are those of units
 whose tolerances were not used to choose anything.
 """
 
