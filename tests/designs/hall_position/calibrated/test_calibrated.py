@@ -48,7 +48,7 @@ def test_r_covers_what_was_held_out_and_the_drift_of_gains() -> None:
     assert 0.98 * last.residual < last.model_error(0) < 1.1 * last.residual  # less the noise, at its upper bound
     tuning = estimator.tuning(last)
     assert tuning.model_error == pytest.approx(np.hypot(last.model_error(0), 0.003 / 3**0.5 * 2.25), rel=0.03)
-    assert (tuning.position_limit, tuning.yaw_limit) == (trust.WRONG, trust.WRONG_YAW)
+    assert 1 <= tuning.position_limit / trust.WRONG < 1.05 and 1 <= tuning.yaw_limit / trust.WRONG_YAW < 1.15
 
 
 def test_an_unknown_stage_is_refused() -> None:
