@@ -133,8 +133,8 @@ void hall_position_init(hall_position_state_t *state)
 
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 {
-    /* rad; w times the place of sensor a from the centre, along x, also arm_ax, also arm_ay, also arm_bx, also arm_by
-     * */
+    /* rad; w times the place of sensor a from the centre, along x, also arm_ax, also arm_ay, also arm_bx, also
+     * arm_by */
     static const float arm = -2.3561945f;
     static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
     static const float yaw_damping = 2.7546635f;                /* V^2; damping (5 radius)^2 */
@@ -213,11 +213,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float phase_fraction_sine_part = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_sine = hall_position_limit(phase_fraction_sine_part * (1.0f - (0.125f * (yaw_fraction_sine *
+    const float s_phase_fraction_sine = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
+    const float heading_sine = hall_position_limit(s_phase_fraction_sine * (1.0f - (0.125f * (yaw_fraction_sine *
         yaw_fraction_sine))), 1.0f);
     const float arm_times_heading_sine = -arm * heading_sine;
-    const float heading_cosine = 1.0f - (0.5f * (phase_fraction_sine_part * phase_fraction_sine_part));
+    const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
     const float arm_times_heading_cosine = -arm * heading_cosine;
     const float x_phase_fraction_sine = arm_times_heading_sine - arm_times_heading_cosine;
     const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
@@ -247,55 +247,55 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phase_fraction_cosine_4 = phase_fraction_cosine_2_polynomial(f5_argument_2);
     const float volts_cosine_cost_0 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
     const float cost_0_part = f3 * phase_fraction_cosine;
-    const float cost_0_part_2 = hall_position_limit(8.0f * (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine *
+    const float s_cost_0 = hall_position_limit(8.0f * (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine *
         phase_fraction_sine)))), 2.0f);
-    const float cost_0_part_3 = 8.0f * cost_0_part;
-    const float x_sine_cost_0 = hall_position_limit(cost_0_part_2 * (1.0f - (0.125f * (cost_0_part_3 * cost_0_part_3))),
+    const float sines_2_cost_0 = 8.0f * cost_0_part;
+    const float x_sine_cost_0 = hall_position_limit(s_cost_0 * (1.0f - (0.125f * (sines_2_cost_0 * sines_2_cost_0))),
         1.0f);
     const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
     const float B_1_cost_0 = x_sine_cost_0 * (estimator_field_1 + (x_sine_cost_0_squared * (estimator_field_3 +
         (x_sine_cost_0_squared * estimator_field_5))));
     const float by_axis_1_1_e_cost_0 = volts_cosine_cost_0 - B_1_cost_0;
     const float volts_cosine_cost_0_2 = (heading_cosine * V_bx_held) - (heading_sine * V_by_held);
-    const float cost_0_part_4 = f5 * phase_fraction_cosine_3;
-    const float cost_0_part_5 = hall_position_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_3 *
+    const float cost_0_part_2 = f5 * phase_fraction_cosine_3;
+    const float s_cost_0_2 = hall_position_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine_3 *
         phase_fraction_sine_3)))), 2.0f);
-    const float cost_0_part_6 = 8.0f * cost_0_part_4;
-    const float x_sine_cost_0_2 = hall_position_limit(cost_0_part_5 * (1.0f - (0.125f * (cost_0_part_6 *
-        cost_0_part_6))), 1.0f);
+    const float sines_2_cost_0_2 = 8.0f * cost_0_part_2;
+    const float x_sine_cost_0_2 = hall_position_limit(s_cost_0_2 * (1.0f - (0.125f * (sines_2_cost_0_2 *
+        sines_2_cost_0_2))), 1.0f);
     const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
     const float B_1_cost_0_2 = x_sine_cost_0_2 * (estimator_field_1 + (x_sine_cost_0_2_squared * (estimator_field_3 +
         (x_sine_cost_0_2_squared * estimator_field_5))));
     const float by_axis_1_2_e_cost_0 = volts_cosine_cost_0_2 - B_1_cost_0_2;
     const float volts_sine_cost_0 = (heading_sine * V_ax_held) + (heading_cosine * V_ay_held);
-    const float cost_0_part_7 = f3_2 * phase_fraction_cosine_2;
-    const float cost_0_part_8 = hall_position_limit(8.0f * (cost_0_part_7 * (1.0f - (0.03125f * (phase_fraction_sine_2 *
+    const float cost_0_part_3 = f3_2 * phase_fraction_cosine_2;
+    const float s_cost_0_3 = hall_position_limit(8.0f * (cost_0_part_3 * (1.0f - (0.03125f * (phase_fraction_sine_2 *
         phase_fraction_sine_2)))), 2.0f);
-    const float cost_0_part_9 = 8.0f * cost_0_part_7;
-    const float p_sine_cost_0 = hall_position_limit(cost_0_part_8 * (1.0f - (0.125f * (cost_0_part_9 * cost_0_part_9))),
-        1.0f);
+    const float sines_2_cost_0_3 = 8.0f * cost_0_part_3;
+    const float p_sine_cost_0 = hall_position_limit(s_cost_0_3 * (1.0f - (0.125f * (sines_2_cost_0_3 *
+        sines_2_cost_0_3))), 1.0f);
     const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
     const float B_2_cost_0 = p_sine_cost_0 * (estimator_field_1 + (q_cost_0 * (estimator_field_3 + (q_cost_0 *
         estimator_field_5))));
     const float by_axis_2_1_e_cost_0 = volts_sine_cost_0 - B_2_cost_0;
     const float volts_sine_cost_0_2 = (heading_sine * V_bx_held) + (heading_cosine * V_by_held);
-    const float cost_0_part_10 = f5_2 * phase_fraction_cosine_4;
-    const float cost_0_part_11 = hall_position_limit(8.0f * (cost_0_part_10 * (1.0f - (0.03125f * (phase_fraction_sine_4
-        * phase_fraction_sine_4)))), 2.0f);
-    const float cost_0_part_12 = 8.0f * cost_0_part_10;
-    const float p_sine_cost_0_2 = hall_position_limit(cost_0_part_11 * (1.0f - (0.125f * (cost_0_part_12 *
-        cost_0_part_12))), 1.0f);
+    const float cost_0_part_4 = f5_2 * phase_fraction_cosine_4;
+    const float s_cost_0_4 = hall_position_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_4 *
+        phase_fraction_sine_4)))), 2.0f);
+    const float sines_2_cost_0_4 = 8.0f * cost_0_part_4;
+    const float p_sine_cost_0_2 = hall_position_limit(s_cost_0_4 * (1.0f - (0.125f * (sines_2_cost_0_4 *
+        sines_2_cost_0_4))), 1.0f);
     const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
     const float B_2_cost_0_2 = p_sine_cost_0_2 * (estimator_field_1 + (q_cost_0_2 * (estimator_field_3 + (q_cost_0_2 *
         estimator_field_5))));
     const float by_axis_2_2_e_cost_0 = volts_sine_cost_0_2 - B_2_cost_0_2;
     const float cost_0 = (by_axis_1_1_e_cost_0 * by_axis_1_1_e_cost_0) + (by_axis_1_2_e_cost_0 * by_axis_1_2_e_cost_0) +
         (by_axis_2_1_e_cost_0 * by_axis_2_1_e_cost_0) + (by_axis_2_2_e_cost_0 * by_axis_2_2_e_cost_0);
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_2 * cost_0_part_2));
+    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0 * s_cost_0));
     const float yaw_change_sine_part = x_cosine_yaw_change_sine * (estimator_slope_0 + (x_sine_cost_0_squared *
         (estimator_slope_2 + (x_sine_cost_0_squared * estimator_slope_4))));
     const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_5 * cost_0_part_5));
+    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
     const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (estimator_slope_0 + (x_sine_cost_0_2_squared *
         (estimator_slope_2 + (x_sine_cost_0_2_squared * estimator_slope_4))));
     const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
@@ -303,11 +303,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         yaw_change_sine_part_2);
     const float yaw_change_sine_part_5 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
         (yaw_change_sine_part_3 * yaw_change_sine_part_3)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_8 * cost_0_part_8));
+    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
     const float yaw_change_sine_part_6 = p_cosine_yaw_change_sine * (estimator_slope_0 + (q_cost_0 * (estimator_slope_2
         + (q_cost_0 * estimator_slope_4))));
     const float yaw_change_sine_part_7 = (yaw_change_sine_part_6 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_11 * cost_0_part_11));
+    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
     const float yaw_change_sine_part_8 = p_cosine_yaw_change_sine_2 * (estimator_slope_0 + (q_cost_0_2 *
         (estimator_slope_2 + (q_cost_0_2 * estimator_slope_4))));
     const float yaw_change_sine_part_9 = (yaw_change_sine_part_8 * x_phase_fraction_sine_2) - B_1_cost_0_2;

@@ -327,10 +327,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float phase_fraction_sine_part = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (phase_fraction_sine_part * phase_fraction_sine_part));
-    const float heading_sine = hall_position_three_limit(phase_fraction_sine_part * (1.0f - (0.125f * (yaw_fraction_sine
-        * yaw_fraction_sine))), 1.0f);
+    const float s_phase_fraction_sine = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
+    const float heading_sine = hall_position_three_limit(s_phase_fraction_sine * (1.0f - (0.125f * (yaw_fraction_sine *
+        yaw_fraction_sine))), 1.0f);
     const float x_phase_fraction_sine = (arm_ax * heading_cosine) - (arm_ay * heading_sine);
     const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
     const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
@@ -376,11 +376,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float vy_cost_0 = cost_0_part * V_ay_held;
     const float volts_cosine_cost_0 = (heading_cosine * vx_cost_0) - (heading_sine * vy_cost_0);
     const float cost_0_part_2 = f3 * phase_fraction_cosine;
-    const float cost_0_part_3 = hall_position_three_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f *
-        (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
-    const float cost_0_part_4 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0 = hall_position_three_limit(cost_0_part_3 * (1.0f - (0.125f * (cost_0_part_4 *
-        cost_0_part_4))), 1.0f);
+    const float s_cost_0 = hall_position_three_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine *
+        phase_fraction_sine)))), 2.0f);
+    const float sines_2_cost_0 = 8.0f * cost_0_part_2;
+    const float x_sine_cost_0 = hall_position_three_limit(s_cost_0 * (1.0f - (0.125f * (sines_2_cost_0 *
+        sines_2_cost_0))), 1.0f);
     const float field_2_cost_0 = cost_0_part * estimator_field_1;
     const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
     const float field_3_cost_0 = cost_0_part * estimator_field_3;
@@ -390,74 +390,74 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float residuals_1 = volts_cosine_cost_0 - B_1_cost_0;
     const float terms_1_cost_0 = residuals_1 * residuals_1;
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
-    const float cost_0_part_5 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float vx_cost_0_2 = cost_0_part_5 * V_bx_held;
-    const float vy_cost_0_2 = cost_0_part_5 * V_by_held;
+    const float cost_0_part_3 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
+    const float vx_cost_0_2 = cost_0_part_3 * V_bx_held;
+    const float vy_cost_0_2 = cost_0_part_3 * V_by_held;
     const float volts_cosine_cost_0_2 = (heading_cosine * vx_cost_0_2) - (heading_sine * vy_cost_0_2);
-    const float cost_0_part_6 = f7 * phase_fraction_cosine_3;
-    const float cost_0_part_7 = hall_position_three_limit(8.0f * (cost_0_part_6 * (1.0f - (0.03125f *
+    const float cost_0_part_4 = f7 * phase_fraction_cosine_3;
+    const float s_cost_0_2 = hall_position_three_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f *
         (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
-    const float cost_0_part_8 = 8.0f * cost_0_part_6;
-    const float x_sine_cost_0_2 = hall_position_three_limit(cost_0_part_7 * (1.0f - (0.125f * (cost_0_part_8 *
-        cost_0_part_8))), 1.0f);
-    const float field_2_cost_0_2 = cost_0_part_5 * estimator_field_1;
+    const float sines_2_cost_0_2 = 8.0f * cost_0_part_4;
+    const float x_sine_cost_0_2 = hall_position_three_limit(s_cost_0_2 * (1.0f - (0.125f * (sines_2_cost_0_2 *
+        sines_2_cost_0_2))), 1.0f);
+    const float field_2_cost_0_2 = cost_0_part_3 * estimator_field_1;
     const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float field_3_cost_0_2 = cost_0_part_5 * estimator_field_3;
-    const float field_4_cost_0_2 = cost_0_part_5 * estimator_field_5;
+    const float field_3_cost_0_2 = cost_0_part_3 * estimator_field_3;
+    const float field_4_cost_0_2 = cost_0_part_3 * estimator_field_5;
     const float B_1_cost_0_2 = x_sine_cost_0_2 * (field_2_cost_0_2 + (x_sine_cost_0_2_squared * (field_3_cost_0_2 +
         (x_sine_cost_0_2_squared * field_4_cost_0_2))));
     const float residuals_2 = volts_cosine_cost_0_2 - B_1_cost_0_2;
     const float terms_2_cost_0 = residuals_2 * residuals_2;
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
-    const float cost_0_part_9 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float vx_cost_0_3 = cost_0_part_9 * V_cx_held;
-    const float vy_cost_0_3 = cost_0_part_9 * V_cy_held;
+    const float cost_0_part_5 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
+    const float vx_cost_0_3 = cost_0_part_5 * V_cx_held;
+    const float vy_cost_0_3 = cost_0_part_5 * V_cy_held;
     const float volts_cosine_cost_0_3 = (heading_cosine * vx_cost_0_3) - (heading_sine * vy_cost_0_3);
-    const float cost_0_part_10 = f11 * phase_fraction_cosine_5;
-    const float cost_0_part_11 = hall_position_three_limit(8.0f * (cost_0_part_10 * (1.0f - (0.03125f *
+    const float cost_0_part_6 = f11 * phase_fraction_cosine_5;
+    const float s_cost_0_3 = hall_position_three_limit(8.0f * (cost_0_part_6 * (1.0f - (0.03125f *
         (phase_fraction_sine_5 * phase_fraction_sine_5)))), 2.0f);
-    const float cost_0_part_12 = 8.0f * cost_0_part_10;
-    const float x_sine_cost_0_3 = hall_position_three_limit(cost_0_part_11 * (1.0f - (0.125f * (cost_0_part_12 *
-        cost_0_part_12))), 1.0f);
-    const float field_2_cost_0_3 = cost_0_part_9 * estimator_field_1;
+    const float sines_2_cost_0_3 = 8.0f * cost_0_part_6;
+    const float x_sine_cost_0_3 = hall_position_three_limit(s_cost_0_3 * (1.0f - (0.125f * (sines_2_cost_0_3 *
+        sines_2_cost_0_3))), 1.0f);
+    const float field_2_cost_0_3 = cost_0_part_5 * estimator_field_1;
     const float x_sine_cost_0_3_squared = x_sine_cost_0_3 * x_sine_cost_0_3;
-    const float field_3_cost_0_3 = cost_0_part_9 * estimator_field_3;
-    const float field_4_cost_0_3 = cost_0_part_9 * estimator_field_5;
+    const float field_3_cost_0_3 = cost_0_part_5 * estimator_field_3;
+    const float field_4_cost_0_3 = cost_0_part_5 * estimator_field_5;
     const float B_1_cost_0_3 = x_sine_cost_0_3 * (field_2_cost_0_3 + (x_sine_cost_0_3_squared * (field_3_cost_0_3 +
         (x_sine_cost_0_3_squared * field_4_cost_0_3))));
     const float residuals_3 = volts_cosine_cost_0_3 - B_1_cost_0_3;
     const float terms_3_cost_0 = residuals_3 * residuals_3;
     const float volts_sine_cost_0 = (heading_sine * vx_cost_0) + (heading_cosine * vy_cost_0);
-    const float cost_0_part_13 = f5 * phase_fraction_cosine_2;
-    const float cost_0_part_14 = hall_position_three_limit(8.0f * (cost_0_part_13 * (1.0f - (0.03125f *
+    const float cost_0_part_7 = f5 * phase_fraction_cosine_2;
+    const float s_cost_0_4 = hall_position_three_limit(8.0f * (cost_0_part_7 * (1.0f - (0.03125f *
         (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
-    const float cost_0_part_15 = 8.0f * cost_0_part_13;
-    const float p_sine_cost_0 = hall_position_three_limit(cost_0_part_14 * (1.0f - (0.125f * (cost_0_part_15 *
-        cost_0_part_15))), 1.0f);
+    const float sines_2_cost_0_4 = 8.0f * cost_0_part_7;
+    const float p_sine_cost_0 = hall_position_three_limit(s_cost_0_4 * (1.0f - (0.125f * (sines_2_cost_0_4 *
+        sines_2_cost_0_4))), 1.0f);
     const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
     const float B_2_cost_0 = p_sine_cost_0 * (field_2_cost_0 + (q_cost_0 * (field_3_cost_0 + (q_cost_0 *
         field_4_cost_0))));
     const float residuals_4 = volts_sine_cost_0 - B_2_cost_0;
     const float terms_4_cost_0 = residuals_4 * residuals_4;
     const float volts_sine_cost_0_2 = (heading_sine * vx_cost_0_2) + (heading_cosine * vy_cost_0_2);
-    const float cost_0_part_16 = f9 * phase_fraction_cosine_4;
-    const float cost_0_part_17 = hall_position_three_limit(8.0f * (cost_0_part_16 * (1.0f - (0.03125f *
+    const float cost_0_part_8 = f9 * phase_fraction_cosine_4;
+    const float s_cost_0_5 = hall_position_three_limit(8.0f * (cost_0_part_8 * (1.0f - (0.03125f *
         (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
-    const float cost_0_part_18 = 8.0f * cost_0_part_16;
-    const float p_sine_cost_0_2 = hall_position_three_limit(cost_0_part_17 * (1.0f - (0.125f * (cost_0_part_18 *
-        cost_0_part_18))), 1.0f);
+    const float sines_2_cost_0_5 = 8.0f * cost_0_part_8;
+    const float p_sine_cost_0_2 = hall_position_three_limit(s_cost_0_5 * (1.0f - (0.125f * (sines_2_cost_0_5 *
+        sines_2_cost_0_5))), 1.0f);
     const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
     const float B_2_cost_0_2 = p_sine_cost_0_2 * (field_2_cost_0_2 + (q_cost_0_2 * (field_3_cost_0_2 + (q_cost_0_2 *
         field_4_cost_0_2))));
     const float residuals_5 = volts_sine_cost_0_2 - B_2_cost_0_2;
     const float terms_5_cost_0 = residuals_5 * residuals_5;
     const float volts_sine_cost_0_3 = (heading_sine * vx_cost_0_3) + (heading_cosine * vy_cost_0_3);
-    const float cost_0_part_19 = f11_2 * phase_fraction_cosine_6;
-    const float cost_0_part_20 = hall_position_three_limit(8.0f * (cost_0_part_19 * (1.0f - (0.03125f *
+    const float cost_0_part_9 = f11_2 * phase_fraction_cosine_6;
+    const float s_cost_0_6 = hall_position_three_limit(8.0f * (cost_0_part_9 * (1.0f - (0.03125f *
         (phase_fraction_sine_6 * phase_fraction_sine_6)))), 2.0f);
-    const float cost_0_part_21 = 8.0f * cost_0_part_19;
-    const float p_sine_cost_0_3 = hall_position_three_limit(cost_0_part_20 * (1.0f - (0.125f * (cost_0_part_21 *
-        cost_0_part_21))), 1.0f);
+    const float sines_2_cost_0_6 = 8.0f * cost_0_part_9;
+    const float p_sine_cost_0_3 = hall_position_three_limit(s_cost_0_6 * (1.0f - (0.125f * (sines_2_cost_0_6 *
+        sines_2_cost_0_6))), 1.0f);
     const float q_cost_0_3 = p_sine_cost_0_3 * p_sine_cost_0_3;
     const float B_2_cost_0_3 = p_sine_cost_0_3 * (field_2_cost_0_3 + (q_cost_0_3 * (field_3_cost_0_3 + (q_cost_0_3 *
         field_4_cost_0_3))));
@@ -465,25 +465,25 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float terms_6_cost_0 = residuals_6 * residuals_6;
     const float cost_0 = terms_1_cost_0 + terms_2_cost_0 + terms_3_cost_0 + terms_4_cost_0 + terms_5_cost_0 +
         terms_6_cost_0;
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_3 * cost_0_part_3));
+    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0 * s_cost_0));
     const float slope_1_yaw_change_sine = cost_0_part * estimator_slope_0;
     const float slope_2_yaw_change_sine = cost_0_part * estimator_slope_2;
     const float slope_3_yaw_change_sine = cost_0_part * estimator_slope_4;
     const float yaw_change_sine_part = x_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (x_sine_cost_0_squared *
         (slope_2_yaw_change_sine + (x_sine_cost_0_squared * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_7 * cost_0_part_7));
-    const float slope_1_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_4;
+    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
+    const float slope_1_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_0;
+    const float slope_2_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_2;
+    const float slope_3_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_4;
     const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
         (x_sine_cost_0_2_squared * (slope_2_yaw_change_sine_2 + (x_sine_cost_0_2_squared *
         slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float x_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (cost_0_part_11 * cost_0_part_11));
-    const float slope_1_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_4;
+    const float x_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
+    const float slope_1_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_0;
+    const float slope_2_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_2;
+    const float slope_3_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_4;
     const float yaw_change_sine_part_5 = x_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
         (x_sine_cost_0_3_squared * (slope_2_yaw_change_sine_3 + (x_sine_cost_0_3_squared *
         slope_3_yaw_change_sine_3))));
@@ -500,15 +500,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         yaw_change_sine_part_4);
     const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
         (yaw_change_sine_part_3 * yaw_change_sine_part_3) + (yaw_change_sine_part_5 * yaw_change_sine_part_5)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_14 * cost_0_part_14));
+    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
     const float yaw_change_sine_part_11 = p_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (q_cost_0 *
         (slope_2_yaw_change_sine + (q_cost_0 * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_12 = (yaw_change_sine_part_11 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_17 * cost_0_part_17));
+    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_5 * s_cost_0_5));
     const float yaw_change_sine_part_13 = p_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 + (q_cost_0_2 *
         (slope_2_yaw_change_sine_2 + (q_cost_0_2 * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_14 = (yaw_change_sine_part_13 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float p_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (cost_0_part_20 * cost_0_part_20));
+    const float p_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_6 * s_cost_0_6));
     const float yaw_change_sine_part_15 = p_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 + (q_cost_0_3 *
         (slope_2_yaw_change_sine_3 + (q_cost_0_3 * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_16 = (yaw_change_sine_part_15 * x_phase_fraction_sine_3) - B_1_cost_0_3;

@@ -83,15 +83,15 @@ static inline float sin_phi_polynomial(float t)
     return 0.99999994f + (t * -0.16661468f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0272707082 .. 0.0272707082, t = x^2; relative error at most 2.5e-06.
- * */
+/* quarter_sine_rear / x; x = distance_rear in -0.0272707082 .. 0.0272707082, t = x^2; relative error at most
+ * 2.5e-06. */
 static inline float quarter_sine_rear_polynomial(float t)
 {
     return 30.921116f + (t * (-4925.7046f + (t * 229584.3f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253418665, t = x^2; relative error at most 1.7e-06.
- * */
+/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253418665, t = x^2; relative error at most
+ * 1.7e-06. */
 static inline float quarter_sine_front_polynomial(float t)
 {
     return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));

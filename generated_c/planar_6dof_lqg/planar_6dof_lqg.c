@@ -92,15 +92,15 @@ static inline float sin_phi_raw_polynomial(float t)
     return 1.0f + (t * -0.16666232f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0260395538 .. 0.0260395538, t = x^2; relative error at most 1.9e-06.
- * */
+/* quarter_sine_rear / x; x = distance_rear in -0.0260395538 .. 0.0260395538, t = x^2; relative error at most
+ * 1.9e-06. */
 static inline float quarter_sine_rear_polynomial(float t)
 {
     return 30.921135f + (t * (-4925.9985f + (t * 230119.58f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253116228, t = x^2; relative error at most 1.7e-06.
- * */
+/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253116228, t = x^2; relative error at most
+ * 1.7e-06. */
 static inline float quarter_sine_front_polynomial(float t)
 {
     return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));

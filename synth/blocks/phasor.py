@@ -102,15 +102,16 @@ def _by_doubling(
     angle: ca.SX, halvings: int, name: str, named: NamedExpressions, limits: Sequence[Signal]
 ) -> tuple[Phasor, list[ca.SX]]:
     """Return the phasor, and its limited values."""
-    s, c = 2**halvings * ca.sin(angle / 2**halvings), ca.cos(angle / 2**halvings)
-    for function, value in (("sine", s), ("cosine", c)):
+    sines, c = [2**halvings * ca.sin(angle / 2**halvings)], ca.cos(angle / 2**halvings)
+    for function, value in (("sine", sines[0]), ("cosine", c)):
         about = f"of 1/{2**halvings} of it" + (f", times {2**halvings}" if function == "sine" else "")
         named.append((Signal(f"{name}_{function}", "1", -(2**halvings), 2**halvings, about), value))
     for left in reversed(range(halvings)):
-        value = s = s if left else clip(s, limits[0])
-        s, c = s * c, 1 - s**2 / 2 ** (2 * left + 1)
-    each = clip(s, limits[1])
-    return Phasor(c, each), [value, each]
+        s = sines[-1] if left else clip(sines[-1], limits[0])
+        sines.append(s * c)
+        c = 1 - s**2 / 2 ** (2 * left + 1)
+    full = clip(sines[-1], limits[1])
+    return Phasor(c, full), [s, full]
 
 
 def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> Distance:

@@ -2,6 +2,7 @@
 
 force_x - force_y        force_x_minus_force_y
 y * y                    y_squared
+2 * y, 0.3 * y           twice_y, y_scaled
 value of a polynomial, its argument     cos_phi, cos_phi_argument
 comparison with a constant              above_limit, below_limit
 comparison with a whole number          left_at_least_3, left_above_3, left_positive
@@ -98,7 +99,7 @@ class Naming:
             return f"{args[0]}_squared"
         if node.op == "mul" and self.p.nodes[node.args[0]].op == "literal":
             factor = _FACTORS.get(self.p.nodes[node.args[0]].value, "")
-            return f"{factor}_{args[1]}" if factor and args[1] else ""
+            return "" if not args[1] else f"{factor}_{args[1]}" if factor else f"{args[1]}_scaled"
         if not all(args):
             return ""
         if node.op in _AFTER:

@@ -23,14 +23,15 @@ WIDTH = 116
 
 
 def comment(text: str, indent: str = "") -> list[str]:
-    """Return a comment in lines of at most 120 columns."""
-    return wrap(
-        f"{indent}/* {text} */",
+    """Return a comment in lines of at most 120 columns; its last word stands before the end of the comment."""
+    rows = wrap(
+        f"{indent}/* {text}\0*/",
         WIDTH + 4,
         subsequent_indent=f"{indent} * ",
         break_on_hyphens=False,
         break_long_words=False,
     )
+    return [row.replace("\0", " ") for row in rows]
 
 
 def wrapped(head: str) -> list[str]:

@@ -190,7 +190,9 @@ class _Builder:
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""
         names = [self.p.nodes[form.numbers[place]].name for _, form in self.group]
-        return words.common(names).removeprefix(f"{self.part_name}_") if all(names) else ""
+        common = words.common(names) if all(names) else ""
+        short = common.removeprefix(f"{self.part_name}_")
+        return short if short.isidentifier() else common
 
     def _role(self, number: int) -> str:
         """Return what a number without a name is to the operation that reads it."""

@@ -5,16 +5,19 @@ from itertools import takewhile
 
 
 def common(names: Sequence[str]) -> str:
-    """Return the words that names have in common in the same places, joined by underscores, "" for none.
+    """Return the words that names have in common in the same places, joined by underscores, "" for no identifier.
 
-    ``regulator_x_sum`` and ``regulator_z_sum`` have ``regulator_sum`` in common.
+    ``regulator_x_sum`` and ``regulator_z_sum`` have ``regulator_sum`` in common. ``row_1`` and ``gradient_1`` have no
+    more than a number in common, with which no identifier begins.
     """
     words = [name.split("_") for name in names]
     if len({len(w) for w in words}) > 1:
         first = _leading(words)
-        last = _leading([w[len(first) :][::-1] for w in words])[::-1]
-        return "_".join([*first, *last])
-    return "_".join(column[0] for column in zip(*words, strict=True) if len(set(column)) == 1)
+        shared = [*first, *_leading([w[len(first) :][::-1] for w in words])[::-1]]
+    else:
+        shared = [column[0] for column in zip(*words, strict=True) if len(set(column)) == 1]
+    joined = "_".join(shared)
+    return joined if joined.isidentifier() else ""
 
 
 def _leading(words: Sequence[Sequence[str]]) -> list[str]:

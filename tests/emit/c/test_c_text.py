@@ -16,7 +16,7 @@ import pytest
 from synth.block import Block, Constant, State, Step, build
 from synth.emit import lower
 from synth.emit.approx.polynomial import Polynomial
-from synth.emit.c import c_text
+from synth.emit.c import c_text, routines
 from synth.emit.c.expressions import Text, literal
 from synth.emit.c.layout import layout
 from synth.emit.lower import LIBM
@@ -374,3 +374,10 @@ def test_real_numbers_are_compared_without_the_operator_that_compilers_warn_abou
     outputs = host.load(made.files, made.manifest).replay({"a": a, "b": b}).outputs
     for name, expected in {"same": a == b, "other": a != b, "set": a != 0}.items():
         np.testing.assert_array_equal(outputs[name], expected)
+
+
+def test_the_end_of_a_comment_stands_beside_its_last_word() -> None:
+    """Whatever its length: a line with the end alone says nothing."""
+    for n in range(90, 130):
+        rows = routines.comment("a " * (n // 2) + "b")
+        assert rows[-1].strip() != "* */" and all(len(row) <= 120 for row in rows)

@@ -1,0 +1,19 @@
+"""Words that names have in common make an identifier or nothing."""
+
+import pytest
+
+from synth.emit.passes import words
+
+
+@pytest.mark.parametrize(
+    ("names", "common"),
+    [
+        (["regulator_x_sum", "regulator_z_sum"], "regulator_sum"),
+        (["row_2_5", "row_5"], "row_5"),
+        (["row_1", "gradient_1"], ""),  # `1` alone would be a number in C
+        (["x", "z"], ""),
+        (["", ""], ""),
+    ],
+)
+def test_names_have_words_in_common(names: list[str], common: str) -> None:
+    assert words.common(names) == common
