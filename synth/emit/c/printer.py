@@ -63,7 +63,9 @@ class _Printer:
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
-        self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
+        explained = {call.block for call in program.calls.values()}  # at their functions
+        equations = ((part, rows) for part, rows in program.equations.items() if part not in explained)
+        self.equations = {prose(program.titles[part]): rows for part, rows in equations}
         self.printed, self.opened = list[Line](), set[str]()  # lines, and titles of the sections so far
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
