@@ -32,7 +32,7 @@ from synth.emit import lower
 from synth.emit.c import c_text, equations, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, flags, fold, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.passes import calls, flags, fold, fragments, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
@@ -99,10 +99,11 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
 
     Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
     """
-    program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    program, polynomials = surrogates.merged(reduced.program, reduced.surrogates)
+    program, block = numbers.with_numbers(slews.slewed(guards.guarded(program)), reduced.block, scalar)
     composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     program = replace(program, equations=equations.by_block(composed))
-    reduced = replace(reduced, block=block)
+    reduced = replace(reduced, block=block, surrogates=polynomials)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
@@ -111,7 +112,22 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
         returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
         if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
-    return kept.reduced, kept.memory
+    printed = _print(reduced, program, [*groups, *_shorter(reduced, program, groups, kept.lines, scalar)], scalar)
+    return printed.reduced, printed.memory
+
+
+@cache.cached
+def _shorter(
+    reduced: Reduced, program: Program, groups: Sequence[Group], lines: int, scalar: type[np.floating]
+) -> list[Group]:
+    """Return the fragments beside the groups that are shorter as functions than in `lines` without."""
+    taken = frozenset(k for group in groups for part, _ in group for k in part.region)
+    shorter: list[Group] = []
+    for group in fragments.fragments(program, taken):
+        more = _print(reduced, program, [*groups, *shorter, group], scalar).lines
+        if more < lines:
+            lines, shorter = more, [*shorter, group]
+    return shorter
 
 
 class _Printed(NamedTuple):

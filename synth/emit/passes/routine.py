@@ -89,11 +89,12 @@ def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[
 
 
 def name(p: Program, k: int) -> str:
-    """Return what a node is called in the program: its signal, what it loads, or the state that it becomes."""
+    """Return what a node is called: its signal, what it loads, the variable of its law, or the state that it becomes."""
     node = p.nodes[k]
     named = next((n.signal.name for n, at in p.marks if at == k), "")
     state = next((f"{s}_next" for s, at in p.next.items() if at == k or k in p.nodes[at].args[1:]), "")
-    return named or node.name or state
+    loaded = "" if node.op == "polynomial" else node.name
+    return named or loaded or p.labels.get(k, "") or state
 
 
 def _value(node: Node, constants: Mapping[str, float]) -> float:
@@ -122,16 +123,21 @@ class _Builder:
         places = [self._place(k) for k in self.form.results]
         next = {part.local[state]: self._place(k) for state, k in part.next.items()}
         made = self._program(next)
-        naming = Naming(made, {}, {})
-        results = [
-            Argument(self.names.free(self._common(column) or naming.name(at)), self.kind[column[0]])
-            for at, (_, column) in zip(places, self._columns("results"), strict=True)
-        ]
+        results = self._results(Naming(made, {}, {}), places)
         made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
         states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
         parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
         free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
         return Routine(free, made, arguments, parameters, tuple(results), tuple(states), self.constants)
+
+    def _results(self, naming: Naming, places: Sequence[int]) -> list[Argument]:
+        """Return the results; one without a name has one made from those before it."""
+        pairs = list(zip(places, self._columns("results"), strict=True))
+        named = {at: self.names.free(name) for at, (_, column) in pairs if (name := self._common(column))}
+        naming.named |= named
+        for at, _ in pairs:
+            naming.named[at] = named.get(at) or self.names.free(naming.name(at))
+        return [Argument(naming.named[at], self.kind[column[0]]) for at, (_, column) in pairs]
 
     def _program(self, next: dict[str, int]) -> Program:
         part, p = self.part, self.p
@@ -148,8 +154,14 @@ class _Builder:
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},
-            labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
+            labels=self._labels(),
         )
+
+    def _labels(self) -> dict[int, str]:
+        """Return the names of the laws' variables: what the Parts' variables have in common."""
+        columns = zip(*(form.nodes for _, form in self.group), strict=True)
+        names = {column[0]: words.common([self.p.labels.get(k, "") for k in column]) for column in columns}
+        return {self.index[k]: name for k, name in names.items() if name and k in self.index}
 
     def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:
         """Return for each argument or result the node in the first Part and those in all Parts."""
