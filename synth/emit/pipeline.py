@@ -29,11 +29,12 @@ import numpy as np
 from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
-from synth.emit.c import c_text, equations, header, kinds, layout, printer
+from synth.emit.c import c_text, equations, header, kinds, layout, lines, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
 from synth.emit.passes import calls, flags, fold, fragments, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
+from synth.emit.passes import routine
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
@@ -118,15 +119,18 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
 
 @cache.cached
 def _shorter(
-    reduced: Reduced, program: Program, groups: Sequence[Group], lines: int, scalar: type[np.floating]
+    reduced: Reduced, program: Program, groups: Sequence[Group], without: int, scalar: type[np.floating]
 ) -> list[Group]:
-    """Return the fragments beside the groups that are shorter as functions than in `lines` without."""
+    """Return the fragments beside the groups that save lines as functions; there are so many without."""
     taken = frozenset(k for group in groups for part, _ in group for k in part.region)
     shorter: list[Group] = []
+    constants = {c.name: c.value for c in reduced.block.constants}
     for group in fragments.fragments(program, taken):
+        if not routine.keeps_kinds(program, group, constants):
+            continue
         more = _print(reduced, program, [*groups, *shorter, group], scalar).lines
-        if more < lines:
-            lines, shorter = more, [*shorter, group]
+        if more < without:
+            without, shorter = more, [*shorter, group]
     return shorter
 
 
@@ -143,8 +147,8 @@ def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: 
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
     text = header.header(made.block, memory, made.program)
-    lines = len(source(made, memory)) + text.count("\n") if memory.is_contiguous else sys.maxsize
-    return _Printed(made, memory, lines)
+    count = sum(1 for _ in lines.wrapped(source(made, memory))) + text.count("\n")
+    return _Printed(made, memory, count if memory.is_contiguous else sys.maxsize)
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

@@ -103,7 +103,7 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
 def _about(routine: Routine, used: Sequence[Call], p: Program) -> str:
     """Return what a function is: its Blocks and their description, or how often a law computes it."""
     if used[0].block not in p.titles:
-        return f"{routine.name}: {len(used)} times in the step"
+        return f"{routine.name}: {len(used)} calls in the step"
     tags = dict.fromkeys(p.titles[c.block].removeprefix(f"{c.block}: ") for c in used)
     return f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"
 

@@ -6,12 +6,12 @@ lies in one branch of the program as it is scheduled, so that a call computes no
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
-from synth.emit.passes import schedule, words
+from synth.emit.passes import routine, schedule, words
 from synth.emit.passes.outline import LEAVES, NOT_OUTLINED, Form, Part, form
 from synth.emit.passes.routine import Group, Names
 from synth.emit.passes.statements import Branch, Let, Statement
@@ -20,10 +20,11 @@ EXCLUDED = (*NOT_OUTLINED, "bit", "call", "result")
 DEPTHS = (8, 5, 3)  # of the expressions that are compared
 MOST_ARGUMENTS = 9
 MOST_RESULTS = 5
-LINES = 0.5  # lines of an operation, about
+LINES = 0.5  # lines of an operation, about, and of a choice
+LINES_OF_CHOICE = 1.5
 
 Instances = list[tuple[int, ...]]  # by place in the fragment the nodes, one an instance
-Context = tuple[tuple[int, int], ...]  # branches around a node, each (a choice of it, side)
+Context = tuple[tuple[int, int], ...]  # branches around a node, each (condition, side)
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Graph:
     before: Sequence[int]
     after: Sequence[int]
     context: dict[int, Context]
-    choices: dict[int, tuple[int, ...]]  # by choice those of its branch
+    choices: dict[int, frozenset[int]]  # by choice those of its branch
     fixed: frozenset[int]  # nodes that are a fragment's result where they are in one
     free: frozenset[int]
 
@@ -52,15 +53,16 @@ class Graph:
         for k in range(len(p.nodes) - 1, -1, -1):
             for u in users[k]:
                 after[k] |= after[u] | 1 << u
-        context, choices = dict[int, Context](), dict[int, tuple[int, ...]]()
-        _contexts(schedule.statements(p), (), context, choices)
+        context = _contexts(schedule.statements(p), ())
+        _place_choices(p, users, context)
+        choices = _choices(p, context)
         held = {k for name, k in p.next.items() if Node("state", name=name) in [p.nodes[a] for a in p.nodes[k].args]}
         free = {
             k
             for k, n in enumerate(p.nodes)
-            if n.op not in (*LEAVES, *EXCLUDED) and kind[k] in ("real", "logical") and k in context
+            if n.op not in (*LEAVES, *EXCLUDED) and k in context
         }
-        fixed = frozenset({*p.ends(), *(k for _, k in p.marks)})
+        fixed = frozenset({*p.ends(), *(k for mark, k in p.marks if not mark.is_internal)})
         limited = {k for _, k in p.marks if p.nodes[k].op == "clamp"}  # whose saturation the diagnostics tell
         return cls(p, kind, users, [frozenset(u) for u in users], before, after, context, choices, fixed, frozenset(free - taken - held - limited))
 
@@ -68,7 +70,7 @@ class Graph:
         """Return what equal nodes have in common beside their operands."""
         node = self.p.nodes[k]
         numbers = [self.p.nodes[a].value for a in node.args if self.p.nodes[a].op == "literal"]
-        values = tuple(numbers) if node.op == "clamp" or self.kind[k] == "logical" else ()
+        values = tuple(numbers) if node.op == "clamp" or self.kind[k] != "real" else ()
         return node.op, node.name, node.value, self.kind[k], values, tuple(self.leaf(a) for a in node.args)
 
     def leaf(self, k: int) -> object:
@@ -84,18 +86,35 @@ class Graph:
         return before & after & ~region == 0
 
 
-def _contexts(
-    block: Sequence[Statement], around: Context, context: dict[int, Context], choices: dict[int, tuple[int, ...]]
-) -> None:
+def _contexts(block: Sequence[Statement], around: Context) -> dict[int, Context]:
+    """Return the branches around each node of a block of statements."""
+    context: dict[int, Context] = {}
     for s in block:
         if isinstance(s, Let):
             context[s.node] = around
         elif isinstance(s, Branch):
-            declared = tuple(c for c, _ in s.choices)
-            context |= dict.fromkeys(declared, around)
-            choices |= dict.fromkeys(declared, declared)
-            for side, statements in enumerate((s.then, s.other)):
-                _contexts(statements, (*around, (declared[0] if declared else -1, side)), context, choices)
+            context |= {c: around for c, _ in s.choices}
+            context |= _contexts(s.then, (*around, (s.condition, 0)))
+            context |= _contexts(s.other, (*around, (s.condition, 1)))
+    return context
+
+
+def _place_choices(p: Program, users: Sequence[Sequence[int]], context: dict[int, Context]) -> None:
+    """Add the choices that are arms of another one, whose variable they share."""
+    for k in range(len(p.nodes) - 1, -1, -1):
+        outer = users[k][0] if len(set(users[k])) == 1 else -1
+        if k not in context and outer in context and p.nodes[k].op == p.nodes[outer].op == "choose":
+            condition, *arms = p.nodes[outer].args
+            context[k] = (*context[outer], (condition, arms.index(k))) if k in arms else context[outer]
+
+
+def _choices(p: Program, context: Mapping[int, Context]) -> dict[int, frozenset[int]]:
+    """Return by choice those on the same condition in the same place."""
+    groups: dict[tuple[int, Context], set[int]] = defaultdict(set)
+    for k in context:
+        if p.nodes[k].op == "choose":
+            groups[p.nodes[k].args[0], context[k]].add(k)
+    return {k: frozenset(group) for group in groups.values() for k in group}
 
 
 def fragments(p: Program, taken: frozenset[int]) -> list[Group]:
@@ -115,16 +134,17 @@ def fragments(p: Program, taken: frozenset[int]) -> list[Group]:
 
 def _named(p: Program, group: Group, names: Names) -> Group:
     """Return a group whose Parts have a name and a number each, from the variables of the laws."""
-    name = words.common([_name(p, part, form) for part, form in group]) or _name(p, *group[0])
+    common = words.common([_name(p, part, form) for part, form in group])
+    name = common if common[:1].isalpha() else _name(p, *group[0])
     return [(replace(part, block=names.free(f"{name}_{n}")), form) for n, (part, form) in enumerate(group, 1)]
 
 
 def _name(p: Program, part: Part, form: Form) -> str:
     """Return the words that the results of a fragment begin with, else the name of its last one."""
-    labels = [p.labels.get(k, "") for k in form.results]
+    labels = [routine.name(p, k) for k in form.results]
     first = "_".join(a for a, *others in zip(*(label.split("_") for label in labels), strict=False) if {a} == {*others})
     inner = [p.labels[k] for k in sorted(part.region, reverse=True) if k in p.labels]
-    return first or next(filter(None, labels[::-1]), "") or next(iter(inner), "part")
+    return next((name for name in [first, *labels[::-1], *inner] if name[:1].isalpha()), "part")
 
 
 def _seeds(graph: Graph) -> Iterator[tuple[int, ...]]:
@@ -254,8 +274,9 @@ class _Growing:
         if not self.places:
             return True
         own, root = self.graph.context[k], self.graph.context[self.places[0][i]]
-        inner = own[len(root) :]
-        return own[: len(root)] == root and all(choice in self.place[i] for choice, _ in inner)
+        nodes = self.graph.p.nodes
+        conditions = {nodes[n].args[0] for n in self.place[i] if nodes[n].op == "choose"}
+        return own[: len(root)] == root and all(condition in conditions for condition, _ in own[len(root) :])
 
 
 def _scored(graph: Graph, places: Instances, least: float) -> tuple[float, Group] | None:
@@ -269,7 +290,8 @@ def _scored(graph: Graph, places: Instances, least: float) -> tuple[float, Group
     if len(results) > MOST_RESULTS or not all(_is_whole(graph, nodes) for nodes in regions):
         return None
     count, several = len(places[0]), len(results) + 3 if len(results) > 1 else 0
-    saved = (count - 1) * LINES * len(places) - 5 - several - count
+    body = sum(LINES_OF_CHOICE if graph.p.nodes[column[0]].op == "choose" else LINES for column in places)
+    saved = (count - 1) * body - 5 - several - count
     if saved <= least:
         return None
     group = [_part(graph, places, i, results) for i in range(len(places[0]))]
@@ -281,7 +303,7 @@ def _scored(graph: Graph, places: Instances, least: float) -> tuple[float, Group
 
 def _is_whole(graph: Graph, inside: frozenset[int]) -> bool:
     """Tell whether each branch of which a fragment has a choice is in it with all its choices."""
-    return all(inside.issuperset(graph.choices.get(k, ())) for k in inside)
+    return all(graph.choices.get(k, inside) <= inside for k in inside)
 
 
 def _part(graph: Graph, places: Instances, i: int, results: Sequence[int]) -> tuple[Part, Form]:

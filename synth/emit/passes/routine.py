@@ -88,6 +88,13 @@ def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[
     return [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
 
 
+def keeps_kinds(p: Program, group: Group, constants: Mapping[str, float]) -> bool:
+    """Tell whether each value has the same C type in the function that the Parts of a group have in common."""
+    builder = _Builder(p, group, constants)
+    inside = kinds(builder.routine(Names(set())).program)
+    return all(inside[builder.index[k]] == builder.kind[k] for k in group[0][0].region if k in builder.index)
+
+
 def name(p: Program, k: int) -> str:
     """Return what a node is called: its signal, what it loads, the variable of its law, or the state that it becomes."""
     node = p.nodes[k]
@@ -107,6 +114,8 @@ class _Builder:
     def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
         self.p, self.group, self.kind = p, group, kinds(p)
         self.part, self.form = group[0]
+        named = {k: signal.signal.name for signal, k in reversed(p.marks)}
+        self.naming = Naming(p, p.labels | named, {})
         self.part_name = words.common([part.block for part, _ in group]) or self.part.block
         self.names = Names({*RESERVED, "state", "parameters"})
         self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
@@ -197,7 +206,10 @@ class _Builder:
         return Argument(self.names.free(self._common(column) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
-        return words.common([name(self.p, k) for k in column])
+        """Return what the nodes of a column are called, else what is made of their operands' names, "" for neither."""
+        names = [name(self.p, k) for k in column]
+        made = words.common(names) if all(names) else words.common([self.naming.made_name(k) for k in column])
+        return made if made[:1].isalpha() else ""
 
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""
