@@ -32,9 +32,20 @@ from synth.emit import lower
 from synth.emit.c import c_text, equations, header, kinds, layout, lines, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, flags, fold, fragments, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.passes import (
+    calls,
+    flags,
+    fold,
+    fragments,
+    guards,
+    limits,
+    numbers,
+    routine,
+    schedule,
+    slews,
+    surrogates,
+)
 from synth.emit.passes import outline as alike
-from synth.emit.passes import routine
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe

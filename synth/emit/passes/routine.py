@@ -96,7 +96,7 @@ def keeps_kinds(p: Program, group: Group, constants: Mapping[str, float]) -> boo
 
 
 def name(p: Program, k: int) -> str:
-    """Return what a node is called: its signal, what it loads, the variable of its law, or the state that it becomes."""
+    """Return what a node is called: its signal, its load, the variable of its law, or the state that it becomes."""
     node = p.nodes[k]
     named = next((n.signal.name for n, at in p.marks if at == k), "")
     state = next((f"{s}_next" for s, at in p.next.items() if at == k or k in p.nodes[at].args[1:]), "")
@@ -115,7 +115,7 @@ class _Builder:
         self.p, self.group, self.kind = p, group, kinds(p)
         self.part, self.form = group[0]
         named = {k: signal.signal.name for signal, k in reversed(p.marks)}
-        self.naming = Naming(p, p.labels | named, {})
+        self.naming = Naming(p, {**p.labels, **named}, {})
         self.part_name = words.common([part.block for part, _ in group]) or self.part.block
         self.names = Names({*RESERVED, "state", "parameters"})
         self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
