@@ -111,7 +111,7 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
 
     Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
     """
-    program, polynomials = surrogates.merged(reduced.program, reduced.surrogates)
+    program, polynomials = surrogates.with_shared_polynomials(reduced.program, reduced.surrogates)
     program, block = numbers.with_numbers(slews.slewed(guards.guarded(program)), reduced.block, scalar)
     composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     program = replace(program, equations=equations.by_block(composed))

@@ -141,7 +141,7 @@ def _polynomial(of_name: Sequence[Surrogate], layout: Layout) -> list[str]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
-        *(row for s in of_name for row in routines.comment(_approximated(s, argument))),
+        *(row for s in of_name for row in routines.comment(_approximation(s, argument))),
         f"static inline {layout.ctype} {of_name[0].name}({layout.ctype} {t})",
         "{",
         f"    return {text};",
@@ -149,7 +149,7 @@ def _polynomial(of_name: Sequence[Surrogate], layout: Layout) -> list[str]:
     ]
 
 
-def _approximated(s: Surrogate, argument: str) -> str:
+def _approximation(s: Surrogate, argument: str) -> str:
     p = s.polynomial
     return (
         f"{prose(s.tag)}{' / x' if p.parity == 'odd' else ''}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, "

@@ -31,7 +31,7 @@ def fragments(p: Program, taken: frozenset[int]) -> list[Group]:
     names = Names(set())
     grown = {seed: _grow(graph, seed) for seed in _seeds(graph)}
     while best := max((made for made in grown.values() if made), key=lambda made: made[0], default=None):
-        groups.append(_named(p, best[1], names))
+        groups.append(_with_names(p, best[1], names))
         used = frozenset(k for part, _ in best[1] for k in part.region)
         graph = replace(graph, free=graph.free - used)
         stale = [seed for seed, made in grown.items() if made and any(part.region & used for part, _ in made[1])]
@@ -39,7 +39,7 @@ def fragments(p: Program, taken: frozenset[int]) -> list[Group]:
     return groups
 
 
-def _named(p: Program, group: Group, names: Names) -> Group:
+def _with_names(p: Program, group: Group, names: Names) -> Group:
     """Return a group whose Parts have a name and a number each, from the variables of the laws."""
     common = words.common([_name(p, part, form) for part, form in group])
     name = common if common[:1].isalpha() else _name(p, *group[0])
@@ -88,8 +88,8 @@ def _grow(graph: Graph, seed: tuple[int, ...]) -> tuple[float, Group] | None:
     best: tuple[float, Group] | None = None
     for candidate in growing.neighbours():
         if growing.add(candidate):
-            scored = _scored(graph, growing.places, best[0] if best else 0.0)
-            best = scored or best
+            made = _score(graph, growing.places, best[0] if best else 0.0)
+            best = made or best
     return best
 
 
@@ -179,13 +179,13 @@ class _Growing:
         """Tell whether a node lies in the branch of its fragment, or in a branch inside it."""
         if not self.places:
             return True
-        own, root = self.graph.context[k], self.graph.context[self.places[0][i]]
+        around, root = self.graph.context[k], self.graph.context[self.places[0][i]]
         nodes = self.graph.p.nodes
         conditions = {nodes[n].args[0] for n in self.place[i] if nodes[n].op == "choose"}
-        return own[: len(root)] == root and all(condition in conditions for condition, _ in own[len(root) :])
+        return around[: len(root)] == root and all(condition in conditions for condition, _ in around[len(root) :])
 
 
-def _scored(graph: Graph, places: Instances, least: float) -> tuple[float, Group] | None:
+def _score(graph: Graph, places: Instances, least: float) -> tuple[float, Group] | None:
     """Return about how many lines fragments save, and their group; None for unequal or wide ones, or few lines."""
     regions = [frozenset(nodes) for nodes in zip(*places, strict=True)]
     results = [

@@ -43,7 +43,7 @@ class _Reciprocal:
     d: float
 
 
-def merged(program: Program, surrogates: Sequence[Surrogate]) -> tuple[Program, tuple[Surrogate, ...]]:
+def with_shared_polynomials(program: Program, surrogates: Sequence[Surrogate]) -> tuple[Program, tuple[Surrogate, ...]]:
     """Return the program in which polynomials that compute the same are one function, and the surrogates so named."""
     first: dict[object, str] = {}
     names = {s.name: first.setdefault(s.polynomial.evaluation, s.name) for s in surrogates}
