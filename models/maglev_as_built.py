@@ -6,7 +6,6 @@
 The equations are those of `maglev_phases`; its parameters have the same names, and those that are added here are 0.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -15,7 +14,7 @@ import numpy as np
 from models import maglev_phases, maglev_stage, pmlsm, windings
 from models.maglev_stage import Exprs
 from synth.plant import Plant, build
-from synth.signals import Parameter, Signal
+from synth.signals import Parameter
 
 SCALE = 40e-6  # m, signal period of an encoder of 10 um
 ADDED = (
@@ -26,8 +25,8 @@ ADDED = (
 )
 ENDS = {"flux": (-0.08, 0.02), "force": (-0.05, 0.05)}
 ENDS |= {f"flux_{j}": (-0.03, 0.03) for j in maglev_phases.MOTORS}
-RELATIVE = {n: (0.97, 1.03) for n in ("M_x", "M_y", "M_z", "I_x", "I_z")}
-RELATIVE |= {n: (0.7, 1.3) for n in ("k_s_phi", "k_s_theta")}
+RELATIVE = dict.fromkeys(("M_x", "M_y", "M_z", "I_x", "I_z"), (0.97, 1.03))
+RELATIVE |= dict.fromkeys(("k_s_phi", "k_s_theta"), (0.7, 1.3))
 READ = {**{f"g{j}": f"g{j}" for j in maglev_phases.MOTORS}, "x": "x", "z": "z"}
 
 

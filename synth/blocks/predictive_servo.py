@@ -6,20 +6,23 @@ q' and v' are the predictions for the time at which the command acts (`predictor
 the disturbance, of which the part c is cancelled at once; the internal models remove what remains at their frequencies.
 
 r_rate is the difference of the set-point over a period, limited to +-`fastest`. A set-point that moves no faster is
-followed without the lag of a rate feedback, and a step causes no derivative kick: it acts for one sample, with `fastest`.
+followed without the lag of a rate feedback. A step causes no derivative kick: it acts for one sample, with `fastest`.
 
 The limit E keeps large steps out of the internal models: while |e| > E, they move as slowly as for E, so the response
 to a step is that of the state feedback, without the slow modes of the internal models (conditional integration).
 
-The internal models are those of `internal_model.Leapfrog`, with xi = T eta. Sources: Davison, Goldenberg, "Robust control
-of a general servomechanism problem", Automatica 11 (1975); Franklin, Powell, Workman (1998), 8.5 and 11.2.
+The internal models are those of `internal_model.Leapfrog`, with xi = T eta. Sources: Davison, Goldenberg, "Robust
+control of a general servomechanism problem", Automatica 11 (1975); Franklin, Powell, Workman (1998), 8.5 and 11.2.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
@@ -110,9 +113,9 @@ def block(
     )
 
 
-def _exact_product(gain: Gain, T: list[list[Fraction]]) -> list[float]:
+def _exact_product(gain: Gain, T: NDArray[Any]) -> list[float]:
     """Return K_xi T, each entry rounded once."""
-    columns = zip(*T, strict=True)
+    columns = np.asarray(T).T
     return [float(sum(Fraction(float(k)) * t for k, t in zip(gain.K[0, 2:], c, strict=True))) for c in columns]
 
 

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import control, fault_handling, reference, reference_faults, verification
+from designs.maglev import fault_handling, platen, reference_stage, verification
+from designs.maglev_5dof import reference
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.verification import law_states
 from models import maglev_stage
 from synth.block import Block
 from synth.emit import write
@@ -34,13 +36,13 @@ def random_steps(stage: Plant) -> Steps:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
     block = fault_handling.controller(stage).block
     rng = np.random.default_rng(verification.SEED + 1)
-    random, edge = verification.random_steps(block, 2000), sampling.edge_steps(block, rng, 2000)
+    random, edge = verification.random_steps(block, reference.shipped, law_states, 2000), sampling.edge_steps(block, rng, 2000)
     joined = [{n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(random, edge, strict=True)]
     return joined[0], joined[1]
 
 
 def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
-    expected = agree.reference(reference_faults.step)(*random_steps)
+    expected = agree.reference(reference.shipped)(*random_steps)
     block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*random_steps)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
@@ -48,8 +50,8 @@ def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     """Far from a limit, not latched, few suspects, the last currents those of a platen at rest: the law is compared."""
     block = fault_handling.controller(stage).block
-    states, inputs = verification.random_steps(block, 5000)
-    after, outputs, faults = reference_faults.step(states, inputs)
+    states, inputs = verification.random_steps(block, reference.shipped, law_states, 5000)
+    after, outputs, faults = reference.shipped(states, inputs)
     assert 0.01 < np.mean(faults > 0) < 0.1 and not np.any(faults >> 31)
     assert set(states) == {s.name for s in block.states}
     assert 0.01 < np.mean(verification.is_saturated(outputs)) < 0.2
@@ -65,12 +67,12 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 
 def _compiled(plant: Plant) -> host.Controller:
-    error = control.SURROGATE_ERROR[np.float64]
+    error = platen.SURROGATE_ERROR[np.float64]
     return build.compile_block(fault_handling.controller(plant).block, np.float64, error=error)
 
 
 def _emitted(block: Block) -> write.EmittedCode:
-    return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
+    return write.emit(block, np.float64, error=platen.SURROGATE_ERROR[np.float64])
 
 
 def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> None:
@@ -122,7 +124,7 @@ def test_the_plant_agrees_with_the_reference_plant() -> None:
     u = np.array([rng.uniform(s.low, s.high, 500) for s in plant.inputs])
     derivative = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
     currents = np.array([*u[:4], u[5], u[4], u[5], u[4]])
-    expected = full_plant.plant(x, currents, reference.Parameters())
+    expected = full_plant.plant(x, currents, reference_stage.Parameters())
     np.testing.assert_allclose(derivative, expected, rtol=1e-9, atol=1e-9)
-    turned = full_plant.plant(x, -currents, reference.Parameters())
+    turned = full_plant.plant(x, -currents, reference_stage.Parameters())
     assert np.abs(derivative - turned).max() > 1.0
