@@ -137,7 +137,7 @@ def _phase_bound(u: float, e: float) -> float:
 
 
 def phase_currents(name: str, plant: Plant, samples: float = ADVANCE) -> Block:
-    """Return the commutation of the controller `name`: 12 phase currents from the motors' direct and quadrature currents and the position.
+    """Return the Block from the motors' currents and the position to 12 phase currents, behind the controller `name`.
 
     Bad inputs are held. This Block does not latch; the controller that computes the currents does.
     """

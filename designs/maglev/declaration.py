@@ -13,7 +13,7 @@ from synth.workspace import Design
 
 
 def design(controller: stage.Controller, plant: Plant, phases: Block, folder: Path, **fields: Any) -> Design:
-    """Return the design of a controller, with the commutation `phases` behind it; `fields` are those of `stage.design`."""
+    """Return the design of a controller with the commutation `phases`; `fields` are those of `stage.design`."""
     common: dict[str, Any] = {
         "operating_points": {f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
         "coordinates": platen.POSE,

@@ -162,11 +162,11 @@ def positions_to_commutate() -> Block:
     return build("angles", TIME, law, inputs=inputs, outputs=outputs, tag="positions for the commutation")
 
 
-def laws(plant: Plant, law: Sequence[Block]) -> list[Block]:
-    """Return a law with the fault handling around it: what the law demands and its direct currents pass through it.
+def laws(plant: Plant, law: Sequence[Block], at_rest: probe.Probe) -> list[Block]:
+    """Return a law with the fault handling around it, and the probe `at_rest`.
 
-    The law computes the errors, the demands and the currents; where it also computes the accelerations of x and z by
-    the thrust currents, these are used.
+    What the law demands and its direct currents pass through the fault handling. Where the law also computes the
+    accelerations of x and z by the thrust currents, these are used.
     """
     diverted = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES} | handover.BALANCED
     computed = {s.name for block in law for s in block.outputs}
@@ -184,17 +184,19 @@ def laws(plant: Plant, law: Sequence[Block]) -> list[Block]:
         delayed_accelerations(),
         *(observer(a) for a in AXES),
         descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
-        *(probe.block(TIME, a.name, a.error, a.demand, PROBE) for a in AXES if a.excess),
+        *(probe.block(TIME, a.name, a.error, a.demand, at_rest) for a in AXES if a.excess),
         positions_to_commutate(),
     ]
 
 
-def controller(name: str, plant: Plant, law: Callable[[], Sequence[Block]]) -> stage.Controller:
+def controller(
+    name: str, plant: Plant, law: Callable[[], Sequence[Block]], at_rest: probe.Probe = PROBE
+) -> stage.Controller:
     """Return the controller `name`: a law with its fault handling."""
     return stage.controller(
         name,
         TIME,
         INTERFACE_OF_ALL,
-        lambda: laws(plant, law()),
+        lambda: laws(plant, law(), at_rest),
         signal_names((*OUTPUTS, *COMMUTATED.values())),
     )

@@ -37,8 +37,8 @@ THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encod
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
-QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
-PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
+QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m; by default
+PAIR = 4 * QUARTER + 3  # samples
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -64,7 +64,7 @@ def flags(state: Columns, names: Any) -> Flags:
     return reference_stage.rows(state, names) > 0
 
 
-def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Flags, dict[str, Any]]:
+def readings(state: Columns, y: Array, good: Flags, q: Array, attempts: int) -> tuple[Array, Flags, dict[str, Any]]:
     """Return the readings to use (6, n), the suspects (6, n), and the next states with the flags of the sample."""
     r = reference_stage.Parameters().r
     expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
@@ -81,7 +81,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     before = np.where(
         same[4:], reference_stage.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:]
     )
-    unanswered = reference_stage.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= ATTEMPTS
+    unanswered = reference_stage.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= attempts
     doubts = reference_stage.rows(state, ["redundancy_doubts_x", "redundancy_doubts_z"])
     changed = np.where(np.abs(expected[4:] - y[4:]) > GATE, DOUBTS, np.maximum(doubts - 1, 0))
     suspicious = ((doubts == 0) & (np.abs(expected[4:] - before) > GATE)) | unanswered
@@ -204,17 +204,19 @@ def land(
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
 
 
-def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tuple[Array, dict[str, Array]]:
+def probe(
+    w: Array, e: Array, state: Columns, still: Array, free: Flags, step: float, attempts: int
+) -> tuple[Array, dict[str, Array]]:
     """Return the demands of x and z (2, n) with the pairs of the probe, and its next states."""
     sample, attempt, towards = (reference_stage.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
-    runs, waits = sample > 0, still >= QUIET
-    ends, failures = sample >= PAIR, np.minimum(attempt + 1, ATTEMPTS)
+    runs, waits, acceleration = sample > 0, still >= QUIET, step / (QUARTER * T) ** 2
+    ends, failures = sample >= PAIR, np.minimum(attempt + 1, attempts)
     starts = waits & free
     after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
     new = (
         np.where(runs, np.where(ends, 0, sample + 1), starts),
         np.where(runs, after, attempt),
-        np.where(runs, towards, np.where(e > 0, -PUSH, PUSH)),
+        np.where(runs, towards, np.where(e > 0, -acceleration, acceleration)),
     )
     idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), dict[str, Array]()
     for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
@@ -244,13 +246,15 @@ def exceeds_limit(count: Any) -> Flags:
         return ~((np.asarray(count) >= 0) & (np.asarray(count) <= MISSED_CALLS))
 
 
-def step(state: Columns, inputs: Columns, law: Law) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
+def step(
+    state: Columns, inputs: Columns, law: Law, probe_step: float = STEP, attempts: int = ATTEMPTS
+) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of a law with its fault handling, columns by name."""
     values, after, word = reference_stage.guard(state, inputs)
     good = np.array([(word & bit) == 0 for bit in reference_stage.BITS[:SENSORS]])
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
     q = reference_stage.rows(state, [f"observer_{s}_q" for s in AXES])
-    used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
+    used, suspects, after_readings = readings(state, values[:SENSORS], good, q, attempts)
     flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
@@ -258,7 +262,8 @@ def step(state: Columns, inputs: Columns, law: Law) -> tuple[dict[str, Array], d
     last, e = reference_stage.rows(state, LAST), pose - values[SENSORS:]
     w, finish = law(state, pose, values[SENSORS:], ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])
-    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
+    free = flag["regular"] & (state["observer_y_q"] < LIFTED)
+    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, free, probe_step, attempts)
     computed, thrust, after_law = finish(w, used[:4], last)
     transfer, computed = without_positions(state, computed, flag["trusted"])
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))

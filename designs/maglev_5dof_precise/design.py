@@ -1,4 +1,4 @@
-"""The five-axis maglev stage of Fulford, Maggiore and Apkarian under a precise controller, from physics to verified C."""
+"""The five-axis maglev stage of Fulford et al. under a controller of higher precision, from physics to verified C."""
 
 from pathlib import Path
 

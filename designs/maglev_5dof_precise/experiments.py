@@ -1,4 +1,4 @@
-"""Experiments of the precise design: those of the stage with its limits, and the tracking of stages as they are built."""
+"""Experiments of the precise design: those of the stage with its limits, and tracking by stages as they are built."""
 
 from dataclasses import replace
 

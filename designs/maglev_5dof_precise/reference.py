@@ -38,6 +38,7 @@ SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2, 2, 2), (6, 4, 4, 4)) 
 BANDWIDTH = (400.0, 400.0, 400.0, 400.0, 250.0)  # rad/s
 ERROR, FASTEST = (3e-4, 1e-3, 1e-3, 1e-4, 3e-4), (0.1, 0.3, 0.3, 0.1, 0.1)  # m, rad; m/s, rad/s
 CANCELLED, MEMORY, DEMAND = 0.8, 10.0, 1e4
+PROBE_STEP, ATTEMPTS = 2.4e-6, 9  # m, pairs
 ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")
 
 
@@ -128,4 +129,4 @@ def shipped(
     state: Columns, inputs: Columns, k: Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of the shipped controller, columns by name."""
-    return reference_faults.step(state, inputs, partial(law, k=k or constants()))
+    return reference_faults.step(state, inputs, partial(law, k=k or constants()), PROBE_STEP, ATTEMPTS)

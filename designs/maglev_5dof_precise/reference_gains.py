@@ -1,8 +1,8 @@
 """Constants of the precise controller in high precision, without the toolkit: gains, internal models, observers.
 
 plant    e'' = w;   m(d/dt) xi1 = e, xi_k+1 = xi_k',   m(s) = s (s^2 + w0^2) (s^2 + 4 w0^2) (s^2 + 9 w0^2)
-gain     w = K (e, e', xi) that minimises the integral of q_e e^2 + q_v e'^2 + w^2 and of q_e (1, 2) v_i^2 |z_i|^2, where
-         z_i is the mode i driven by e: z' = e for the integrator, z' = j w_i z + e for the others
+gain     w = K (e, e', xi) that minimises the integral of q_e e^2 + q_v e'^2 + w^2 and of q_e (1, 2) v_i^2 |z_i|^2,
+         where e drives the mode z_i: z' = e for the integrator, z' = j w_i z + e for the others
 sample   sum+ = sum + e;  p+ = p + c q, q+ = q - p+ + e for each other mode;   xi = T (sum, p1, q1, ..)
 """
 

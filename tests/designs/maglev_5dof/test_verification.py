@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.maglev import fault_handling, platen, reference_stage, verification
-from designs.maglev_5dof import reference
+from designs.maglev import platen, reference_stage, verification
+from designs.maglev_5dof import control, reference
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.verification import law_states
 from models import maglev_stage
@@ -34,9 +34,10 @@ Steps = tuple[verification.Columns, verification.Columns]
 @pytest.fixture(scope="module")
 def random_steps(stage: Plant) -> Steps:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
-    block = fault_handling.controller(stage).block
+    block = control.shipped(stage).block
     rng = np.random.default_rng(verification.SEED + 1)
-    random, edge = verification.random_steps(block, reference.shipped, law_states, 2000), sampling.edge_steps(block, rng, 2000)
+    random = verification.random_steps(block, reference.shipped, law_states, 2000)
+    edge = sampling.edge_steps(block, rng, 2000)
     joined = [{n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(random, edge, strict=True)]
     return joined[0], joined[1]
 
@@ -49,7 +50,7 @@ def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
 
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     """Far from a limit, not latched, few suspects, the last currents those of a platen at rest: the law is compared."""
-    block = fault_handling.controller(stage).block
+    block = control.shipped(stage).block
     states, inputs = verification.random_steps(block, reference.shipped, law_states, 5000)
     after, outputs, faults = reference.shipped(states, inputs)
     assert 0.01 < np.mean(faults > 0) < 0.1 and not np.any(faults >> 31)
@@ -68,7 +69,7 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 def _compiled(plant: Plant) -> host.Controller:
     error = platen.SURROGATE_ERROR[np.float64]
-    return build.compile_block(fault_handling.controller(plant).block, np.float64, error=error)
+    return build.compile_block(control.shipped(plant).block, np.float64, error=error)
 
 
 def _emitted(block: Block) -> write.EmittedCode:
@@ -97,7 +98,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
     ],
 )
 def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, old: str, new: str) -> None:
-    emitted = _emitted(fault_handling.controller(stage).block)
+    emitted = _emitted(control.shipped(stage).block)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     before, _, after = text.rpartition(old)
@@ -106,7 +107,7 @@ def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, 
 
 
 def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
-    block = fault_handling.controller(stage).block
+    block = control.shipped(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
     assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), random_steps))
