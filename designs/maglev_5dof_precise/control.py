@@ -58,7 +58,7 @@ class Loop:
     """One coordinate: weights on (e, de), decay of each mode in 1/s, bandwidth of the observer in rad/s, and bounds.
 
     `rate` and `disturbance` bound the observer. The internal models see errors up to `error`; the set-point is followed
-    up to `fastest`.
+    up to the rate `fastest`.
     """
 
     weights: tuple[float, float]

@@ -60,7 +60,7 @@ def constants() -> Constants:
     observers = [reference_gains.observer(w) for w in BANDWIDTH]
     by_name = {n: np.array([getattr(o, n) for o in observers]) for n in ("alpha", "beta", "gamma")}
     K = np.array([gains[pair] for pair in zip(WEIGHTS, SPEEDS, strict=True)])
-    return Constants(K, reference_gains.coordinates()[0], **by_name)
+    return Constants(K, reference_gains.coordinates(4)[0], **by_name)
 
 
 def observe(state: Columns, q: Array, ready: NDArray[np.bool_], k: Constants) -> tuple[Array, Array, Array]:
@@ -104,11 +104,11 @@ def law(
 ) -> tuple[Array, reference_faults.Finish]:
     """Return the demands w (5, n) at a pose q, and the function that computes currents from the demands to use."""
     ahead, rate, d = observe(state, q, ready, k)
-    error, fastest = by_row(ERROR, q), by_row(FASTEST, q) * T
+    error = by_row(ERROR, q)
     e = np.clip(q - set_points, -error, error)
-    eta = [rows(state, [f"servo_{s}_fast_{n}" for s in AXES]) for n in ETA]
-    before = rows(state, [f"servo_{s}_fast_r" for s in AXES])
-    step = np.clip(np.where(ready, set_points - before, 0.0), -fastest, fastest)
+    eta = np.array([rows(state, [f"servo_{s}_fast_{n}" for s in AXES]) for n in ETA])
+    moved = set_points - rows(state, [f"servo_{s}_fast_r" for s in AXES])
+    step = np.where(np.abs(moved) <= by_row(FASTEST, q) * T, moved, 0.0)
     w = by_row(k.K[:, 0], q) * (ahead - set_points) + by_row(k.K[:, 1], q) * (rate - step / T) - CANCELLED * d
     w = w + sum(by_row(gain, q) * x for gain, x in zip(k.K[:, 2:].T, eta, strict=True))
     next_eta = [eta[0] + e]
@@ -118,7 +118,8 @@ def law(
     def finish(demands: Array, gaps: Array, last: Array) -> tuple[Array, Array, dict[str, Any]]:
         next = {"q": ahead, "v": rate, "d": d}
         after = {f"observer_{s}_fast_{n}": row for n, each in next.items() for s, row in zip(AXES, each, strict=True)}
-        memory = zip((*ETA, "r"), (*np.clip(next_eta, -MEMORY, MEMORY), set_points), strict=True)
+        kept = np.where(np.abs(next_eta) <= MEMORY, next_eta, eta)
+        memory = zip((*ETA, "r"), (*kept, set_points), strict=True)
         after |= {f"servo_{s}_fast_{n}": row for n, each in memory for s, row in zip(AXES, each, strict=True)}
         return *currents(demands, ahead), after
 

@@ -43,14 +43,15 @@ def square(n: Any) -> Any:
 
 
 def gain(weights: Sequence[float], speeds: Sequence[float]) -> tuple[Array, Any]:
-    """Return K (2,) on (e, e') and K (7,) on xi; the closed loop is the stable factor of the symmetric root locus."""
+    """Return K (2,) on (e, e') and K on xi; the closed loop is the stable factor of the symmetric root locus."""
     with mpmath.workdps(DIGITS):
-        m, (q_e, q_v) = product(MODES), weights
+        modes = MODES[: len(speeds)]
+        m, (q_e, q_v) = product(modes), weights
         d = np.polymul([mpmath.mpf(1), 0, 0], m)
         total = np.polyadd(square(d), mpmath.mpf(q_e) * square(m))
         total = np.polyadd(total, mpmath.mpf(q_v) * square(np.polymul([mpmath.mpf(1), 0], m)))
-        for w, speed in zip(MODES, speeds, strict=True):
-            others = product([o for o in MODES if o != w])
+        for w, speed in zip(modes, speeds, strict=True):
+            others = product([o for o in modes if o != w])
             weight = (2 if w else 1) * mpmath.mpf(speed) ** 2 * q_e
             total = np.polyadd(total, weight * square(np.polymul([mpmath.mpf(1), 0], others) if w else others))
             total = np.polyadd(total, weight * mpmath.mpf(w) ** 2 * square(others))
@@ -66,10 +67,10 @@ def gain(weights: Sequence[float], speeds: Sequence[float]) -> tuple[Array, Any]
 
 
 @cache
-def coordinates() -> tuple[Array, Any]:
-    """Return c (3,) = 2 - 2 cos(w T) of the modes and T (7, 7) with xi = T eta, for the error held over a period."""
+def coordinates(count: int) -> tuple[Array, Any]:
+    """Return c = 2 - 2 cos(w T) of the first modes, and T with xi = T eta, for the error held over a period."""
     with mpmath.workdps(DIGITS):
-        m, n = list(product(MODES))[::-1], 7
+        m, n = list(product(MODES[:count]))[::-1], 2 * count - 1
         rows = mpmath.zeros(n + 1)
         for i in range(n - 1):
             rows[i, i + 1] = 1
@@ -77,8 +78,8 @@ def coordinates() -> tuple[Array, Any]:
             rows[n - 1, j] = -m[j]
         rows[n - 1, n] = 1
         step = mpmath.expm(rows * PERIOD)
-        c = [2 - 2 * mpmath.cos(mpmath.mpf(w) * PERIOD) for w in MODES[1:]]
-        A, B = mpmath.eye(n), mpmath.matrix([1, 0, 1, 0, 1, 0, 1])
+        c = [2 - 2 * mpmath.cos(mpmath.mpf(w) * PERIOD) for w in MODES[1:count]]
+        A, B = mpmath.eye(n), mpmath.matrix([1] + [0, 1] * (count - 1))
         for i, value in enumerate(c):
             p, q = 1 + 2 * i, 2 + 2 * i
             A[p, q], A[q, p], A[q, q] = value, -1, 1 - value
@@ -103,12 +104,12 @@ class Observer:
 
 
 def on_eta(weights: Sequence[float], speeds: Sequence[float]) -> Array:
-    """Return K (9,) on (e, e', eta)."""
+    """Return K on (e, e', eta)."""
     first, on_xi = gain(weights, speeds)
-    _, T = coordinates()
+    _, T = coordinates(len(speeds))
     with mpmath.workdps(DIGITS):
         rounded = mpmath.matrix([[mpmath.mpf(float(v)) for v in on_xi]]) * T
-        return np.array([*first, *(float(rounded[0, j]) for j in range(7))])
+        return np.array([*first, *(float(rounded[0, j]) for j in range(len(T)))])
 
 
 def observer(bandwidth: float) -> Observer:

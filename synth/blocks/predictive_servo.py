@@ -5,8 +5,8 @@
 q' and v' are the predictions for the time at which the command acts (`predictor` with `ahead`), d is its estimate of
 the disturbance, of which the part c is cancelled at once; the internal models remove what remains at their frequencies.
 
-r_rate is the difference of the set-point over a period, limited to +-`fastest`. A set-point that moves no faster is
-followed without the lag of a rate feedback. A step causes no derivative kick: it acts for one sample, with `fastest`.
+r_rate is the difference of the set-point over a period, or 0 where that exceeds `fastest`: a set-point that moves no
+faster is followed without the lag of a rate feedback, and a step causes no derivative kick.
 
 The limit E keeps large steps out of the internal models: while |e| > E, they move as slowly as for E, so the response
 to a step is that of the state feedback, without the slow modes of the internal models (conditional integration).
@@ -38,7 +38,10 @@ __all__ = ["Limits", "block"]
 @arguments.checked
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a servo: `error` into the internal models, `fastest` rate of the set-point, `memory` of |eta|."""
+    """Limits of the `error` into the internal models, of the set-point's rate (`fastest`), and of |eta| (`memory`).
+
+    A state of the internal models that would exceed its limit keeps its value.
+    """
 
     error: float
     fastest: float
@@ -62,8 +65,8 @@ def block(
 ) -> Block:
     """Return the servo from a coordinate q and its set-point r to the demanded acceleration.
 
-    q is `name`; the Block reads `measured`, `reference`, ``<q>_ahead``, ``<q>_rate_ahead``, ``<q>_disturbance`` within
-    +-`disturbance`, and ``ready``. `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s;
+    q is `name`; the Block reads `measured`, `reference`, ``<q>_ahead``, ``<q>_rate_ahead`` and ``<q>_disturbance``
+    within +-`disturbance`. `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s;
     `cancelled` is the part c of the disturbance.
 
     Raises SignalError for a gain that does not fit the exosystem, units that do not fit, a part outside 0 .. 1, or
@@ -82,8 +85,9 @@ def block(
             p, q = f"p{j}", f"q{j}"
             next[p] = x[p] + k[f"c{j}"] * x[q]
             next[q] = x[q] - next[p] + e
-        moved = ca.if_else(u["ready"], r - x["r"], 0)
-        step = ca.fmax(ca.fmin(moved, limits.fastest * T), -limits.fastest * T)
+        moved = r - x["r"]
+        step = ca.if_else(ca.fabs(moved) <= limits.fastest * T, moved, 0)
+        next = {s: ca.if_else(ca.fabs(v) <= limits.memory, v, x[s]) for s, v in next.items()}
         w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - k["k_step"] * step
         w = sum((k[f"k_{s}"] * x[s] for s in eta), start=w) - cancelled * u[f"{name}_disturbance"]
         return Step({demand.name: clip(w, demand)}, {**next, "r": r})
@@ -103,7 +107,6 @@ def block(
         Signal(f"{name}_ahead", unit, measured.low, measured.high),
         Signal(f"{name}_rate_ahead", f"{unit}/s", -1e3, 1e3),
         Signal(f"{name}_disturbance", f"{unit}/s^2", -disturbance, disturbance),
-        Signal("ready", "1", 0, 1, "every measurement was good at once"),
     ]  # fmt: skip
     states = [State(Signal(s, unit, -bound, bound, "internal model"), 0) for s in eta]
     nearest = min(max(0.0, reference.low), reference.high)
