@@ -38,10 +38,10 @@ def plant() -> Plant:
         angles = [windings.electrical_angle(x[along], p["tau"]) for along in maglev_phases.ALONG]
         F_H, F_V = [], []
         for j, (g, angle) in enumerate(zip(maglev_stage.gaps(x, p), angles, strict=True), 1):
-            own = {**p, "H_c": p["H_c"] * (1 + p["flux"]) * (1 + p[f"flux_{j}"])}
+            of_motor = {**p, "H_c": p["H_c"] * (1 + p["flux"]) * (1 + p[f"flux_{j}"])}
             i_d, i_q = windings.rotor_currents([u[f"i_{phase}{j}"] for phase in "abc"], angle)
-            F_H.append((1 + p["force"]) * pmlsm.thrust(g, i_q, own))
-            F_V.append((1 + p["force"]) * pmlsm.normal_force(g, i_d, i_q, own))
+            F_H.append((1 + p["force"]) * pmlsm.thrust(g, i_q, of_motor))
+            F_V.append((1 + p["force"]) * pmlsm.normal_force(g, i_d, i_q, of_motor))
         total = {
             "y": p["G"] + sum(F_V) / p["M_y"],
             "x": (F_H[1] + F_H[3]) / p["M_x"],

@@ -190,10 +190,10 @@ def _tracking(rig: Rig, four: bool, limits: Mapping[str, float]) -> Experiment:
 @lru_cache(maxsize=8)
 def _at_measured_position(stage: Stage, scalar: str) -> host.Controller:
     """Return the commutation at the measured position, without the advance, compiled in a scalar type by name."""
-    return _compiled(commutation.phase_currents(stage.name, stage.plant, 0.0), scalar)
+    return _compile(commutation.phase_currents(stage.name, stage.plant, 0.0), scalar)
 
 
-def _compiled(block: Block, scalar: str) -> host.Controller:
+def _compile(block: Block, scalar: str) -> host.Controller:
     kind = np.dtype(scalar).type
     return build.compile_block(block, kind, error=platen.SURROGATE_ERROR[kind])
 
@@ -210,7 +210,7 @@ def _tracking_at_measured_position(rig: Rig) -> Experiment:
 @lru_cache(maxsize=8)
 def _law_alone(stage: Stage, scalar: str) -> host.Controller:
     assert stage.law_alone is not None
-    return _compiled(stage.law_alone.block, scalar)
+    return _compile(stage.law_alone.block, scalar)
 
 
 def without_fault_handling(rig: Rig) -> Rig:
@@ -255,12 +255,12 @@ def _zero_current(rig: Rig) -> Experiment:
 def run(name: str, title: str, make: Make, springs: Mapping[str, float] | None = None, **options: Any) -> Run:
     """Return the experiment `make(rig, **options)` with true guide springs `springs` times the assumed ones."""
 
-    def make_named(rig: Rig, name: str) -> Experiment:
+    def execute(rig: Rig, name: str) -> Experiment:
         true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
         experiment = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
         return replace(experiment, name=name, title=title)
 
-    return Run(name, make_named)
+    return Run(name, execute)
 
 
 def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:

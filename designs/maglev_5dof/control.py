@@ -159,6 +159,6 @@ def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -
     return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), signal_names(OUTPUTS))
 
 
-def shipped(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
+def with_fault_handling(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the shipped controller: the law with its fault handling."""
     return fault_handling.controller(NAME, plant, lambda: laws(plant, corrected, anti_windup))

@@ -19,11 +19,11 @@ def report(*arguments: Any) -> str:
 PLANT = maglev_stage.plant()
 PHASES = commutation.phase_currents(control.NAME, PLANT)
 DESIGN = declaration.design(
-    control.shipped(PLANT),
+    control.with_fault_handling(PLANT),
     PLANT,
     PHASES,
     Path(__file__).parent,
-    reference=reference.shipped,
+    reference=reference.with_fault_handling,
     experiments=experiments.ALL,
     gains=gains.document,
     law_alone=control.controller(PLANT),

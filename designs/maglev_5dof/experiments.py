@@ -26,7 +26,7 @@ WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
 @cache
 def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without anti-windup, compiled in a scalar type by name."""
-    kind, controller = np.dtype(scalar).type, control.shipped(maglev_stage.plant(), anti_windup=False)
+    kind, controller = np.dtype(scalar).type, control.with_fault_handling(maglev_stage.plant(), anti_windup=False)
     return build.compile_block(controller.block, kind, error=platen.SURROGATE_ERROR[kind])
 
 

@@ -81,7 +81,7 @@ LOOPS: Mapping[str, Loop] = {
 TILTS = [a for a in AXES if a.name not in "xz"]  # the coordinates that the gaps determine
 
 
-def predicted(axis: Axis) -> str:
+def name_in_loop(axis: Axis) -> str:
     """Return the name of the coordinate in the control loop, whose observer differs from that of the fault handling."""
     return f"{axis.name}_fast"
 
@@ -106,7 +106,7 @@ def observer(axis: Axis) -> Block:
     before = replace(acceleration(axis), name=f"{acceleration(axis).name}_before", low=-1e6, high=1e6)
     loop = LOOPS[axis.name]
     return predictor.block(
-        predicted(axis),
+        name_in_loop(axis),
         TIME,
         axis.position,
         before,
@@ -121,7 +121,7 @@ def servo(axis: Axis) -> Block:
     """Return the servo of an axis."""
     loop = LOOPS[axis.name]
     return predictive_servo.block(
-        predicted(axis),
+        name_in_loop(axis),
         TIME,
         gain(axis),
         FREQUENCIES,
@@ -143,7 +143,7 @@ def inversion(plant: Plant) -> Block:
     lifting, thrusting = (Signal("i", "A", -most, most) for most in (DIRECT, CURRENT))
     values = maglev_stage.nominal(plant)
     values |= {n: part * values[n] for n, part in COMPENSATED.items()}
-    ahead = [replace(a.position, name=f"{predicted(a)}_ahead") for a in TILTS]
+    ahead = [replace(a.position, name=f"{name_in_loop(a)}_ahead") for a in TILTS]
     r, numbers = plant.parameter("r").value, _numbers(plant)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

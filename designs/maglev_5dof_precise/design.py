@@ -13,7 +13,7 @@ DESIGN = declaration.design(
     PLANT,
     PHASES,
     Path(__file__).parent,
-    reference=reference.shipped,
+    reference=reference.with_fault_handling,
     experiments=experiments.ALL,
     gains=control.gains,
     law_alone=control.law_alone(PLANT),

@@ -126,7 +126,7 @@ def law(
     return np.clip(w, -DEMAND, DEMAND), finish
 
 
-def shipped(
+def with_fault_handling(
     state: Columns, inputs: Columns, k: Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of the shipped controller, columns by name."""

@@ -43,8 +43,8 @@ def test_the_copper_loss_is_within_a_percent_of_the_least(pose: dict[str, float]
         return [a[n] - W[n] for n in ("y", "phi", "theta")]
 
     start = np.array([i[n] for n in names])
-    found = optimize.minimize(lambda v: float(v @ v), start, method="SLSQP", constraints={"type": "eq", "fun": excess})
-    assert start @ start < 1.01 * found.fun
+    least = optimize.minimize(lambda v: float(v @ v), start, method="SLSQP", constraints={"type": "eq", "fun": excess})
+    assert start @ start < 1.01 * least.fun
 
 
 def test_beyond_the_largest_force_the_current_is_finite() -> None:

@@ -34,25 +34,25 @@ Steps = tuple[verification.Columns, verification.Columns]
 @pytest.fixture(scope="module")
 def random_steps(stage: Plant) -> Steps:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
-    block = control.shipped(stage).block
+    block = control.with_fault_handling(stage).block
     rng = np.random.default_rng(verification.SEED + 1)
-    random = verification.random_steps(block, reference.shipped, law_states, 2000)
+    random = verification.random_steps(block, reference.with_fault_handling, law_states, 2000)
     edge = sampling.edge_steps(block, rng, 2000)
     joined = [{n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(random, edge, strict=True)]
     return joined[0], joined[1]
 
 
 def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
-    expected = agree.reference(reference.shipped)(*random_steps)
+    expected = agree.reference(reference.with_fault_handling)(*random_steps)
     block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*random_steps)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     """Far from a limit, not latched, few suspects, the last currents those of a platen at rest: the law is compared."""
-    block = control.shipped(stage).block
-    states, inputs = verification.random_steps(block, reference.shipped, law_states, 5000)
-    after, outputs, faults = reference.shipped(states, inputs)
+    block = control.with_fault_handling(stage).block
+    states, inputs = verification.random_steps(block, reference.with_fault_handling, law_states, 5000)
+    after, outputs, faults = reference.with_fault_handling(states, inputs)
     assert 0.01 < np.mean(faults > 0) < 0.1 and not np.any(faults >> 31)
     assert set(states) == {s.name for s in block.states}
     assert 0.01 < np.mean(verification.is_saturated(outputs)) < 0.2
@@ -69,7 +69,7 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 def _compiled(plant: Plant) -> host.Controller:
     error = platen.SURROGATE_ERROR[np.float64]
-    return build.compile_block(control.shipped(plant).block, np.float64, error=error)
+    return build.compile_block(control.with_fault_handling(plant).block, np.float64, error=error)
 
 
 def _emitted(block: Block) -> write.EmittedCode:
@@ -98,7 +98,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
     ],
 )
 def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, old: str, new: str) -> None:
-    emitted = _emitted(control.shipped(stage).block)
+    emitted = _emitted(control.with_fault_handling(stage).block)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     before, _, after = text.rpartition(old)
@@ -107,7 +107,7 @@ def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, 
 
 
 def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
-    block = control.shipped(stage).block
+    block = control.with_fault_handling(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
     assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), random_steps))
