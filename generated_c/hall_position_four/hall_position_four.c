@@ -43,6 +43,11 @@ static inline bool hall_position_four_equal(float a, float b)
     return (a <= b) && (b <= a);
 }
 
+#if defined(__GNUC__)
+#define HALL_POSITION_FOUR_INLINE static inline __attribute__((always_inline))
+#else
+#define HALL_POSITION_FOUR_INLINE static inline
+#endif
 /* f1_polynomial; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
  * 0.209439516, t = x^2; relative error at most 6e-08. */
 static inline float f1_polynomial(float t)
@@ -285,6 +290,83 @@ static inline float f34_polynomial(float t)
     return 1.0f + (t * (-0.16666661f + (t * (0.00833265f + (t * -0.00019593214f)))));
 }
 
+typedef struct {
+    float start_sine;
+    float a_4;
+    float start_cosine;
+    float a;
+    float terms;
+} hall_position_four_terms_t;
+
+/* terms: 8 calls in the step */
+HALL_POSITION_FOUR_INLINE hall_position_four_terms_t hall_position_four_terms(float factor, float value, float value_2,
+    float value_3, float estimator_amplitude)
+{
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
+
+    const float value_times_value_2 = value * value_2;
+    const float ax_part_sine = factor * value_times_value_2;
+    const float start_sine_part = hall_position_four_limit(factor * (value_times_value_2 * value_3), 2.0f);
+    const float start_sine = hall_position_four_limit(start_sine_part * (1.0f - (0.125f * (ax_part_sine *
+        ax_part_sine))), 1.0f);
+    const float start_sine_squared = start_sine * start_sine;
+    const float a_4_part = estimator_field_3 + (start_sine_squared * estimator_field_5);
+    const float a_4_part_2 = estimator_field_1 + (start_sine_squared * a_4_part);
+    const float a_4 = start_sine * a_4_part_2;
+    const float start_cosine = 1.0f - (0.5f * (start_sine_part * start_sine_part));
+    const float a = start_cosine * (estimator_amplitude * (a_4_part_2 + (start_sine * ((2.0f * (a_4_part * start_sine))
+        + (2.0f * (start_sine_squared * (estimator_field_5 * start_sine)))))));
+    return (hall_position_four_terms_t){.start_sine = start_sine, .a_4 = a_4, .start_cosine = start_cosine, .a = a,
+        .terms = a_4 * a};
+}
+
+typedef struct {
+    float used;
+    float terms;
+} hall_position_four_terms_2_t;
+
+/* terms_2: 8 calls in the step */
+HALL_POSITION_FOUR_INLINE hall_position_four_terms_2_t hall_position_four_terms_2(bool weights, float value,
+    float value_2, float start_sine, float by_cosine, float start_cosine, float by, float value_3)
+{
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
+
+    const float phasors_sine = (start_sine * by_cosine) + (start_cosine * (by * value_3));
+    const float phasors_sine_squared = phasors_sine * phasors_sine;
+    const float residuals = value - (value_2 * (phasors_sine * (estimator_field_1 + (phasors_sine_squared *
+        (estimator_field_3 + (phasors_sine_squared * estimator_field_5))))));
+    const float used = (weights ? 1.0f : 0.0f) * residuals;
+    return (hall_position_four_terms_2_t){.used = used, .terms = used * residuals};
+}
+
+/* starts_1: 4 calls in the step */
+HALL_POSITION_FOUR_INLINE float hall_position_four_starts_1(float value, float value_2)
+{
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+
+    const float value_plus_value_2 = value + value_2;
+    float value_3_part = value_plus_value_2;
+    if (pi < value_plus_value_2) {
+        value_3_part = value_plus_value_2 - two_pi;
+    }
+    float value_3_part_2 = value_3_part;
+    if (value_3_part < -pi) {
+        value_3_part_2 = value_3_part + two_pi;
+    }
+    return value_3_part_2;
+}
+
 void hall_position_four_init(hall_position_four_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -312,12 +394,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_5 = -2.883648f;
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -506,434 +582,280 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *     begin_yaw_next = (begin_yaw + 0.230258 - 0.418879 if 0.20944 < begin_yaw + 0.230258, else begin_yaw
      *         + 0.230258) if converged or 3 <= age, else begin_yaw */
     const float estimator_motion_phase_x = state->estimator_motion_phase_x;
-    const float ax_part_sine_part = state->estimator_phase_x + estimator_motion_phase_x;
-    float ax_part_sine_part_2 = ax_part_sine_part;
-    if (pi < ax_part_sine_part) {
-        ax_part_sine_part_2 = ax_part_sine_part - two_pi;
-    }
-    float starts_1 = ax_part_sine_part_2;
-    if (ax_part_sine_part_2 < -pi) {
-        starts_1 = ax_part_sine_part_2 + two_pi;
-    }
+    const float starts_1 = hall_position_four_starts_1(state->estimator_phase_x, estimator_motion_phase_x);
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
     const float f1_argument = starts_3 * starts_3;
-    const float D_11_ax_part_sine = f1_polynomial(f1_argument);
-    const float D_21_ax_part_sine = starts_3 * f2_polynomial(f1_argument);
-    const float angle_ax_part_sine = starts_1 + (0.28902653f * D_11_ax_part_sine) + (0.45238933f * D_21_ax_part_sine);
-    const float f3_argument = angle_ax_part_sine * angle_ax_part_sine;
-    const float f3 = angle_ax_part_sine * f3_polynomial(f3_argument);
-    const float ax_part_sine = 4.0f * f3;
+    const float D_11_ax_part_cosine = f1_polynomial(f1_argument);
+    const float D_21_ax_part_cosine = starts_3 * f2_polynomial(f1_argument);
+    const float angle_ax_part_cosine = starts_1 + (0.28902653f * D_11_ax_part_cosine) + (0.45238933f *
+        D_21_ax_part_cosine);
+    const float f3_argument = angle_ax_part_cosine * angle_ax_part_cosine;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float estimator_motion_phase_y = state->estimator_motion_phase_y;
-    const float ay_part_sine_part = state->estimator_phase_y + estimator_motion_phase_y;
-    float ay_part_sine_part_2 = ay_part_sine_part;
-    if (pi < ay_part_sine_part) {
-        ay_part_sine_part_2 = ay_part_sine_part - two_pi;
-    }
-    float starts_2 = ay_part_sine_part_2;
-    if (ay_part_sine_part_2 < -pi) {
-        starts_2 = ay_part_sine_part_2 + two_pi;
-    }
-    const float angle_ay_part_sine = starts_2 - (0.45238933f * D_11_ax_part_sine) + (0.28902653f * D_21_ax_part_sine);
-    const float f5_argument = angle_ay_part_sine * angle_ay_part_sine;
-    const float f5 = angle_ay_part_sine * f5_polynomial(f5_argument);
-    const float ay_part_sine = 4.0f * f5;
+    const float starts_2 = hall_position_four_starts_1(state->estimator_phase_y, estimator_motion_phase_y);
+    const float angle_ay_part_cosine = starts_2 - (0.45238933f * D_11_ax_part_cosine) + (0.28902653f *
+        D_21_ax_part_cosine);
+    const float f5_argument = angle_ay_part_cosine * angle_ay_part_cosine;
     const float ay_part_cosine = ay_part_cosine_polynomial(f5_argument);
-    const float angle_bx_part_sine = starts_1 - (1.118407f * D_11_ax_part_sine) + (1.7404423f * D_21_ax_part_sine);
+    const float angle_bx_part_sine = starts_1 - (1.118407f * D_11_ax_part_cosine) + (1.7404423f * D_21_ax_part_cosine);
     const float f7_argument = angle_bx_part_sine * angle_bx_part_sine;
     const float f7 = angle_bx_part_sine * f7_polynomial(f7_argument);
     const float bx_part_sine = 8.0f * f7;
     const float bx_part_cosine = bx_part_cosine_polynomial(f7_argument);
-    const float angle_by_part_sine = starts_2 - (1.7404423f * D_11_ax_part_sine) - (1.118407f * D_21_ax_part_sine);
+    const float angle_by_part_sine = starts_2 - (1.7404423f * D_11_ax_part_cosine) - (1.118407f * D_21_ax_part_cosine);
     const float f9_argument = angle_by_part_sine * angle_by_part_sine;
     const float f9 = angle_by_part_sine * f9_polynomial(f9_argument);
     const float by_part_sine = 8.0f * f9;
     const float by_part_cosine = by_part_cosine_polynomial(f9_argument);
-    const float angle_cx_part_sine = starts_1 - (2.506991f * D_11_ax_part_sine) + (3.0033627f * D_21_ax_part_sine);
+    const float angle_cx_part_sine = starts_1 - (2.506991f * D_11_ax_part_cosine) + (3.0033627f * D_21_ax_part_cosine);
     const float f11_argument = angle_cx_part_sine * angle_cx_part_sine;
     const float f11 = angle_cx_part_sine * f11_polynomial(f11_argument);
     const float cx_part_sine = 8.0f * f11;
     const float cx_part_cosine = cx_part_cosine_polynomial(f11_argument);
-    const float angle_cy_part_sine = starts_2 - (3.0033627f * D_11_ax_part_sine) - (2.506991f * D_21_ax_part_sine);
+    const float angle_cy_part_sine = starts_2 - (3.0033627f * D_11_ax_part_cosine) - (2.506991f * D_21_ax_part_cosine);
     const float f13_argument = angle_cy_part_sine * angle_cy_part_sine;
     const float f13 = angle_cy_part_sine * f13_polynomial(f13_argument);
     const float cy_part_sine = 8.0f * f13;
     const float cy_part_cosine = cy_part_cosine_polynomial(f13_argument);
-    const float angle_dx_part_sine = starts_1 + (1.627345f * D_11_ax_part_sine) - (0.76654863f * D_21_ax_part_sine);
+    const float angle_dx_part_sine = starts_1 + (1.627345f * D_11_ax_part_cosine) - (0.76654863f * D_21_ax_part_cosine);
     const float f15_argument = angle_dx_part_sine * angle_dx_part_sine;
     const float f15 = angle_dx_part_sine * f15_polynomial(f15_argument);
     const float dx_part_sine = 8.0f * f15;
     const float dx_part_cosine = dx_part_cosine_polynomial(f15_argument);
-    const float angle_dy_part_sine = starts_2 + (0.76654863f * D_11_ax_part_sine) + (1.627345f * D_21_ax_part_sine);
+    const float angle_dy_part_sine = starts_2 + (0.76654863f * D_11_ax_part_cosine) + (1.627345f * D_21_ax_part_cosine);
     const float f17_argument = angle_dy_part_sine * angle_dy_part_sine;
     const float f17 = angle_dy_part_sine * f17_polynomial(f17_argument);
     const float dy_part_sine = 8.0f * f17;
     const float dy_part_cosine = dy_part_cosine_polynomial(f17_argument);
-    const float phase_x_part = hall_position_four_limit(4.0f * (f3 * ax_part_cosine), 2.0f);
-    const float start_cosine_phase_x = 1.0f - (0.5f * (phase_x_part * phase_x_part));
     const float estimator_amplitude = state->estimator_amplitude;
-    const float start_sine_phase_x = hall_position_four_limit(phase_x_part * (1.0f - (0.125f * (ax_part_sine *
-        ax_part_sine))), 1.0f);
-    const float start_sine_phase_x_squared = start_sine_phase_x * start_sine_phase_x;
-    const float phase_x_part_2 = estimator_field_3 + (start_sine_phase_x_squared * estimator_field_5);
-    const float phase_x_part_3 = estimator_field_1 + (start_sine_phase_x_squared * phase_x_part_2);
-    const float a_1_phase_x = start_cosine_phase_x * (estimator_amplitude * (phase_x_part_3 + (start_sine_phase_x *
-        ((2.0f * (phase_x_part_2 * start_sine_phase_x)) + (2.0f * (start_sine_phase_x_squared * (estimator_field_5 *
-        start_sine_phase_x)))))));
+    const hall_position_four_terms_t terms_1 = hall_position_four_terms(4.0f, angle_ax_part_cosine,
+        f3_polynomial(f3_argument), ax_part_cosine, estimator_amplitude);
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_four_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
     const bool weights_1 = !hall_position_four_equal(excluded, 1.0f);
-    const float a_4_phase_x = start_sine_phase_x * phase_x_part_3;
-    const float e_1 = (D_11_ax_part_sine * V_ax_held) - (D_21_ax_part_sine * V_ay_held) - (estimator_amplitude *
-        a_4_phase_x);
+    const float e_1 = (D_11_ax_part_cosine * V_ax_held) - (D_21_ax_part_cosine * V_ay_held) - (estimator_amplitude *
+        terms_1.a_4);
     const float used_1_phase_x = (weights_1 ? 1.0f : 0.0f) * e_1;
-    const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
-    const float phase_x_part_4 = hall_position_four_limit(8.0f * (f7_times_bx_part_cosine * (1.0f - (0.03125f *
-        (bx_part_sine * bx_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_2 = 1.0f - (0.5f * (phase_x_part_4 * phase_x_part_4));
-    const float phase_x_part_5 = 8.0f * f7_times_bx_part_cosine;
-    const float start_sine_phase_x_2 = hall_position_four_limit(phase_x_part_4 * (1.0f - (0.125f * (phase_x_part_5 *
-        phase_x_part_5))), 1.0f);
-    const float start_sine_phase_x_2_squared = start_sine_phase_x_2 * start_sine_phase_x_2;
-    const float phase_x_part_6 = estimator_field_3 + (start_sine_phase_x_2_squared * estimator_field_5);
-    const float phase_x_part_7 = estimator_field_1 + (start_sine_phase_x_2_squared * phase_x_part_6);
-    const float a_1_phase_x_2 = start_cosine_phase_x_2 * (estimator_amplitude * (phase_x_part_7 + (start_sine_phase_x_2
-        * ((2.0f * (phase_x_part_6 * start_sine_phase_x_2)) + (2.0f * (start_sine_phase_x_2_squared * (estimator_field_5
-        * start_sine_phase_x_2)))))));
+    const hall_position_four_terms_t terms_2 = hall_position_four_terms(8.0f, f7, bx_part_cosine, 1.0f - (0.03125f *
+        (bx_part_sine * bx_part_sine)), estimator_amplitude);
     const bool weights_3 = !hall_position_four_equal(excluded, 2.0f);
-    const float a_4_phase_x_2 = start_sine_phase_x_2 * phase_x_part_7;
-    const float e_3 = (D_11_ax_part_sine * V_bx_held) - (D_21_ax_part_sine * V_by_held) - (estimator_amplitude *
-        a_4_phase_x_2);
+    const float e_3 = (D_11_ax_part_cosine * V_bx_held) - (D_21_ax_part_cosine * V_by_held) - (estimator_amplitude *
+        terms_2.a_4);
     const float used_3_phase_x = (weights_3 ? 1.0f : 0.0f) * e_3;
-    const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
-    const float phase_x_part_8 = hall_position_four_limit(8.0f * (f11_times_cx_part_cosine * (1.0f - (0.03125f *
-        (cx_part_sine * cx_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_3 = 1.0f - (0.5f * (phase_x_part_8 * phase_x_part_8));
-    const float phase_x_part_9 = 8.0f * f11_times_cx_part_cosine;
-    const float start_sine_phase_x_3 = hall_position_four_limit(phase_x_part_8 * (1.0f - (0.125f * (phase_x_part_9 *
-        phase_x_part_9))), 1.0f);
-    const float start_sine_phase_x_3_squared = start_sine_phase_x_3 * start_sine_phase_x_3;
-    const float phase_x_part_10 = estimator_field_3 + (start_sine_phase_x_3_squared * estimator_field_5);
-    const float phase_x_part_11 = estimator_field_1 + (start_sine_phase_x_3_squared * phase_x_part_10);
-    const float a_1_phase_x_3 = start_cosine_phase_x_3 * (estimator_amplitude * (phase_x_part_11 + (start_sine_phase_x_3
-        * ((2.0f * (phase_x_part_10 * start_sine_phase_x_3)) + (2.0f * (start_sine_phase_x_3_squared *
-        (estimator_field_5 * start_sine_phase_x_3)))))));
+    const hall_position_four_terms_t terms_3 = hall_position_four_terms(8.0f, f11, cx_part_cosine, 1.0f - (0.03125f *
+        (cx_part_sine * cx_part_sine)), estimator_amplitude);
     const bool weights_5 = !hall_position_four_equal(excluded, 3.0f);
-    const float a_4_phase_x_3 = start_sine_phase_x_3 * phase_x_part_11;
-    const float e_5 = (D_11_ax_part_sine * V_cx_held) - (D_21_ax_part_sine * V_cy_held) - (estimator_amplitude *
-        a_4_phase_x_3);
+    const float e_5 = (D_11_ax_part_cosine * V_cx_held) - (D_21_ax_part_cosine * V_cy_held) - (estimator_amplitude *
+        terms_3.a_4);
     const float used_5_phase_x = (weights_5 ? 1.0f : 0.0f) * e_5;
-    const float f15_times_dx_part_cosine = f15 * dx_part_cosine;
-    const float phase_x_part_12 = hall_position_four_limit(8.0f * (f15_times_dx_part_cosine * (1.0f - (0.03125f *
-        (dx_part_sine * dx_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_4 = 1.0f - (0.5f * (phase_x_part_12 * phase_x_part_12));
-    const float phase_x_part_13 = 8.0f * f15_times_dx_part_cosine;
-    const float start_sine_phase_x_4 = hall_position_four_limit(phase_x_part_12 * (1.0f - (0.125f * (phase_x_part_13 *
-        phase_x_part_13))), 1.0f);
-    const float start_sine_phase_x_4_squared = start_sine_phase_x_4 * start_sine_phase_x_4;
-    const float phase_x_part_14 = estimator_field_3 + (start_sine_phase_x_4_squared * estimator_field_5);
-    const float phase_x_part_15 = estimator_field_1 + (start_sine_phase_x_4_squared * phase_x_part_14);
-    const float a_1_phase_x_4 = start_cosine_phase_x_4 * (estimator_amplitude * (phase_x_part_15 + (start_sine_phase_x_4
-        * ((2.0f * (phase_x_part_14 * start_sine_phase_x_4)) + (2.0f * (start_sine_phase_x_4_squared *
-        (estimator_field_5 * start_sine_phase_x_4)))))));
+    const hall_position_four_terms_t terms_4 = hall_position_four_terms(8.0f, f15, dx_part_cosine, 1.0f - (0.03125f *
+        (dx_part_sine * dx_part_sine)), estimator_amplitude);
     const bool weights_7 = !hall_position_four_equal(excluded, 4.0f);
-    const float a_4_phase_x_4 = start_sine_phase_x_4 * phase_x_part_15;
-    const float e_7 = (D_11_ax_part_sine * V_dx_held) - (D_21_ax_part_sine * V_dy_held) - (estimator_amplitude *
-        a_4_phase_x_4);
+    const float e_7 = (D_11_ax_part_cosine * V_dx_held) - (D_21_ax_part_cosine * V_dy_held) - (estimator_amplitude *
+        terms_4.a_4);
     const float used_7_phase_x = (weights_7 ? 1.0f : 0.0f) * e_7;
-    const float gradient_1_phase_x = (a_1_phase_x * used_1_phase_x) + (a_1_phase_x_2 * used_3_phase_x) + (a_1_phase_x_3
-        * used_5_phase_x) + (a_1_phase_x_4 * used_7_phase_x);
-    const float left_1_1_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_1_phase_x * a_1_phase_x) + ((weights_3 ? 1.0f : 0.0f)
-        * a_1_phase_x_2 * a_1_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_1_phase_x_3 * a_1_phase_x_3) + ((weights_7 ?
-        1.0f : 0.0f) * a_1_phase_x_4 * a_1_phase_x_4);
+    const float gradient_1_phase_x = (terms_1.a * used_1_phase_x) + (terms_2.a * used_3_phase_x) + (terms_3.a *
+        used_5_phase_x) + (terms_4.a * used_7_phase_x);
+    const float phase_x_part = ((weights_1 ? 1.0f : 0.0f) * terms_1.a * terms_1.a) + ((weights_3 ? 1.0f : 0.0f) *
+        terms_2.a * terms_2.a) + ((weights_5 ? 1.0f : 0.0f) * terms_3.a * terms_3.a);
+    const float left_1_1_phase_x = phase_x_part + ((weights_7 ? 1.0f : 0.0f) * terms_4.a * terms_4.a);
     const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1_phase_x, 0.057616f);
     const float f19_argument = starts_3 - 0.03125f;
-    const float a_3_phase_x = (V_ax_held * D_21_ax_part_sine) + (V_ay_held * D_11_ax_part_sine) + (a_1_phase_x *
+    const float a_3_phase_x = (V_ax_held * D_21_ax_part_cosine) + (V_ay_held * D_11_ax_part_cosine) + (terms_1.a *
         f19_polynomial(f19_argument));
     const float used_1_3 = (weights_1 ? 1.0f : 0.0f) * a_3_phase_x;
-    const float a_3_phase_x_2 = (V_bx_held * D_21_ax_part_sine) + (V_by_held * D_11_ax_part_sine) + (a_1_phase_x_2 *
+    const float a_3_phase_x_2 = (V_bx_held * D_21_ax_part_cosine) + (V_by_held * D_11_ax_part_cosine) + (terms_2.a *
         f20_polynomial(starts_3 + 0.1875f));
     const float used_3_3 = (weights_3 ? 1.0f : 0.0f) * a_3_phase_x_2;
-    const float a_3_phase_x_3 = (V_cx_held * D_21_ax_part_sine) + (V_cy_held * D_11_ax_part_sine) + (a_1_phase_x_3 *
+    const float a_3_phase_x_3 = (V_cx_held * D_21_ax_part_cosine) + (V_cy_held * D_11_ax_part_cosine) + (terms_3.a *
         f21_polynomial(starts_3 + 0.1484375f));
     const float used_5_3 = (weights_5 ? 1.0f : 0.0f) * a_3_phase_x_3;
-    const float a_3_phase_x_4 = (V_dx_held * D_21_ax_part_sine) + (V_dy_held * D_11_ax_part_sine) + (a_1_phase_x_4 *
+    const float a_3_phase_x_4 = (V_dx_held * D_21_ax_part_cosine) + (V_dy_held * D_11_ax_part_cosine) + (terms_4.a *
         f22_polynomial(starts_3 + 0.0390625f));
     const float used_7_3 = (weights_7 ? 1.0f : 0.0f) * a_3_phase_x_4;
-    const float left_3_1_phase_x = (used_1_3 * a_1_phase_x) + (used_3_3 * a_1_phase_x_2) + (used_5_3 * a_1_phase_x_3) +
-        (used_7_3 * a_1_phase_x_4);
+    const float left_3_1_phase_x = (used_1_3 * terms_1.a) + (used_3_3 * terms_2.a) + (used_5_3 * terms_3.a) + (used_7_3
+        * terms_4.a);
     const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1_phase_x * terms_1_phase_x, 1250.0f);
-    const float phase_x_part_16 = hall_position_four_limit(4.0f * (f5 * ay_part_cosine), 2.0f);
-    const float start_cosine_phase_x_5 = 1.0f - (0.5f * (phase_x_part_16 * phase_x_part_16));
-    const float start_sine_phase_x_5 = hall_position_four_limit(phase_x_part_16 * (1.0f - (0.125f * (ay_part_sine *
-        ay_part_sine))), 1.0f);
-    const float start_sine_phase_x_5_squared = start_sine_phase_x_5 * start_sine_phase_x_5;
-    const float phase_x_part_17 = estimator_field_3 + (start_sine_phase_x_5_squared * estimator_field_5);
-    const float phase_x_part_18 = estimator_field_1 + (start_sine_phase_x_5_squared * phase_x_part_17);
-    const float a_2_phase_x = start_cosine_phase_x_5 * (estimator_amplitude * (phase_x_part_18 + (start_sine_phase_x_5 *
-        ((2.0f * (phase_x_part_17 * start_sine_phase_x_5)) + (2.0f * (start_sine_phase_x_5_squared * (estimator_field_5
-        * start_sine_phase_x_5)))))));
-    const float phase_x_part_19 = (V_ax_held * D_11_ax_part_sine) - (V_ay_held * D_21_ax_part_sine) - (a_2_phase_x *
+    const hall_position_four_terms_t terms_5 = hall_position_four_terms(4.0f, angle_ay_part_cosine,
+        f5_polynomial(f5_argument), ay_part_cosine, estimator_amplitude);
+    const float phase_x_part_2 = (V_ax_held * D_11_ax_part_cosine) - (V_ay_held * D_21_ax_part_cosine) - (terms_5.a *
         f23_polynomial(starts_3 + 0.046875f));
-    const float a_4_phase_x_5 = start_sine_phase_x_5 * phase_x_part_18;
-    const float e_2 = (D_21_ax_part_sine * V_ax_held) + (D_11_ax_part_sine * V_ay_held) - (estimator_amplitude *
-        a_4_phase_x_5);
+    const float e_2 = (D_21_ax_part_cosine * V_ax_held) + (D_11_ax_part_cosine * V_ay_held) - (estimator_amplitude *
+        terms_5.a_4);
     const float used_2_phase_x = (weights_1 ? 1.0f : 0.0f) * e_2;
-    const float f9_times_by_part_cosine = f9 * by_part_cosine;
-    const float phase_x_part_20 = hall_position_four_limit(8.0f * (f9_times_by_part_cosine * (1.0f - (0.03125f *
-        (by_part_sine * by_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_6 = 1.0f - (0.5f * (phase_x_part_20 * phase_x_part_20));
-    const float phase_x_part_21 = 8.0f * f9_times_by_part_cosine;
-    const float start_sine_phase_x_6 = hall_position_four_limit(phase_x_part_20 * (1.0f - (0.125f * (phase_x_part_21 *
-        phase_x_part_21))), 1.0f);
-    const float start_sine_phase_x_6_squared = start_sine_phase_x_6 * start_sine_phase_x_6;
-    const float phase_x_part_22 = estimator_field_3 + (start_sine_phase_x_6_squared * estimator_field_5);
-    const float phase_x_part_23 = estimator_field_1 + (start_sine_phase_x_6_squared * phase_x_part_22);
-    const float a_2_phase_x_2 = start_cosine_phase_x_6 * (estimator_amplitude * (phase_x_part_23 + (start_sine_phase_x_6
-        * ((2.0f * (phase_x_part_22 * start_sine_phase_x_6)) + (2.0f * (start_sine_phase_x_6_squared *
-        (estimator_field_5 * start_sine_phase_x_6)))))));
-    const float phase_x_part_24 = (V_bx_held * D_11_ax_part_sine) - (V_by_held * D_21_ax_part_sine) - (a_2_phase_x_2 *
+    const hall_position_four_terms_t terms_6 = hall_position_four_terms(8.0f, f9, by_part_cosine, 1.0f - (0.03125f *
+        (by_part_sine * by_part_sine)), estimator_amplitude);
+    const float phase_x_part_3 = (V_bx_held * D_11_ax_part_cosine) - (V_by_held * D_21_ax_part_cosine) - (terms_6.a *
         f24_polynomial(f19_argument));
-    const float a_4_phase_x_6 = start_sine_phase_x_6 * phase_x_part_23;
-    const float e_4 = (D_21_ax_part_sine * V_bx_held) + (D_11_ax_part_sine * V_by_held) - (estimator_amplitude *
-        a_4_phase_x_6);
+    const float e_4 = (D_21_ax_part_cosine * V_bx_held) + (D_11_ax_part_cosine * V_by_held) - (estimator_amplitude *
+        terms_6.a_4);
     const float used_4_phase_x = (weights_3 ? 1.0f : 0.0f) * e_4;
-    const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
-    const float phase_x_part_25 = hall_position_four_limit(8.0f * (f13_times_cy_part_cosine * (1.0f - (0.03125f *
-        (cy_part_sine * cy_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_7 = 1.0f - (0.5f * (phase_x_part_25 * phase_x_part_25));
-    const float phase_x_part_26 = 8.0f * f13_times_cy_part_cosine;
-    const float start_sine_phase_x_7 = hall_position_four_limit(phase_x_part_25 * (1.0f - (0.125f * (phase_x_part_26 *
-        phase_x_part_26))), 1.0f);
-    const float start_sine_phase_x_7_squared = start_sine_phase_x_7 * start_sine_phase_x_7;
-    const float phase_x_part_27 = estimator_field_3 + (start_sine_phase_x_7_squared * estimator_field_5);
-    const float phase_x_part_28 = estimator_field_1 + (start_sine_phase_x_7_squared * phase_x_part_27);
-    const float a_2_phase_x_3 = start_cosine_phase_x_7 * (estimator_amplitude * (phase_x_part_28 + (start_sine_phase_x_7
-        * ((2.0f * (phase_x_part_27 * start_sine_phase_x_7)) + (2.0f * (start_sine_phase_x_7_squared *
-        (estimator_field_5 * start_sine_phase_x_7)))))));
-    const float phase_x_part_29 = (V_cx_held * D_11_ax_part_sine) - (V_cy_held * D_21_ax_part_sine) - (a_2_phase_x_3 *
+    const hall_position_four_terms_t terms_7 = hall_position_four_terms(8.0f, f13, cy_part_cosine, 1.0f - (0.03125f *
+        (cy_part_sine * cy_part_sine)), estimator_amplitude);
+    const float phase_x_part_4 = (V_cx_held * D_11_ax_part_cosine) - (V_cy_held * D_21_ax_part_cosine) - (terms_7.a *
         f25_polynomial(starts_3 - 0.0546875f));
-    const float a_4_phase_x_7 = start_sine_phase_x_7 * phase_x_part_28;
-    const float e_6 = (D_21_ax_part_sine * V_cx_held) + (D_11_ax_part_sine * V_cy_held) - (estimator_amplitude *
-        a_4_phase_x_7);
+    const float e_6 = (D_21_ax_part_cosine * V_cx_held) + (D_11_ax_part_cosine * V_cy_held) - (estimator_amplitude *
+        terms_7.a_4);
     const float used_6_phase_x = (weights_5 ? 1.0f : 0.0f) * e_6;
-    const float f17_times_dy_part_cosine = f17 * dy_part_cosine;
-    const float phase_x_part_30 = hall_position_four_limit(8.0f * (f17_times_dy_part_cosine * (1.0f - (0.03125f *
-        (dy_part_sine * dy_part_sine)))), 2.0f);
-    const float start_cosine_phase_x_8 = 1.0f - (0.5f * (phase_x_part_30 * phase_x_part_30));
-    const float phase_x_part_31 = 8.0f * f17_times_dy_part_cosine;
-    const float start_sine_phase_x_8 = hall_position_four_limit(phase_x_part_30 * (1.0f - (0.125f * (phase_x_part_31 *
-        phase_x_part_31))), 1.0f);
-    const float start_sine_phase_x_8_squared = start_sine_phase_x_8 * start_sine_phase_x_8;
-    const float phase_x_part_32 = estimator_field_3 + (start_sine_phase_x_8_squared * estimator_field_5);
-    const float phase_x_part_33 = estimator_field_1 + (start_sine_phase_x_8_squared * phase_x_part_32);
-    const float a_2_phase_x_4 = start_cosine_phase_x_8 * (estimator_amplitude * (phase_x_part_33 + (start_sine_phase_x_8
-        * ((2.0f * (phase_x_part_32 * start_sine_phase_x_8)) + (2.0f * (start_sine_phase_x_8_squared *
-        (estimator_field_5 * start_sine_phase_x_8)))))));
-    const float phase_x_part_34 = (V_dx_held * D_11_ax_part_sine) - (V_dy_held * D_21_ax_part_sine) - (a_2_phase_x_4 *
+    const hall_position_four_terms_t terms_8 = hall_position_four_terms(8.0f, f17, dy_part_cosine, 1.0f - (0.03125f *
+        (dy_part_sine * dy_part_sine)), estimator_amplitude);
+    const float phase_x_part_5 = (V_dx_held * D_11_ax_part_cosine) - (V_dy_held * D_21_ax_part_cosine) - (terms_8.a *
         f26_polynomial(starts_3 - 0.015625f));
-    const float a_4_phase_x_8 = start_sine_phase_x_8 * phase_x_part_33;
-    const float e_8 = (D_21_ax_part_sine * V_dx_held) + (D_11_ax_part_sine * V_dy_held) - (estimator_amplitude *
-        a_4_phase_x_8);
+    const float e_8 = (D_21_ax_part_cosine * V_dx_held) + (D_11_ax_part_cosine * V_dy_held) - (estimator_amplitude *
+        terms_8.a_4);
     const float used_8_phase_x = (weights_7 ? 1.0f : 0.0f) * e_8;
-    const float phase_x_part_35 = (weights_1 ? 1.0f : 0.0f) * phase_x_part_19;
-    const float phase_x_part_36 = (weights_3 ? 1.0f : 0.0f) * phase_x_part_24;
-    const float phase_x_part_37 = (weights_5 ? 1.0f : 0.0f) * phase_x_part_29;
-    const float phase_x_part_38 = (weights_7 ? 1.0f : 0.0f) * phase_x_part_34;
-    const float phase_x_part_39 = (phase_x_part_35 * a_2_phase_x) + (phase_x_part_36 * a_2_phase_x_2) + (phase_x_part_37
-        * a_2_phase_x_3) + (phase_x_part_38 * a_2_phase_x_4);
-    const float left_2_2_phase_x = ((weights_1 ? 1.0f : 0.0f) * a_2_phase_x * a_2_phase_x) + ((weights_3 ? 1.0f : 0.0f)
-        * a_2_phase_x_2 * a_2_phase_x_2) + ((weights_5 ? 1.0f : 0.0f) * a_2_phase_x_3 * a_2_phase_x_3) + ((weights_7 ?
-        1.0f : 0.0f) * a_2_phase_x_4 * a_2_phase_x_4);
+    const float phase_x_part_6 = (weights_1 ? 1.0f : 0.0f) * phase_x_part_2;
+    const float phase_x_part_7 = (weights_3 ? 1.0f : 0.0f) * phase_x_part_3;
+    const float phase_x_part_8 = (weights_5 ? 1.0f : 0.0f) * phase_x_part_4;
+    const float phase_x_part_9 = (weights_7 ? 1.0f : 0.0f) * phase_x_part_5;
+    const float phase_x_part_10 = (phase_x_part_6 * terms_5.a) + (phase_x_part_7 * terms_6.a) + (phase_x_part_8 *
+        terms_7.a) + (phase_x_part_9 * terms_8.a);
+    const float phase_x_part_11 = ((weights_1 ? 1.0f : 0.0f) * terms_5.a * terms_5.a) + ((weights_3 ? 1.0f : 0.0f) *
+        terms_6.a * terms_6.a) + ((weights_5 ? 1.0f : 0.0f) * terms_7.a * terms_7.a);
+    const float left_2_2_phase_x = phase_x_part_11 + ((weights_7 ? 1.0f : 0.0f) * terms_8.a * terms_8.a);
     const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.057616f);
-    const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_part_39 * terms_1_phase_x_3), 1250.0f);
-    const float gradient_2_phase_x = (a_2_phase_x * used_2_phase_x) + (a_2_phase_x_2 * used_4_phase_x) + (a_2_phase_x_3
-        * used_6_phase_x) + (a_2_phase_x_4 * used_8_phase_x);
-    const float forward_3_phase_x = (a_3_phase_x * used_1_phase_x) - (phase_x_part_19 * used_2_phase_x) + (a_3_phase_x_2
-        * used_3_phase_x) - (phase_x_part_24 * used_4_phase_x) + (a_3_phase_x_3 * used_5_phase_x) - (phase_x_part_29 *
-        used_6_phase_x) + (a_3_phase_x_4 * used_7_phase_x) - (phase_x_part_34 * used_8_phase_x) - (terms_1_phase_x_2 *
+    const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_part_10 * terms_1_phase_x_3), 1250.0f);
+    const float gradient_2_phase_x = (terms_5.a * used_2_phase_x) + (terms_6.a * used_4_phase_x) + (terms_7.a *
+        used_6_phase_x) + (terms_8.a * used_8_phase_x);
+    const float forward_3_phase_x = (a_3_phase_x * used_1_phase_x) - (phase_x_part_2 * used_2_phase_x) + (a_3_phase_x_2
+        * used_3_phase_x) - (phase_x_part_3 * used_4_phase_x) + (a_3_phase_x_3 * used_5_phase_x) - (phase_x_part_4 *
+        used_6_phase_x) + (a_3_phase_x_4 * used_7_phase_x) - (phase_x_part_5 * used_8_phase_x) - (terms_1_phase_x_2 *
         gradient_1_phase_x) - (terms_1_phase_x_4 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (used_1_3 * a_3_phase_x) + (phase_x_part_35 * phase_x_part_19) + (used_3_3 *
-        a_3_phase_x_2) + (phase_x_part_36 * phase_x_part_24) + (used_5_3 * a_3_phase_x_3) + (phase_x_part_37 *
-        phase_x_part_29) + (used_7_3 * a_3_phase_x_4) + (phase_x_part_38 * phase_x_part_34);
+    const float left_3_3_phase_x = (used_1_3 * a_3_phase_x) + (phase_x_part_6 * phase_x_part_2) + (used_3_3 *
+        a_3_phase_x_2) + (phase_x_part_7 * phase_x_part_3) + (used_5_3 * a_3_phase_x_3) + (phase_x_part_8 *
+        phase_x_part_4) + (used_7_3 * a_3_phase_x_4) + (phase_x_part_9 * phase_x_part_5);
     const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 *
-        left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_39), 0.3601f);
-    const float used_1_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x;
-    const float used_2_4 = (weights_1 ? 1.0f : 0.0f) * a_4_phase_x_5;
-    const float used_3_4 = (weights_3 ? 1.0f : 0.0f) * a_4_phase_x_2;
-    const float used_4_4 = (weights_3 ? 1.0f : 0.0f) * a_4_phase_x_6;
-    const float used_5_4 = (weights_5 ? 1.0f : 0.0f) * a_4_phase_x_3;
-    const float used_6_4 = (weights_5 ? 1.0f : 0.0f) * a_4_phase_x_7;
-    const float used_7_4 = (weights_7 ? 1.0f : 0.0f) * a_4_phase_x_4;
-    const float used_8_4 = (weights_7 ? 1.0f : 0.0f) * a_4_phase_x_8;
-    const float left_4_1_phase_x = (used_1_4 * a_1_phase_x) + (used_3_4 * a_1_phase_x_2) + (used_5_4 * a_1_phase_x_3) +
-        (used_7_4 * a_1_phase_x_4);
+        left_3_1_phase_x) + (terms_1_phase_x_4 * phase_x_part_10), 0.3601f);
+    const float used_1_4 = (weights_1 ? 1.0f : 0.0f) * terms_1.a_4;
+    const float used_2_4 = (weights_1 ? 1.0f : 0.0f) * terms_5.a_4;
+    const float used_3_4 = (weights_3 ? 1.0f : 0.0f) * terms_2.a_4;
+    const float used_4_4 = (weights_3 ? 1.0f : 0.0f) * terms_6.a_4;
+    const float used_5_4 = (weights_5 ? 1.0f : 0.0f) * terms_3.a_4;
+    const float used_6_4 = (weights_5 ? 1.0f : 0.0f) * terms_7.a_4;
+    const float used_7_4 = (weights_7 ? 1.0f : 0.0f) * terms_4.a_4;
+    const float used_8_4 = (weights_7 ? 1.0f : 0.0f) * terms_8.a_4;
+    const float left_4_1_phase_x = (used_1_4 * terms_1.a) + (used_3_4 * terms_2.a) + (used_5_4 * terms_3.a) + (used_7_4
+        * terms_4.a);
     const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1_phase_x * terms_1_phase_x, 625.0f);
-    const float left_4_2_phase_x = (used_2_4 * a_2_phase_x) + (used_4_4 * a_2_phase_x_2) + (used_6_4 * a_2_phase_x_3) +
-        (used_8_4 * a_2_phase_x_4);
+    const float left_4_2_phase_x = (used_2_4 * terms_5.a) + (used_4_4 * terms_6.a) + (used_6_4 * terms_7.a) + (used_8_4
+        * terms_8.a);
     const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2_phase_x * terms_1_phase_x_3, 625.0f);
-    const float left_4_3_phase_x = (used_1_4 * a_3_phase_x) - (used_2_4 * phase_x_part_19) + (used_3_4 * a_3_phase_x_2)
-        - (used_4_4 * phase_x_part_24) + (used_5_4 * a_3_phase_x_3) - (used_6_4 * phase_x_part_29) + (used_7_4 *
-        a_3_phase_x_4) - (used_8_4 * phase_x_part_34) - (terms_1_phase_x_6 * left_3_1_phase_x) + (terms_1_phase_x_7 *
-        phase_x_part_39);
+    const float left_4_3_phase_x = (used_1_4 * a_3_phase_x) - (used_2_4 * phase_x_part_2) + (used_3_4 * a_3_phase_x_2) -
+        (used_4_4 * phase_x_part_3) + (used_5_4 * a_3_phase_x_3) - (used_6_4 * phase_x_part_4) + (used_7_4 *
+        a_3_phase_x_4) - (used_8_4 * phase_x_part_5) - (terms_1_phase_x_6 * left_3_1_phase_x) + (terms_1_phase_x_7 *
+        phase_x_part_10);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
+    const float phase_x_part_12 = (terms_1.a_4 * used_1_phase_x) + (terms_5.a_4 * used_2_phase_x) + (terms_2.a_4 *
+        used_3_phase_x) + (terms_6.a_4 * used_4_phase_x) + (terms_3.a_4 * used_5_phase_x) + (terms_7.a_4 *
+        used_6_phase_x);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float pulls_4_phase_x = 1.0002778f * offsets_4_phase_x;
-    const float phase_x_part_40 = (a_4_phase_x * used_1_phase_x) + (a_4_phase_x_5 * used_2_phase_x) + (a_4_phase_x_2 *
-        used_3_phase_x) + (a_4_phase_x_6 * used_4_phase_x) + (a_4_phase_x_3 * used_5_phase_x) + (a_4_phase_x_7 *
-        used_6_phase_x) + (a_4_phase_x_4 * used_7_phase_x) + (a_4_phase_x_8 * used_8_phase_x) - pulls_4_phase_x -
-        (terms_1_phase_x_6 * gradient_1_phase_x);
-    const float left_4_4_phase_x = (used_1_4 * a_4_phase_x) + (used_2_4 * a_4_phase_x_5) + (used_3_4 * a_4_phase_x_2) +
-        (used_4_4 * a_4_phase_x_6) + (used_5_4 * a_4_phase_x_3) + (used_6_4 * a_4_phase_x_7) + (used_7_4 *
-        a_4_phase_x_4) + (used_8_4 * a_4_phase_x_8) + 1.0002778f;
+    const float forward_4_phase_x = hall_position_four_limit(phase_x_part_12 + (terms_4.a_4 * used_7_phase_x) +
+        (terms_8.a_4 * used_8_phase_x) - pulls_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x) - (terms_1_phase_x_7
+        * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 8486.791f);
+    const float phase_x_part_13 = (used_1_4 * terms_1.a_4) + (used_2_4 * terms_5.a_4) + (used_3_4 * terms_2.a_4) +
+        (used_4_4 * terms_6.a_4) + (used_5_4 * terms_3.a_4) + (used_6_4 * terms_7.a_4);
+    const float left_4_4_phase_x = phase_x_part_13 + (used_7_4 * terms_4.a_4) + (used_8_4 * terms_8.a_4) + 1.0002778f;
     const float variances_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1_phase_x) -
         (terms_1_phase_x_7 * left_4_2_phase_x) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.090025f);
-    const float best_4 = hall_position_four_limit(hall_position_four_limit(phase_x_part_40 - (terms_1_phase_x_7 *
-        gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x), 8486.791f) * variances_4, 0.125f);
+    const float best_4 = hall_position_four_limit(forward_4_phase_x * variances_4, 0.125f);
     const float best_3 = hall_position_four_limit((forward_3_phase_x * terms_1_phase_x_5) - (terms_1_phase_x_8 *
         best_4), 0.1f);
     const float best_1 = hall_position_four_limit((gradient_1_phase_x * terms_1_phase_x) - (terms_1_phase_x_2 * best_3)
         - (terms_1_phase_x_6 * best_4), 0.5f);
-    const float phase_x_part_41 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
-    const float f1_argument_2 = phase_x_part_41 * phase_x_part_41;
+    const float phase_x_part_14 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
+    const float f1_argument_2 = phase_x_part_14 * phase_x_part_14;
     const float D_11_phase_x = f1_polynomial(f1_argument_2);
-    const float D_21_phase_x = phase_x_part_41 * f2_polynomial(f1_argument_2);
-    const float phase_x_part_42 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
+    const float D_21_phase_x = phase_x_part_14 * f2_polynomial(f1_argument_2);
+    const float phase_x_part_15 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
         0.75f);
-    const float starts_1_plus_best_1 = starts_1 + best_1;
-    const float by_phase_x = hall_position_four_limit(starts_1_plus_best_1 + (0.28902653f * D_11_phase_x) + (0.45238933f
-        * D_21_phase_x) - angle_ax_part_sine, 0.5536836f);
+    const float value_3_plus_best_1 = starts_1 + best_1;
+    const float by_phase_x = hall_position_four_limit(value_3_plus_best_1 + (0.28902653f * D_11_phase_x) + (0.45238933f
+        * D_21_phase_x) - angle_ax_part_cosine, 0.5536836f);
     const float f27_argument = by_phase_x * by_phase_x;
-    const float phasors_1_sine = (start_sine_phase_x * f27_polynomial(f27_argument)) + (start_cosine_phase_x *
-        (by_phase_x * f28_polynomial(f27_argument)));
-    const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
-    const float residuals_1 = (D_11_phase_x * V_ax_held) - (D_21_phase_x * V_ay_held) - (phase_x_part_42 *
-        (phasors_1_sine * (estimator_field_1 + (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared *
-        estimator_field_5))))));
-    const float used_1_phase_x_2 = (weights_1 ? 1.0f : 0.0f) * residuals_1;
-    const float by_phase_x_2 = hall_position_four_limit(starts_1_plus_best_1 - (1.118407f * D_11_phase_x) + (1.7404423f
-        * D_21_phase_x) - angle_bx_part_sine, 0.706881f);
+    const hall_position_four_terms_2_t terms_1_2 = hall_position_four_terms_2(weights_1, (D_11_phase_x * V_ax_held) -
+        (D_21_phase_x * V_ay_held), phase_x_part_15, terms_1.start_sine, f27_polynomial(f27_argument),
+        terms_1.start_cosine, by_phase_x, f28_polynomial(f27_argument));
+    const float by_phase_x_2 = hall_position_four_limit(value_3_plus_best_1 - (1.118407f * D_11_phase_x) + (1.7404423f *
+        D_21_phase_x) - angle_bx_part_sine, 0.706881f);
     const float f29_argument = by_phase_x_2 * by_phase_x_2;
-    const float phasors_3_sine = (start_sine_phase_x_2 * f29_polynomial(f29_argument)) + (start_cosine_phase_x_2 *
-        (by_phase_x_2 * f30_polynomial(f29_argument)));
-    const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
-    const float residuals_3 = (D_11_phase_x * V_bx_held) - (D_21_phase_x * V_by_held) - (phase_x_part_42 *
-        (phasors_3_sine * (estimator_field_1 + (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared *
-        estimator_field_5))))));
-    const float used_3_phase_x_2 = (weights_3 ? 1.0f : 0.0f) * residuals_3;
-    const float by_phase_x_3 = hall_position_four_limit(starts_1_plus_best_1 - (2.506991f * D_11_phase_x) + (3.0033627f
-        * D_21_phase_x) - angle_cx_part_sine, 0.8912185f);
+    const hall_position_four_terms_2_t terms_2_2 = hall_position_four_terms_2(weights_3, (D_11_phase_x * V_bx_held) -
+        (D_21_phase_x * V_by_held), phase_x_part_15, terms_2.start_sine, f29_polynomial(f29_argument),
+        terms_2.start_cosine, by_phase_x_2, f30_polynomial(f29_argument));
+    const float by_phase_x_3 = hall_position_four_limit(value_3_plus_best_1 - (2.506991f * D_11_phase_x) + (3.0033627f *
+        D_21_phase_x) - angle_cx_part_sine, 0.8912185f);
     const float f31_argument = by_phase_x_3 * by_phase_x_3;
-    const float phasors_5_sine = (start_sine_phase_x_3 * f31_polynomial(f31_argument)) + (start_cosine_phase_x_3 *
-        (by_phase_x_3 * f32_polynomial(f31_argument)));
-    const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
-    const float residuals_5 = (D_11_phase_x * V_cx_held) - (D_21_phase_x * V_cy_held) - (phase_x_part_42 *
-        (phasors_5_sine * (estimator_field_1 + (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared *
-        estimator_field_5))))));
-    const float used_5_phase_x_2 = (weights_5 ? 1.0f : 0.0f) * residuals_5;
-    const float by_phase_x_4 = hall_position_four_limit(starts_1_plus_best_1 + (1.627345f * D_11_phase_x) - (0.76654863f
+    const hall_position_four_terms_2_t terms_3_2 = hall_position_four_terms_2(weights_5, (D_11_phase_x * V_cx_held) -
+        (D_21_phase_x * V_cy_held), phase_x_part_15, terms_3.start_sine, f31_polynomial(f31_argument),
+        terms_3.start_cosine, by_phase_x_3, f32_polynomial(f31_argument));
+    const float by_phase_x_4 = hall_position_four_limit(value_3_plus_best_1 + (1.627345f * D_11_phase_x) - (0.76654863f
         * D_21_phase_x) - angle_dx_part_sine, 0.6798847f);
     const float f33_argument = by_phase_x_4 * by_phase_x_4;
-    const float phasors_7_sine = (start_sine_phase_x_4 * f33_polynomial(f33_argument)) + (start_cosine_phase_x_4 *
-        (by_phase_x_4 * f34_polynomial(f33_argument)));
-    const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
-    const float residuals_7 = (D_11_phase_x * V_dx_held) - (D_21_phase_x * V_dy_held) - (phase_x_part_42 *
-        (phasors_7_sine * (estimator_field_1 + (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared *
-        estimator_field_5))))));
-    const float used_7_phase_x_2 = (weights_7 ? 1.0f : 0.0f) * residuals_7;
-    const float gradient_1_phase_x_2 = (a_1_phase_x * used_1_phase_x_2) + (a_1_phase_x_2 * used_3_phase_x_2) +
-        (a_1_phase_x_3 * used_5_phase_x_2) + (a_1_phase_x_4 * used_7_phase_x_2);
-    const float phase_x_part_43 = gradient_1_phase_x_2 * terms_1_phase_x;
+    const hall_position_four_terms_2_t terms_4_2 = hall_position_four_terms_2(weights_7, (D_11_phase_x * V_dx_held) -
+        (D_21_phase_x * V_dy_held), phase_x_part_15, terms_4.start_sine, f33_polynomial(f33_argument),
+        terms_4.start_cosine, by_phase_x_4, f34_polynomial(f33_argument));
+    const float gradient_1_phase_x_2 = (terms_1.a * terms_1_2.used) + (terms_2.a * terms_2_2.used) + (terms_3.a *
+        terms_3_2.used) + (terms_4.a * terms_4_2.used);
+    const float phase_x_part_16 = gradient_1_phase_x_2 * terms_1_phase_x;
     const float best_2 = hall_position_four_limit((gradient_2_phase_x * terms_1_phase_x_3) - (terms_1_phase_x_4 *
         best_3) - (terms_1_phase_x_7 * best_4), 0.5f);
-    const float starts_2_plus_best_2 = starts_2 + best_2;
-    const float by_phase_x_5 = hall_position_four_limit(starts_2_plus_best_2 - (0.45238933f * D_11_phase_x) +
-        (0.28902653f * D_21_phase_x) - angle_ay_part_sine, 0.5536836f);
+    const float value_3_plus_best_2 = starts_2 + best_2;
+    const float by_phase_x_5 = hall_position_four_limit(value_3_plus_best_2 - (0.45238933f * D_11_phase_x) +
+        (0.28902653f * D_21_phase_x) - angle_ay_part_cosine, 0.5536836f);
     const float f27_argument_2 = by_phase_x_5 * by_phase_x_5;
-    const float phasors_2_sine = (start_sine_phase_x_5 * f27_polynomial(f27_argument_2)) + (start_cosine_phase_x_5 *
-        (by_phase_x_5 * f28_polynomial(f27_argument_2)));
-    const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
-    const float residuals_2 = (D_21_phase_x * V_ax_held) + (D_11_phase_x * V_ay_held) - (phase_x_part_42 *
-        (phasors_2_sine * (estimator_field_1 + (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared *
-        estimator_field_5))))));
-    const float used_2_phase_x_2 = (weights_1 ? 1.0f : 0.0f) * residuals_2;
-    const float by_phase_x_6 = hall_position_four_limit(starts_2_plus_best_2 - (1.7404423f * D_11_phase_x) - (1.118407f
-        * D_21_phase_x) - angle_by_part_sine, 0.706881f);
+    const hall_position_four_terms_2_t terms_5_2 = hall_position_four_terms_2(weights_1, (D_21_phase_x * V_ax_held) +
+        (D_11_phase_x * V_ay_held), phase_x_part_15, terms_5.start_sine, f27_polynomial(f27_argument_2),
+        terms_5.start_cosine, by_phase_x_5, f28_polynomial(f27_argument_2));
+    const float by_phase_x_6 = hall_position_four_limit(value_3_plus_best_2 - (1.7404423f * D_11_phase_x) - (1.118407f *
+        D_21_phase_x) - angle_by_part_sine, 0.706881f);
     const float f29_argument_2 = by_phase_x_6 * by_phase_x_6;
-    const float phasors_4_sine = (start_sine_phase_x_6 * f29_polynomial(f29_argument_2)) + (start_cosine_phase_x_6 *
-        (by_phase_x_6 * f30_polynomial(f29_argument_2)));
-    const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
-    const float residuals_4 = (D_21_phase_x * V_bx_held) + (D_11_phase_x * V_by_held) - (phase_x_part_42 *
-        (phasors_4_sine * (estimator_field_1 + (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared *
-        estimator_field_5))))));
-    const float used_4_phase_x_2 = (weights_3 ? 1.0f : 0.0f) * residuals_4;
-    const float by_phase_x_7 = hall_position_four_limit(starts_2_plus_best_2 - (3.0033627f * D_11_phase_x) - (2.506991f
-        * D_21_phase_x) - angle_cy_part_sine, 0.8912185f);
+    const hall_position_four_terms_2_t terms_6_2 = hall_position_four_terms_2(weights_3, (D_21_phase_x * V_bx_held) +
+        (D_11_phase_x * V_by_held), phase_x_part_15, terms_6.start_sine, f29_polynomial(f29_argument_2),
+        terms_6.start_cosine, by_phase_x_6, f30_polynomial(f29_argument_2));
+    const float phase_x_part_17 = (a_3_phase_x * terms_1_2.used) - (phase_x_part_2 * terms_5_2.used) + (a_3_phase_x_2 *
+        terms_2_2.used) - (phase_x_part_3 * terms_6_2.used) + (a_3_phase_x_3 * terms_3_2.used);
+    const float by_phase_x_7 = hall_position_four_limit(value_3_plus_best_2 - (3.0033627f * D_11_phase_x) - (2.506991f *
+        D_21_phase_x) - angle_cy_part_sine, 0.8912185f);
     const float f31_argument_2 = by_phase_x_7 * by_phase_x_7;
-    const float phasors_6_sine = (start_sine_phase_x_7 * f31_polynomial(f31_argument_2)) + (start_cosine_phase_x_7 *
-        (by_phase_x_7 * f32_polynomial(f31_argument_2)));
-    const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
-    const float residuals_6 = (D_21_phase_x * V_cx_held) + (D_11_phase_x * V_cy_held) - (phase_x_part_42 *
-        (phasors_6_sine * (estimator_field_1 + (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared *
-        estimator_field_5))))));
-    const float used_6_phase_x_2 = (weights_5 ? 1.0f : 0.0f) * residuals_6;
-    const float by_phase_x_8 = hall_position_four_limit(starts_2_plus_best_2 + (0.76654863f * D_11_phase_x) + (1.627345f
+    const hall_position_four_terms_2_t terms_7_2 = hall_position_four_terms_2(weights_5, (D_21_phase_x * V_cx_held) +
+        (D_11_phase_x * V_cy_held), phase_x_part_15, terms_7.start_sine, f31_polynomial(f31_argument_2),
+        terms_7.start_cosine, by_phase_x_7, f32_polynomial(f31_argument_2));
+    const float by_phase_x_8 = hall_position_four_limit(value_3_plus_best_2 + (0.76654863f * D_11_phase_x) + (1.627345f
         * D_21_phase_x) - angle_dy_part_sine, 0.6798847f);
     const float f33_argument_2 = by_phase_x_8 * by_phase_x_8;
-    const float phasors_8_sine = (start_sine_phase_x_8 * f33_polynomial(f33_argument_2)) + (start_cosine_phase_x_8 *
-        (by_phase_x_8 * f34_polynomial(f33_argument_2)));
-    const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
-    const float residuals_8 = (D_21_phase_x * V_dx_held) + (D_11_phase_x * V_dy_held) - (phase_x_part_42 *
-        (phasors_8_sine * (estimator_field_1 + (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared *
-        estimator_field_5))))));
-    const float used_8_phase_x_2 = (weights_7 ? 1.0f : 0.0f) * residuals_8;
-    const float gradient_2_phase_x_2 = (a_2_phase_x * used_2_phase_x_2) + (a_2_phase_x_2 * used_4_phase_x_2) +
-        (a_2_phase_x_3 * used_6_phase_x_2) + (a_2_phase_x_4 * used_8_phase_x_2);
-    const float forward_3_phase_x_2 = (a_3_phase_x * used_1_phase_x_2) - (phase_x_part_19 * used_2_phase_x_2) +
-        (a_3_phase_x_2 * used_3_phase_x_2) - (phase_x_part_24 * used_4_phase_x_2) + (a_3_phase_x_3 * used_5_phase_x_2) -
-        (phase_x_part_29 * used_6_phase_x_2) + (a_3_phase_x_4 * used_7_phase_x_2) - (phase_x_part_34 * used_8_phase_x_2)
-        - (terms_1_phase_x_2 * gradient_1_phase_x_2) - (terms_1_phase_x_4 * gradient_2_phase_x_2);
-    const float phase_x_part_44 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const hall_position_four_terms_2_t terms_8_2 = hall_position_four_terms_2(weights_7, (D_21_phase_x * V_dx_held) +
+        (D_11_phase_x * V_dy_held), phase_x_part_15, terms_8.start_sine, f33_polynomial(f33_argument_2),
+        terms_8.start_cosine, by_phase_x_8, f34_polynomial(f33_argument_2));
+    const float gradient_2_phase_x_2 = (terms_5.a * terms_5_2.used) + (terms_6.a * terms_6_2.used) + (terms_7.a *
+        terms_7_2.used) + (terms_8.a * terms_8_2.used);
+    const float forward_3_phase_x_2 = phase_x_part_17 - (phase_x_part_4 * terms_7_2.used) + (a_3_phase_x_4 *
+        terms_4_2.used) - (phase_x_part_5 * terms_8_2.used) - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
+        (terms_1_phase_x_4 * gradient_2_phase_x_2);
+    const float phase_x_part_18 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float phase_x_part_19 = (terms_1.a_4 * terms_1_2.used) + (terms_5.a_4 * terms_5_2.used) + (terms_2.a_4 *
+        terms_2_2.used) + (terms_6.a_4 * terms_6_2.used);
+    const float phase_x_part_20 = phase_x_part_19 + (terms_3.a_4 * terms_3_2.used) + (terms_7.a_4 * terms_7_2.used) +
+        (terms_4.a_4 * terms_4_2.used) + (terms_8.a_4 * terms_8_2.used);
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x = (a_4_phase_x * used_1_phase_x_2) + (a_4_phase_x_5 * used_2_phase_x_2) +
-        (a_4_phase_x_2 * used_3_phase_x_2) + (a_4_phase_x_6 * used_4_phase_x_2) + (a_4_phase_x_3 * used_5_phase_x_2) +
-        (a_4_phase_x_7 * used_6_phase_x_2) + (a_4_phase_x_4 * used_7_phase_x_2) + (a_4_phase_x_8 * used_8_phase_x_2) -
-        (1.0002778f * offsets_4_phase_x_2);
-    const float forward_4_phase_x = hall_position_four_limit(gradient_4_phase_x - (terms_1_phase_x_6 *
-        gradient_1_phase_x_2) - (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2),
-        8486.791f);
-    const float step_phase_x = forward_4_phase_x * variances_4;
+    const float forward_4_phase_x_2 = hall_position_four_limit(phase_x_part_20 - (1.0002778f * offsets_4_phase_x_2) -
+        (terms_1_phase_x_6 * gradient_1_phase_x_2) - (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 *
+        forward_3_phase_x_2), 8486.791f);
+    const float step_phase_x = forward_4_phase_x_2 * variances_4;
     const float at_4 = hall_position_four_limit(best_4 + step_phase_x, 0.125f);
     const float moves_4 = at_4 - best_4;
-    const float reported_phase_x = hall_position_four_limit(best_3 + (phase_x_part_44 - (terms_1_phase_x_8 * moves_4)),
+    const float reported_phase_x = hall_position_four_limit(best_3 + (phase_x_part_18 - (terms_1_phase_x_8 * moves_4)),
         0.1f);
     const float moves_3 = reported_phase_x - best_3;
-    const float reported_phase_x_2 = hall_position_four_limit(best_1 + (phase_x_part_43 - (terms_1_phase_x_2 * moves_3)
+    const float reported_phase_x_2 = hall_position_four_limit(best_1 + (phase_x_part_16 - (terms_1_phase_x_2 * moves_3)
         - (terms_1_phase_x_6 * moves_4)), 0.5f);
-    const float phase_x_part_45 = starts_1 + reported_phase_x_2;
-    float phase_x_part_46 = phase_x_part_45;
-    if (pi < phase_x_part_45) {
-        phase_x_part_46 = phase_x_part_45 - two_pi;
-    }
-    float phase_x_part_47 = phase_x_part_46;
-    if (phase_x_part_46 < -pi) {
-        phase_x_part_47 = phase_x_part_46 + two_pi;
-    }
-    const float phase_x = hall_position_four_limit(phase_x_part_47, pi);
+    const float starts_1_3_value_3 = hall_position_four_starts_1(starts_1, reported_phase_x_2);
+    const float phase_x = hall_position_four_limit(starts_1_3_value_3, pi);
     const float phase_y_part = gradient_2_phase_x_2 * terms_1_phase_x_3;
     const float reported_phase_y = hall_position_four_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * moves_3) -
         (terms_1_phase_x_7 * moves_4)), 0.5f);
-    const float phase_y_part_2 = starts_2 + reported_phase_y;
-    float phase_y_part_3 = phase_y_part_2;
-    if (pi < phase_y_part_2) {
-        phase_y_part_3 = phase_y_part_2 - two_pi;
-    }
-    float phase_y_part_4 = phase_y_part_3;
-    if (phase_y_part_3 < -pi) {
-        phase_y_part_4 = phase_y_part_3 + two_pi;
-    }
-    const float phase_y = hall_position_four_limit(phase_y_part_4, pi);
+    const float starts_1_4_value_3 = hall_position_four_starts_1(starts_2, reported_phase_y);
+    const float phase_y = hall_position_four_limit(starts_1_4_value_3, pi);
     const float yaw = hall_position_four_limit(starts_3 + reported_phase_x, 0.20943952f);
     const float amplitude = hall_position_four_max(hall_position_four_min(estimator_amplitude + at_4, 1.25f), 0.75f);
     const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
@@ -947,292 +869,290 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float variances_3_deviation_yaw = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * variances_4);
     const float deviation_yaw = hall_position_four_min(0.060008332f * sqrtf(variances_3_deviation_yaw), 0.1f);
     const float deviation_amplitude = 0.060008332f * sqrtf(variances_4);
-    const float cost_chi_square = (used_1_phase_x_2 * residuals_1) + (used_2_phase_x_2 * residuals_2) +
-        (used_3_phase_x_2 * residuals_3) + (used_4_phase_x_2 * residuals_4) + (used_5_phase_x_2 * residuals_5) +
-        (used_6_phase_x_2 * residuals_6) + (used_7_phase_x_2 * residuals_7) + (used_8_phase_x_2 * residuals_8) +
-        (1.0002778f * (offsets_4_phase_x_2 * offsets_4_phase_x_2));
-    const float chi_square_part = (gradient_1_phase_x_2 * phase_x_part_43) + (gradient_2_phase_x_2 * phase_y_part) +
-        (forward_3_phase_x_2 * phase_x_part_44) + (forward_4_phase_x * step_phase_x);
-    const float cost_chi_square_2 = hall_position_four_max(cost_chi_square - chi_square_part, 0.0f);
-    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * cost_chi_square_2, 1e+09f),
-        0.0f);
-    const bool converged = chi_square_part <= 3.601e-05f;
+    const float chi_square_part = terms_1_2.terms + terms_5_2.terms + terms_2_2.terms + terms_6_2.terms +
+        terms_3_2.terms + terms_7_2.terms + terms_4_2.terms;
+    const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_16) + (gradient_2_phase_x_2 * phase_y_part) +
+        (forward_3_phase_x_2 * phase_x_part_18) + (forward_4_phase_x_2 * step_phase_x);
+    const float cost_chi_square = hall_position_four_max(chi_square_part + terms_8_2.terms + (1.0002778f *
+        (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_part_2, 0.0f);
+    const float chi_square = hall_position_four_max(hall_position_four_min(277.70065f * cost_chi_square, 1e+09f), 0.0f);
+    const bool converged = chi_square_part_2 <= 3.601e-05f;
     const bool weak = !((left_1_1_phase_x <= 14404.0f) && (left_2_2_phase_x <= 14404.0f) && (left_3_3_phase_x <=
         90025.0f) && (left_4_4_phase_x <= 22506.25f)) || (17.356117f <= deviation_phase_x_part_2) || (17.356117f <=
         deviation_phase_y_part_2) || (2.7769787f <= variances_3_deviation_yaw) || (11.107915f <= variances_4);
     const bool phases_valid_test = screened && !weak;
-    const float left_1_1_protection_phase_x = (a_1_phase_x * a_1_phase_x) + (a_1_phase_x_2 * a_1_phase_x_2) +
-        (a_1_phase_x_3 * a_1_phase_x_3) + (a_1_phase_x_4 * a_1_phase_x_4);
-    const float left_2_2_protection_phase_x = (a_2_phase_x * a_2_phase_x) + (a_2_phase_x_2 * a_2_phase_x_2) +
-        (a_2_phase_x_3 * a_2_phase_x_3) + (a_2_phase_x_4 * a_2_phase_x_4);
-    const float left_3_3_protection_phase_x = (a_3_phase_x * a_3_phase_x) + (phase_x_part_19 * phase_x_part_19) +
-        (a_3_phase_x_2 * a_3_phase_x_2) + (phase_x_part_24 * phase_x_part_24) + (a_3_phase_x_3 * a_3_phase_x_3) +
-        (phase_x_part_29 * phase_x_part_29) + (a_3_phase_x_4 * a_3_phase_x_4) + (phase_x_part_34 * phase_x_part_34);
-    const float left_4_4_protection_phase_x = (a_4_phase_x * a_4_phase_x) + (a_4_phase_x_5 * a_4_phase_x_5) +
-        (a_4_phase_x_2 * a_4_phase_x_2) + (a_4_phase_x_6 * a_4_phase_x_6) + (a_4_phase_x_3 * a_4_phase_x_3) +
-        (a_4_phase_x_7 * a_4_phase_x_7) + (a_4_phase_x_4 * a_4_phase_x_4) + (a_4_phase_x_8 * a_4_phase_x_8) +
-        1.0002778f;
+    const float left_1_1_protection_phase_x = (terms_1.a * terms_1.a) + (terms_2.a * terms_2.a) + (terms_3.a *
+        terms_3.a) + (terms_4.a * terms_4.a);
+    const float left_2_2_protection_phase_x = (terms_5.a * terms_5.a) + (terms_6.a * terms_6.a) + (terms_7.a *
+        terms_7.a) + (terms_8.a * terms_8.a);
+    const float left_3_3_protection_phase_x = (a_3_phase_x * a_3_phase_x) + (phase_x_part_2 * phase_x_part_2) +
+        (a_3_phase_x_2 * a_3_phase_x_2) + (phase_x_part_3 * phase_x_part_3) + (a_3_phase_x_3 * a_3_phase_x_3) +
+        (phase_x_part_4 * phase_x_part_4) + (a_3_phase_x_4 * a_3_phase_x_4) + (phase_x_part_5 * phase_x_part_5);
+    const float protection_phase_x_part = (terms_1.a_4 * terms_1.a_4) + (terms_5.a_4 * terms_5.a_4) + (terms_2.a_4 *
+        terms_2.a_4) + (terms_6.a_4 * terms_6.a_4);
+    const float protection_phase_x_part_2 = protection_phase_x_part + (terms_3.a_4 * terms_3.a_4) + (terms_7.a_4 *
+        terms_7.a_4) + (terms_4.a_4 * terms_4.a_4) + (terms_8.a_4 * terms_8.a_4);
+    const float left_4_4_protection_phase_x = protection_phase_x_part_2 + 1.0002778f;
     const float terms_1_protection_phase_x = 1.0f / hall_position_four_max(left_1_1_protection_phase_x, 0.057616f);
-    const float protection_phase_x_part = a_1_phase_x * terms_1_protection_phase_x;
-    const float left_3_1_protection_phase_x = (a_3_phase_x * a_1_phase_x) + (a_3_phase_x_2 * a_1_phase_x_2) +
-        (a_3_phase_x_3 * a_1_phase_x_3) + (a_3_phase_x_4 * a_1_phase_x_4);
+    const float protection_phase_x_part_3 = terms_1.a * terms_1_protection_phase_x;
+    const float left_3_1_protection_phase_x = (a_3_phase_x * terms_1.a) + (a_3_phase_x_2 * terms_2.a) + (a_3_phase_x_3 *
+        terms_3.a) + (a_3_phase_x_4 * terms_4.a);
     const float terms_1_protection_phase_x_2 = hall_position_four_limit(left_3_1_protection_phase_x *
         terms_1_protection_phase_x, 1250.0f);
-    const float b_3_protection_phase_x = a_3_phase_x - (terms_1_protection_phase_x_2 * a_1_phase_x);
-    const float protection_phase_x_part_2 = (phase_x_part_19 * a_2_phase_x) + (phase_x_part_24 * a_2_phase_x_2) +
-        (phase_x_part_29 * a_2_phase_x_3) + (phase_x_part_34 * a_2_phase_x_4);
+    const float b_3_protection_phase_x = a_3_phase_x - (terms_1_protection_phase_x_2 * terms_1.a);
+    const float protection_phase_x_part_4 = (phase_x_part_2 * terms_5.a) + (phase_x_part_3 * terms_6.a) +
+        (phase_x_part_4 * terms_7.a) + (phase_x_part_5 * terms_8.a);
     const float terms_1_protection_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_protection_phase_x, 0.057616f);
-    const float terms_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_2 *
+    const float terms_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_4 *
         terms_1_protection_phase_x_3), 1250.0f);
     const float terms_1_protection_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_protection_phase_x -
         (terms_1_protection_phase_x_2 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_2), 0.3601f);
-    const float protection_phase_x_part_3 = b_3_protection_phase_x * terms_1_protection_phase_x_5;
-    const float left_4_1_protection_phase_x = (a_4_phase_x * a_1_phase_x) + (a_4_phase_x_2 * a_1_phase_x_2) +
-        (a_4_phase_x_3 * a_1_phase_x_3) + (a_4_phase_x_4 * a_1_phase_x_4);
+        protection_phase_x_part_4), 0.3601f);
+    const float protection_phase_x_part_5 = b_3_protection_phase_x * terms_1_protection_phase_x_5;
+    const float protection_phase_x_part_6 = (terms_1.a_4 * a_3_phase_x) - (terms_5.a_4 * phase_x_part_2) + (terms_2.a_4
+        * a_3_phase_x_2) - (terms_6.a_4 * phase_x_part_3) + (terms_3.a_4 * a_3_phase_x_3) - (terms_7.a_4 *
+        phase_x_part_4);
+    const float left_4_1_protection_phase_x = terms_1.terms + terms_2.terms + terms_3.terms + terms_4.terms;
     const float terms_1_protection_phase_x_6 = hall_position_four_limit(left_4_1_protection_phase_x *
         terms_1_protection_phase_x, 625.0f);
-    const float left_4_2_protection_phase_x = (a_4_phase_x_5 * a_2_phase_x) + (a_4_phase_x_6 * a_2_phase_x_2) +
-        (a_4_phase_x_7 * a_2_phase_x_3) + (a_4_phase_x_8 * a_2_phase_x_4);
+    const float left_4_2_protection_phase_x = terms_5.terms + terms_6.terms + terms_7.terms + terms_8.terms;
     const float terms_1_protection_phase_x_7 = hall_position_four_limit(left_4_2_protection_phase_x *
         terms_1_protection_phase_x_3, 625.0f);
-    const float left_4_3_protection_phase_x = (a_4_phase_x * a_3_phase_x) - (a_4_phase_x_5 * phase_x_part_19) +
-        (a_4_phase_x_2 * a_3_phase_x_2) - (a_4_phase_x_6 * phase_x_part_24) + (a_4_phase_x_3 * a_3_phase_x_3) -
-        (a_4_phase_x_7 * phase_x_part_29) + (a_4_phase_x_4 * a_3_phase_x_4) - (a_4_phase_x_8 * phase_x_part_34) -
-        (terms_1_protection_phase_x_6 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_7 *
-        protection_phase_x_part_2);
+    const float left_4_3_protection_phase_x = protection_phase_x_part_6 + (terms_4.a_4 * a_3_phase_x_4) - (terms_8.a_4 *
+        phase_x_part_5) - (terms_1_protection_phase_x_6 * left_3_1_protection_phase_x) + (terms_1_protection_phase_x_7 *
+        protection_phase_x_part_4);
     const float terms_1_protection_phase_x_8 = hall_position_four_limit(left_4_3_protection_phase_x *
         terms_1_protection_phase_x_5, 250.0f);
-    const float b_4_protection_phase_x = hall_position_four_limit(a_4_phase_x - (terms_1_protection_phase_x_6 *
-        a_1_phase_x) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 150.02083f);
-    const float protection_phase_x_part_4 = 1.0f / hall_position_four_max(left_4_4_protection_phase_x -
+    const float b_4_protection_phase_x = hall_position_four_limit(terms_1.a_4 - (terms_1_protection_phase_x_6 *
+        terms_1.a) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x), 150.02083f);
+    const float protection_phase_x_part_7 = 1.0f / hall_position_four_max(left_4_4_protection_phase_x -
         (terms_1_protection_phase_x_6 * left_4_1_protection_phase_x) - (terms_1_protection_phase_x_7 *
         left_4_2_protection_phase_x) - (terms_1_protection_phase_x_8 * left_4_3_protection_phase_x), 0.090025f);
-    const float ends_4_protection_phase_x = b_4_protection_phase_x * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x = protection_phase_x_part_3 - (terms_1_protection_phase_x_8 *
+    const float ends_4_protection_phase_x = b_4_protection_phase_x * protection_phase_x_part_7;
+    const float ends_3_protection_phase_x = protection_phase_x_part_5 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x);
-    const float moves_1_1 = hall_position_four_limit(protection_phase_x_part - (terms_1_protection_phase_x_2 *
+    const float moves_1_1 = hall_position_four_limit(protection_phase_x_part_3 - (terms_1_protection_phase_x_2 *
         ends_3_protection_phase_x) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x), 8.332176f);
-    const float gains_1 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x * protection_phase_x_part) +
-        (b_3_protection_phase_x * protection_phase_x_part_3) + (b_4_protection_phase_x * ends_4_protection_phase_x)),
+    const float gains_1 = 1.0f / hall_position_four_max(1.0f - ((terms_1.a * protection_phase_x_part_3) +
+        (b_3_protection_phase_x * protection_phase_x_part_5) + (b_4_protection_phase_x * ends_4_protection_phase_x)),
         0.001f);
-    const float protection_phase_x_part_5 = phase_x_part_19 + (terms_1_protection_phase_x_4 * a_2_phase_x);
-    const float protection_phase_x_part_6 = protection_phase_x_part_5 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x = hall_position_four_limit(a_4_phase_x_5 - (terms_1_protection_phase_x_7 *
-        a_2_phase_x) + (terms_1_protection_phase_x_8 * protection_phase_x_part_5), 150.02083f);
-    const float protection_phase_x_part_7 = forward_4_protection_phase_x * protection_phase_x_part_4;
-    const float protection_phase_x_part_8 = protection_phase_x_part_6 + (terms_1_protection_phase_x_8 *
-        protection_phase_x_part_7);
-    const float protection_phase_x_part_9 = (protection_phase_x_part_7 * b_4_protection_phase_x) -
-        (protection_phase_x_part_6 * b_3_protection_phase_x);
-    const float lower_2_1_protection_phase_x = hall_position_four_limit(-(protection_phase_x_part_9 * gains_1),
+    const float protection_phase_x_part_8 = phase_x_part_2 + (terms_1_protection_phase_x_4 * terms_5.a);
+    const float protection_phase_x_part_9 = protection_phase_x_part_8 * terms_1_protection_phase_x_5;
+    const float forward_4_protection_phase_x = hall_position_four_limit(terms_5.a_4 - (terms_1_protection_phase_x_7 *
+        terms_5.a) + (terms_1_protection_phase_x_8 * protection_phase_x_part_8), 150.02083f);
+    const float protection_phase_x_part_10 = forward_4_protection_phase_x * protection_phase_x_part_7;
+    const float protection_phase_x_part_11 = protection_phase_x_part_9 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_10);
+    const float protection_phase_x_part_12 = (protection_phase_x_part_10 * b_4_protection_phase_x) -
+        (protection_phase_x_part_9 * b_3_protection_phase_x);
+    const float lower_2_1_protection_phase_x = hall_position_four_limit(-(protection_phase_x_part_12 * gains_1),
         31.622776f);
-    const float moves_2_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_8) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_7), 8.332176f) - (lower_2_1_protection_phase_x *
+    const float moves_2_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_11) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_10), 8.332176f) - (lower_2_1_protection_phase_x *
         moves_1_1);
-    const float protection_phase_x_part_10 = a_2_phase_x * terms_1_protection_phase_x_3;
-    const float gains_2 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x * protection_phase_x_part_10) +
-        (protection_phase_x_part_5 * protection_phase_x_part_6) + (forward_4_protection_phase_x *
-        protection_phase_x_part_7)) + (lower_2_1_protection_phase_x * protection_phase_x_part_9), 0.001f);
-    const float protection_phase_x_part_11 = (moves_1_1 * moves_1_1 * gains_1) + (moves_2_1 * moves_2_1 * gains_2);
-    const float protection_phase_x_part_12 = a_1_phase_x_2 * terms_1_protection_phase_x;
-    const float b_3_protection_phase_x_2 = a_3_phase_x_2 - (terms_1_protection_phase_x_2 * a_1_phase_x_2);
-    const float protection_phase_x_part_13 = b_3_protection_phase_x_2 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_2 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_2) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 150.02083f);
-    const float ends_4_protection_phase_x_2 = b_4_protection_phase_x_2 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_2 = protection_phase_x_part_13 - (terms_1_protection_phase_x_8 *
+    const float protection_phase_x_part_13 = terms_5.a * terms_1_protection_phase_x_3;
+    const float gains_2 = 1.0f / hall_position_four_max(1.0f - ((terms_5.a * protection_phase_x_part_13) +
+        (protection_phase_x_part_8 * protection_phase_x_part_9) + (forward_4_protection_phase_x *
+        protection_phase_x_part_10)) + (lower_2_1_protection_phase_x * protection_phase_x_part_12), 0.001f);
+    const float protection_phase_x_part_14 = (moves_1_1 * moves_1_1 * gains_1) + (moves_2_1 * moves_2_1 * gains_2);
+    const float protection_phase_x_part_15 = terms_2.a * terms_1_protection_phase_x;
+    const float b_3_protection_phase_x_2 = a_3_phase_x_2 - (terms_1_protection_phase_x_2 * terms_2.a);
+    const float protection_phase_x_part_16 = b_3_protection_phase_x_2 * terms_1_protection_phase_x_5;
+    const float b_4_protection_phase_x_2 = hall_position_four_limit(terms_2.a_4 - (terms_1_protection_phase_x_6 *
+        terms_2.a) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_2), 150.02083f);
+    const float ends_4_protection_phase_x_2 = b_4_protection_phase_x_2 * protection_phase_x_part_7;
+    const float ends_3_protection_phase_x_2 = protection_phase_x_part_16 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_2);
-    const float moves_3_1 = hall_position_four_limit(protection_phase_x_part_12 - (terms_1_protection_phase_x_2 *
+    const float moves_3_1 = hall_position_four_limit(protection_phase_x_part_15 - (terms_1_protection_phase_x_2 *
         ends_3_protection_phase_x_2) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_2), 8.332176f);
-    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_2 * protection_phase_x_part_12) +
-        (b_3_protection_phase_x_2 * protection_phase_x_part_13) + (b_4_protection_phase_x_2 *
+    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((terms_2.a * protection_phase_x_part_15) +
+        (b_3_protection_phase_x_2 * protection_phase_x_part_16) + (b_4_protection_phase_x_2 *
         ends_4_protection_phase_x_2)), 0.001f);
-    const float protection_phase_x_part_14 = phase_x_part_24 + (terms_1_protection_phase_x_4 * a_2_phase_x_2);
-    const float protection_phase_x_part_15 = protection_phase_x_part_14 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_2 = hall_position_four_limit(a_4_phase_x_6 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_2) + (terms_1_protection_phase_x_8 * protection_phase_x_part_14), 150.02083f);
-    const float protection_phase_x_part_16 = forward_4_protection_phase_x_2 * protection_phase_x_part_4;
-    const float protection_phase_x_part_17 = protection_phase_x_part_15 + (terms_1_protection_phase_x_8 *
-        protection_phase_x_part_16);
-    const float protection_phase_x_part_18 = (protection_phase_x_part_16 * b_4_protection_phase_x_2) -
-        (protection_phase_x_part_15 * b_3_protection_phase_x_2);
-    const float lower_2_1_protection_phase_x_2 = hall_position_four_limit(-(protection_phase_x_part_18 * gains_3),
+    const float protection_phase_x_part_17 = phase_x_part_3 + (terms_1_protection_phase_x_4 * terms_6.a);
+    const float protection_phase_x_part_18 = protection_phase_x_part_17 * terms_1_protection_phase_x_5;
+    const float forward_4_protection_phase_x_2 = hall_position_four_limit(terms_6.a_4 - (terms_1_protection_phase_x_7 *
+        terms_6.a) + (terms_1_protection_phase_x_8 * protection_phase_x_part_17), 150.02083f);
+    const float protection_phase_x_part_19 = forward_4_protection_phase_x_2 * protection_phase_x_part_7;
+    const float protection_phase_x_part_20 = protection_phase_x_part_18 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_19);
+    const float protection_phase_x_part_21 = (protection_phase_x_part_19 * b_4_protection_phase_x_2) -
+        (protection_phase_x_part_18 * b_3_protection_phase_x_2);
+    const float lower_2_1_protection_phase_x_2 = hall_position_four_limit(-(protection_phase_x_part_21 * gains_3),
         31.622776f);
-    const float moves_4_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_17) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_16), 8.332176f) - (lower_2_1_protection_phase_x_2 *
+    const float moves_4_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_20) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_19), 8.332176f) - (lower_2_1_protection_phase_x_2 *
         moves_3_1);
-    const float protection_phase_x_part_19 = a_2_phase_x_2 * terms_1_protection_phase_x_3;
-    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_2 * protection_phase_x_part_19) +
-        (protection_phase_x_part_14 * protection_phase_x_part_15) + (forward_4_protection_phase_x_2 *
-        protection_phase_x_part_16)) + (lower_2_1_protection_phase_x_2 * protection_phase_x_part_18), 0.001f);
-    const float protection_phase_x_part_20 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_part_21 = a_1_phase_x_3 * terms_1_protection_phase_x;
-    const float b_3_protection_phase_x_3 = a_3_phase_x_3 - (terms_1_protection_phase_x_2 * a_1_phase_x_3);
-    const float protection_phase_x_part_22 = b_3_protection_phase_x_3 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_3 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_3) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 150.02083f);
-    const float ends_4_protection_phase_x_3 = b_4_protection_phase_x_3 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_3 = protection_phase_x_part_22 - (terms_1_protection_phase_x_8 *
+    const float protection_phase_x_part_22 = terms_6.a * terms_1_protection_phase_x_3;
+    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((terms_6.a * protection_phase_x_part_22) +
+        (protection_phase_x_part_17 * protection_phase_x_part_18) + (forward_4_protection_phase_x_2 *
+        protection_phase_x_part_19)) + (lower_2_1_protection_phase_x_2 * protection_phase_x_part_21), 0.001f);
+    const float protection_phase_x_part_23 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_part_24 = terms_3.a * terms_1_protection_phase_x;
+    const float b_3_protection_phase_x_3 = a_3_phase_x_3 - (terms_1_protection_phase_x_2 * terms_3.a);
+    const float protection_phase_x_part_25 = b_3_protection_phase_x_3 * terms_1_protection_phase_x_5;
+    const float b_4_protection_phase_x_3 = hall_position_four_limit(terms_3.a_4 - (terms_1_protection_phase_x_6 *
+        terms_3.a) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_3), 150.02083f);
+    const float ends_4_protection_phase_x_3 = b_4_protection_phase_x_3 * protection_phase_x_part_7;
+    const float ends_3_protection_phase_x_3 = protection_phase_x_part_25 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_3);
-    const float moves_5_1 = hall_position_four_limit(protection_phase_x_part_21 - (terms_1_protection_phase_x_2 *
+    const float moves_5_1 = hall_position_four_limit(protection_phase_x_part_24 - (terms_1_protection_phase_x_2 *
         ends_3_protection_phase_x_3) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_3), 8.332176f);
-    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_3 * protection_phase_x_part_21) +
-        (b_3_protection_phase_x_3 * protection_phase_x_part_22) + (b_4_protection_phase_x_3 *
+    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((terms_3.a * protection_phase_x_part_24) +
+        (b_3_protection_phase_x_3 * protection_phase_x_part_25) + (b_4_protection_phase_x_3 *
         ends_4_protection_phase_x_3)), 0.001f);
-    const float protection_phase_x_part_23 = phase_x_part_29 + (terms_1_protection_phase_x_4 * a_2_phase_x_3);
-    const float protection_phase_x_part_24 = protection_phase_x_part_23 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_3 = hall_position_four_limit(a_4_phase_x_7 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_3) + (terms_1_protection_phase_x_8 * protection_phase_x_part_23), 150.02083f);
-    const float protection_phase_x_part_25 = forward_4_protection_phase_x_3 * protection_phase_x_part_4;
-    const float protection_phase_x_part_26 = protection_phase_x_part_24 + (terms_1_protection_phase_x_8 *
-        protection_phase_x_part_25);
-    const float protection_phase_x_part_27 = (protection_phase_x_part_25 * b_4_protection_phase_x_3) -
-        (protection_phase_x_part_24 * b_3_protection_phase_x_3);
-    const float lower_2_1_protection_phase_x_3 = hall_position_four_limit(-(protection_phase_x_part_27 * gains_5),
+    const float protection_phase_x_part_26 = phase_x_part_4 + (terms_1_protection_phase_x_4 * terms_7.a);
+    const float protection_phase_x_part_27 = protection_phase_x_part_26 * terms_1_protection_phase_x_5;
+    const float forward_4_protection_phase_x_3 = hall_position_four_limit(terms_7.a_4 - (terms_1_protection_phase_x_7 *
+        terms_7.a) + (terms_1_protection_phase_x_8 * protection_phase_x_part_26), 150.02083f);
+    const float protection_phase_x_part_28 = forward_4_protection_phase_x_3 * protection_phase_x_part_7;
+    const float protection_phase_x_part_29 = protection_phase_x_part_27 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_28);
+    const float protection_phase_x_part_30 = (protection_phase_x_part_28 * b_4_protection_phase_x_3) -
+        (protection_phase_x_part_27 * b_3_protection_phase_x_3);
+    const float lower_2_1_protection_phase_x_3 = hall_position_four_limit(-(protection_phase_x_part_30 * gains_5),
         31.622776f);
-    const float moves_6_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_26) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_25), 8.332176f) - (lower_2_1_protection_phase_x_3 *
+    const float moves_6_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_29) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_28), 8.332176f) - (lower_2_1_protection_phase_x_3 *
         moves_5_1);
-    const float protection_phase_x_part_28 = a_2_phase_x_3 * terms_1_protection_phase_x_3;
-    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_3 * protection_phase_x_part_28) +
-        (protection_phase_x_part_23 * protection_phase_x_part_24) + (forward_4_protection_phase_x_3 *
-        protection_phase_x_part_25)) + (lower_2_1_protection_phase_x_3 * protection_phase_x_part_27), 0.001f);
-    const float protection_phase_x_part_29 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
-    const float protection_phase_x_part_30 = a_1_phase_x_4 * terms_1_protection_phase_x;
-    const float b_3_protection_phase_x_4 = a_3_phase_x_4 - (terms_1_protection_phase_x_2 * a_1_phase_x_4);
-    const float protection_phase_x_part_31 = b_3_protection_phase_x_4 * terms_1_protection_phase_x_5;
-    const float b_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_4 - (terms_1_protection_phase_x_6 *
-        a_1_phase_x_4) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 150.02083f);
-    const float ends_4_protection_phase_x_4 = b_4_protection_phase_x_4 * protection_phase_x_part_4;
-    const float ends_3_protection_phase_x_4 = protection_phase_x_part_31 - (terms_1_protection_phase_x_8 *
+    const float protection_phase_x_part_31 = terms_7.a * terms_1_protection_phase_x_3;
+    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((terms_7.a * protection_phase_x_part_31) +
+        (protection_phase_x_part_26 * protection_phase_x_part_27) + (forward_4_protection_phase_x_3 *
+        protection_phase_x_part_28)) + (lower_2_1_protection_phase_x_3 * protection_phase_x_part_30), 0.001f);
+    const float protection_phase_x_part_32 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
+    const float protection_phase_x_part_33 = terms_4.a * terms_1_protection_phase_x;
+    const float b_3_protection_phase_x_4 = a_3_phase_x_4 - (terms_1_protection_phase_x_2 * terms_4.a);
+    const float protection_phase_x_part_34 = b_3_protection_phase_x_4 * terms_1_protection_phase_x_5;
+    const float b_4_protection_phase_x_4 = hall_position_four_limit(terms_4.a_4 - (terms_1_protection_phase_x_6 *
+        terms_4.a) - (terms_1_protection_phase_x_8 * b_3_protection_phase_x_4), 150.02083f);
+    const float ends_4_protection_phase_x_4 = b_4_protection_phase_x_4 * protection_phase_x_part_7;
+    const float ends_3_protection_phase_x_4 = protection_phase_x_part_34 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_4);
-    const float moves_7_1 = hall_position_four_limit(protection_phase_x_part_30 - (terms_1_protection_phase_x_2 *
+    const float moves_7_1 = hall_position_four_limit(protection_phase_x_part_33 - (terms_1_protection_phase_x_2 *
         ends_3_protection_phase_x_4) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_4), 8.332176f);
-    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((a_1_phase_x_4 * protection_phase_x_part_30) +
-        (b_3_protection_phase_x_4 * protection_phase_x_part_31) + (b_4_protection_phase_x_4 *
+    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((terms_4.a * protection_phase_x_part_33) +
+        (b_3_protection_phase_x_4 * protection_phase_x_part_34) + (b_4_protection_phase_x_4 *
         ends_4_protection_phase_x_4)), 0.001f);
-    const float protection_phase_x_part_32 = phase_x_part_34 + (terms_1_protection_phase_x_4 * a_2_phase_x_4);
-    const float protection_phase_x_part_33 = protection_phase_x_part_32 * terms_1_protection_phase_x_5;
-    const float forward_4_protection_phase_x_4 = hall_position_four_limit(a_4_phase_x_8 - (terms_1_protection_phase_x_7
-        * a_2_phase_x_4) + (terms_1_protection_phase_x_8 * protection_phase_x_part_32), 150.02083f);
-    const float protection_phase_x_part_34 = forward_4_protection_phase_x_4 * protection_phase_x_part_4;
-    const float protection_phase_x_part_35 = protection_phase_x_part_33 + (terms_1_protection_phase_x_8 *
-        protection_phase_x_part_34);
-    const float protection_phase_x_part_36 = (protection_phase_x_part_34 * b_4_protection_phase_x_4) -
-        (protection_phase_x_part_33 * b_3_protection_phase_x_4);
-    const float lower_2_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_36 * gains_7),
+    const float protection_phase_x_part_35 = phase_x_part_5 + (terms_1_protection_phase_x_4 * terms_8.a);
+    const float protection_phase_x_part_36 = protection_phase_x_part_35 * terms_1_protection_phase_x_5;
+    const float forward_4_protection_phase_x_4 = hall_position_four_limit(terms_8.a_4 - (terms_1_protection_phase_x_7 *
+        terms_8.a) + (terms_1_protection_phase_x_8 * protection_phase_x_part_35), 150.02083f);
+    const float protection_phase_x_part_37 = forward_4_protection_phase_x_4 * protection_phase_x_part_7;
+    const float protection_phase_x_part_38 = protection_phase_x_part_36 + (terms_1_protection_phase_x_8 *
+        protection_phase_x_part_37);
+    const float protection_phase_x_part_39 = (protection_phase_x_part_37 * b_4_protection_phase_x_4) -
+        (protection_phase_x_part_36 * b_3_protection_phase_x_4);
+    const float lower_2_1_protection_phase_x_4 = hall_position_four_limit(-(protection_phase_x_part_39 * gains_7),
         31.622776f);
-    const float moves_8_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_35) -
-        (terms_1_protection_phase_x_6 * protection_phase_x_part_34), 8.332176f) - (lower_2_1_protection_phase_x_4 *
+    const float moves_8_1 = hall_position_four_limit((terms_1_protection_phase_x_2 * protection_phase_x_part_38) -
+        (terms_1_protection_phase_x_6 * protection_phase_x_part_37), 8.332176f) - (lower_2_1_protection_phase_x_4 *
         moves_7_1);
-    const float protection_phase_x_part_37 = a_2_phase_x_4 * terms_1_protection_phase_x_3;
-    const float gain = 1.0f / hall_position_four_max(1.0f - ((a_2_phase_x_4 * protection_phase_x_part_37) +
-        (protection_phase_x_part_32 * protection_phase_x_part_33) + (forward_4_protection_phase_x_4 *
-        protection_phase_x_part_34)) + (lower_2_1_protection_phase_x_4 * protection_phase_x_part_36), 0.001f);
-    const float protection_phase_x_part_38 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
+    const float protection_phase_x_part_40 = terms_8.a * terms_1_protection_phase_x_3;
+    const float gain = 1.0f / hall_position_four_max(1.0f - ((terms_8.a * protection_phase_x_part_40) +
+        (protection_phase_x_part_35 * protection_phase_x_part_36) + (forward_4_protection_phase_x_4 *
+        protection_phase_x_part_37)) + (lower_2_1_protection_phase_x_4 * protection_phase_x_part_39), 0.001f);
+    const float protection_phase_x_part_41 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
     const float moves_1_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x) +
         (terms_1_protection_phase_x_7 * ends_4_protection_phase_x)), 8.332176f);
-    const float moves_2_2 = hall_position_four_limit(protection_phase_x_part_10 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_8) - (terms_1_protection_phase_x_7 * protection_phase_x_part_7), 8.332176f) -
+    const float moves_2_2 = hall_position_four_limit(protection_phase_x_part_13 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_11) - (terms_1_protection_phase_x_7 * protection_phase_x_part_10), 8.332176f) -
         (lower_2_1_protection_phase_x * moves_1_2);
     const float protection_phase_y_part = (moves_1_2 * moves_1_2 * gains_1) + (moves_2_2 * moves_2_2 * gains_2);
     const float moves_3_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_2) +
         (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_2)), 8.332176f);
-    const float moves_4_2 = hall_position_four_limit(protection_phase_x_part_19 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_17) - (terms_1_protection_phase_x_7 * protection_phase_x_part_16), 8.332176f) -
+    const float moves_4_2 = hall_position_four_limit(protection_phase_x_part_22 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_20) - (terms_1_protection_phase_x_7 * protection_phase_x_part_19), 8.332176f) -
         (lower_2_1_protection_phase_x_2 * moves_3_2);
     const float protection_phase_y_part_2 = (moves_3_2 * moves_3_2 * gains_3) + (moves_4_2 * moves_4_2 * gains_4);
     const float moves_5_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_3) +
         (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_3)), 8.332176f);
-    const float moves_6_2 = hall_position_four_limit(protection_phase_x_part_28 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_26) - (terms_1_protection_phase_x_7 * protection_phase_x_part_25), 8.332176f) -
+    const float moves_6_2 = hall_position_four_limit(protection_phase_x_part_31 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_29) - (terms_1_protection_phase_x_7 * protection_phase_x_part_28), 8.332176f) -
         (lower_2_1_protection_phase_x_3 * moves_5_2);
     const float protection_phase_y_part_3 = (moves_5_2 * moves_5_2 * gains_5) + (moves_6_2 * moves_6_2 * gains_6);
     const float moves_7_2 = hall_position_four_limit(-((terms_1_protection_phase_x_4 * ends_3_protection_phase_x_4) +
         (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_4)), 8.332176f);
-    const float moves_8_2 = hall_position_four_limit(protection_phase_x_part_37 + (terms_1_protection_phase_x_4 *
-        protection_phase_x_part_35) - (terms_1_protection_phase_x_7 * protection_phase_x_part_34), 8.332176f) -
+    const float moves_8_2 = hall_position_four_limit(protection_phase_x_part_40 + (terms_1_protection_phase_x_4 *
+        protection_phase_x_part_38) - (terms_1_protection_phase_x_7 * protection_phase_x_part_37), 8.332176f) -
         (lower_2_1_protection_phase_x_4 * moves_7_2);
     const float protection_phase_y_part_4 = (moves_7_2 * moves_7_2 * gains_7) + (moves_8_2 * moves_8_2 * gain);
     const float moves_1_3 = hall_position_four_limit(ends_3_protection_phase_x, 3.3328705f);
-    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_8, 3.3328705f) -
+    const float moves_2_3 = hall_position_four_limit(-protection_phase_x_part_11, 3.3328705f) -
         (lower_2_1_protection_phase_x * moves_1_3);
     const float protection_yaw_part = (moves_1_3 * moves_1_3 * gains_1) + (moves_2_3 * moves_2_3 * gains_2);
     const float moves_3_3 = hall_position_four_limit(ends_3_protection_phase_x_2, 3.3328705f);
-    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_17, 3.3328705f) -
+    const float moves_4_3 = hall_position_four_limit(-protection_phase_x_part_20, 3.3328705f) -
         (lower_2_1_protection_phase_x_2 * moves_3_3);
     const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) + (moves_4_3 * moves_4_3 * gains_4);
     const float moves_5_3 = hall_position_four_limit(ends_3_protection_phase_x_3, 3.3328705f);
-    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_26, 3.3328705f) -
+    const float moves_6_3 = hall_position_four_limit(-protection_phase_x_part_29, 3.3328705f) -
         (lower_2_1_protection_phase_x_3 * moves_5_3);
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (moves_6_3 * moves_6_3 * gains_6);
     const float moves_7_3 = hall_position_four_limit(ends_3_protection_phase_x_4, 3.3328705f);
-    const float moves_8_3 = hall_position_four_limit(-protection_phase_x_part_35, 3.3328705f) -
+    const float moves_8_3 = hall_position_four_limit(-protection_phase_x_part_38, 3.3328705f) -
         (lower_2_1_protection_phase_x_4 * moves_7_3);
     const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (moves_8_3 * moves_8_3 * gain);
-    const float protection_phase_x_part_39 = (e_1 * e_1) + (e_2 * e_2) + (e_3 * e_3) + (e_4 * e_4) + (e_5 * e_5) + (e_6
+    const float protection_phase_x_part_42 = (e_1 * e_1) + (e_2 * e_2) + (e_3 * e_3) + (e_4 * e_4) + (e_5 * e_5) + (e_6
         * e_6) + (e_7 * e_7) + (e_8 * e_8) + (1.0002778f * (offsets_4_phase_x * offsets_4_phase_x));
-    const float protection_phase_x_part_40 = (a_1_phase_x * e_1) + (a_1_phase_x_2 * e_3) + (a_1_phase_x_3 * e_5) +
-        (a_1_phase_x_4 * e_7);
-    const float protection_phase_x_part_41 = protection_phase_x_part_40 * terms_1_protection_phase_x;
-    const float protection_phase_x_part_42 = (a_2_phase_x * e_2) + (a_2_phase_x_2 * e_4) + (a_2_phase_x_3 * e_6) +
-        (a_2_phase_x_4 * e_8);
-    const float protection_phase_x_part_43 = protection_phase_x_part_42 * terms_1_protection_phase_x_3;
-    const float forward_3_protection_phase_x = (a_3_phase_x * e_1) - (phase_x_part_19 * e_2) + (a_3_phase_x_2 * e_3) -
-        (phase_x_part_24 * e_4) + (a_3_phase_x_3 * e_5) - (phase_x_part_29 * e_6) + (a_3_phase_x_4 * e_7) -
-        (phase_x_part_34 * e_8) - (terms_1_protection_phase_x_2 * protection_phase_x_part_40) -
-        (terms_1_protection_phase_x_4 * protection_phase_x_part_42);
-    const float protection_phase_x_part_44 = forward_3_protection_phase_x * terms_1_protection_phase_x_5;
-    const float protection_phase_x_part_45 = (a_4_phase_x * e_1) + (a_4_phase_x_5 * e_2) + (a_4_phase_x_2 * e_3) +
-        (a_4_phase_x_6 * e_4) + (a_4_phase_x_3 * e_5) + (a_4_phase_x_7 * e_6) + (a_4_phase_x_4 * e_7) + (a_4_phase_x_8 *
-        e_8) - pulls_4_phase_x - (terms_1_protection_phase_x_6 * protection_phase_x_part_40);
-    const float forward_4_protection_phase_x_5 = hall_position_four_limit(protection_phase_x_part_45 -
-        (terms_1_protection_phase_x_7 * protection_phase_x_part_42) - (terms_1_protection_phase_x_8 *
+    const float protection_phase_x_part_43 = (terms_1.a * e_1) + (terms_2.a * e_3) + (terms_3.a * e_5) + (terms_4.a *
+        e_7);
+    const float protection_phase_x_part_44 = protection_phase_x_part_43 * terms_1_protection_phase_x;
+    const float protection_phase_x_part_45 = (terms_5.a * e_2) + (terms_6.a * e_4) + (terms_7.a * e_6) + (terms_8.a *
+        e_8);
+    const float protection_phase_x_part_46 = protection_phase_x_part_45 * terms_1_protection_phase_x_3;
+    const float forward_3_protection_phase_x = (a_3_phase_x * e_1) - (phase_x_part_2 * e_2) + (a_3_phase_x_2 * e_3) -
+        (phase_x_part_3 * e_4) + (a_3_phase_x_3 * e_5) - (phase_x_part_4 * e_6) + (a_3_phase_x_4 * e_7) -
+        (phase_x_part_5 * e_8) - (terms_1_protection_phase_x_2 * protection_phase_x_part_43) -
+        (terms_1_protection_phase_x_4 * protection_phase_x_part_45);
+    const float protection_phase_x_part_47 = forward_3_protection_phase_x * terms_1_protection_phase_x_5;
+    const float protection_phase_x_part_48 = (terms_1.a_4 * e_1) + (terms_5.a_4 * e_2) + (terms_2.a_4 * e_3) +
+        (terms_6.a_4 * e_4) + (terms_3.a_4 * e_5) + (terms_7.a_4 * e_6);
+    const float forward_4_protection_phase_x_5 = hall_position_four_limit(protection_phase_x_part_48 + (terms_4.a_4 *
+        e_7) + (terms_8.a_4 * e_8) - pulls_4_phase_x - (terms_1_protection_phase_x_6 * protection_phase_x_part_43) -
+        (terms_1_protection_phase_x_7 * protection_phase_x_part_45) - (terms_1_protection_phase_x_8 *
         forward_3_protection_phase_x), 8486.791f);
-    const float ends_4_protection_phase_x_5 = forward_4_protection_phase_x_5 * protection_phase_x_part_4;
-    const float full_cost = hall_position_four_max(protection_phase_x_part_39 - ((protection_phase_x_part_40 *
-        protection_phase_x_part_41) + (protection_phase_x_part_42 * protection_phase_x_part_43) +
-        (forward_3_protection_phase_x * protection_phase_x_part_44) + (forward_4_protection_phase_x_5 *
+    const float ends_4_protection_phase_x_5 = forward_4_protection_phase_x_5 * protection_phase_x_part_7;
+    const float full_cost = hall_position_four_max(protection_phase_x_part_42 - ((protection_phase_x_part_43 *
+        protection_phase_x_part_44) + (protection_phase_x_part_45 * protection_phase_x_part_46) +
+        (forward_3_protection_phase_x * protection_phase_x_part_47) + (forward_4_protection_phase_x_5 *
         ends_4_protection_phase_x_5)), 0.0f);
-    const float ends_3_protection_phase_x_5 = protection_phase_x_part_44 - (terms_1_protection_phase_x_8 *
+    const float ends_3_protection_phase_x_5 = protection_phase_x_part_47 - (terms_1_protection_phase_x_8 *
         ends_4_protection_phase_x_5);
-    const float step_1 = hall_position_four_limit(protection_phase_x_part_41 - (terms_1_protection_phase_x_2 *
+    const float step_1 = hall_position_four_limit(protection_phase_x_part_44 - (terms_1_protection_phase_x_2 *
         ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_6 * ends_4_protection_phase_x_5), 235.67874f);
     const float step_3 = hall_position_four_limit(ends_3_protection_phase_x_5, 94.27149f);
     const float step_4 = hall_position_four_limit(ends_4_protection_phase_x_5, 188.54298f);
-    const float scores_1 = e_1 - ((a_1_phase_x * step_1) + (a_3_phase_x * step_3) + (a_4_phase_x * step_4));
-    const float step_2 = hall_position_four_limit(protection_phase_x_part_43 - (terms_1_protection_phase_x_4 *
+    const float scores_1 = e_1 - ((terms_1.a * step_1) + (a_3_phase_x * step_3) + (terms_1.a_4 * step_4));
+    const float step_2 = hall_position_four_limit(protection_phase_x_part_46 - (terms_1_protection_phase_x_4 *
         ends_3_protection_phase_x_5) - (terms_1_protection_phase_x_7 * ends_4_protection_phase_x_5), 235.67874f);
-    const float scores_2_protection_phase_x = e_2 - ((a_2_phase_x * step_2) - (phase_x_part_19 * step_3) +
-        (a_4_phase_x_5 * step_4)) - (lower_2_1_protection_phase_x * scores_1);
+    const float scores_2_protection_phase_x = e_2 - ((terms_5.a * step_2) - (phase_x_part_2 * step_3) + (terms_5.a_4 *
+        step_4)) - (lower_2_1_protection_phase_x * scores_1);
     const float costs_1 = full_cost - ((scores_1 * scores_1 * gains_1) + (scores_2_protection_phase_x *
         scores_2_protection_phase_x * gains_2));
-    const float scores_3 = e_3 - ((a_1_phase_x_2 * step_1) + (a_3_phase_x_2 * step_3) + (a_4_phase_x_2 * step_4));
-    const float scores_4_protection_phase_x = e_4 - ((a_2_phase_x_2 * step_2) - (phase_x_part_24 * step_3) +
-        (a_4_phase_x_6 * step_4)) - (lower_2_1_protection_phase_x_2 * scores_3);
+    const float scores_3 = e_3 - ((terms_2.a * step_1) + (a_3_phase_x_2 * step_3) + (terms_2.a_4 * step_4));
+    const float scores_4_protection_phase_x = e_4 - ((terms_6.a * step_2) - (phase_x_part_3 * step_3) + (terms_6.a_4 *
+        step_4)) - (lower_2_1_protection_phase_x_2 * scores_3);
     const float costs_2 = full_cost - ((scores_3 * scores_3 * gains_3) + (scores_4_protection_phase_x *
         scores_4_protection_phase_x * gains_4));
-    const float scores_5 = e_5 - ((a_1_phase_x_3 * step_1) + (a_3_phase_x_3 * step_3) + (a_4_phase_x_3 * step_4));
-    const float scores_6_protection_phase_x = e_6 - ((a_2_phase_x_3 * step_2) - (phase_x_part_29 * step_3) +
-        (a_4_phase_x_7 * step_4)) - (lower_2_1_protection_phase_x_3 * scores_5);
+    const float scores_5 = e_5 - ((terms_3.a * step_1) + (a_3_phase_x_3 * step_3) + (terms_3.a_4 * step_4));
+    const float scores_6_protection_phase_x = e_6 - ((terms_7.a * step_2) - (phase_x_part_4 * step_3) + (terms_7.a_4 *
+        step_4)) - (lower_2_1_protection_phase_x_3 * scores_5);
     const float costs_3 = full_cost - ((scores_5 * scores_5 * gains_5) + (scores_6_protection_phase_x *
         scores_6_protection_phase_x * gains_6));
-    const float scores_7 = e_7 - ((a_1_phase_x_4 * step_1) + (a_3_phase_x_4 * step_3) + (a_4_phase_x_4 * step_4));
-    const float scores_8_protection_phase_x = e_8 - ((a_2_phase_x_4 * step_2) - (phase_x_part_34 * step_3) +
-        (a_4_phase_x_8 * step_4)) - (lower_2_1_protection_phase_x_4 * scores_7);
+    const float scores_7 = e_7 - ((terms_4.a * step_1) + (a_3_phase_x_4 * step_3) + (terms_4.a_4 * step_4));
+    const float scores_8_protection_phase_x = e_8 - ((terms_8.a * step_2) - (phase_x_part_5 * step_3) + (terms_8.a_4 *
+        step_4)) - (lower_2_1_protection_phase_x_4 * scores_7);
     const float costs_4 = full_cost - ((scores_7 * scores_7 * gains_7) + (scores_8_protection_phase_x *
         scores_8_protection_phase_x * gain));
     float limit = 20.515005f;
-    float protection_phase_x_part_46;
+    float protection_phase_x_part_49;
     float protection_phase_y_part_5;
     float level;
     if (hall_position_four_equal(excluded, 0.0f)) {
         const float worst_protection_phase_x =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
-            protection_phase_x_part_11), protection_phase_x_part_20), protection_phase_x_part_29),
-            protection_phase_x_part_38);
-        protection_phase_x_part_46 = (0.4363929f * sqrtf(worst_protection_phase_x)) + (3.4807565f * deviation_phase_x);
+            protection_phase_x_part_14), protection_phase_x_part_23), protection_phase_x_part_32),
+            protection_phase_x_part_41);
+        protection_phase_x_part_49 = (0.4363929f * sqrtf(worst_protection_phase_x)) + (3.4807565f * deviation_phase_x);
         const float worst_protection_phase_y =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
             protection_phase_y_part), protection_phase_y_part_2), protection_phase_y_part_3),
@@ -1244,100 +1164,100 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         level = (0.4363929f * sqrtf(worst_protection_yaw)) + (3.4807565f * deviation_yaw);
     } else {
         limit = 17.729996f;
-        const float protection_phase_x_part_47 = 0.06384572f + (1e-05f * full_cost);
-        float protection_phase_x_part_48 = 0.0f;
-        float protection_phase_x_part_49 = protection_phase_x_part_11;
+        const float protection_phase_x_part_50 = 0.06384572f + (1e-05f * full_cost);
+        float protection_phase_x_part_51 = 0.0f;
+        float protection_phase_x_part_52 = protection_phase_x_part_14;
         float protection_phase_y_part_6 = 0.0f;
         float protection_phase_y_part_7 = protection_phase_y_part;
         float protection_yaw_part_5 = 0.0f;
         float protection_yaw_part_6 = protection_yaw_part;
-        if (costs_1 <= protection_phase_x_part_47) {
+        if (costs_1 <= protection_phase_x_part_50) {
             const float scores_1_times_gains_1 = scores_1 * gains_1;
-            const float protection_phase_x_part_50 = scores_2_protection_phase_x * gains_2;
-            protection_phase_x_part_48 = fabsf(step_1 - ((moves_1_1 * scores_1_times_gains_1) + (moves_2_1 *
-                protection_phase_x_part_50)) - reported_phase_x_2);
+            const float protection_phase_x_part_53 = scores_2_protection_phase_x * gains_2;
+            protection_phase_x_part_51 = fabsf(step_1 - ((moves_1_1 * scores_1_times_gains_1) + (moves_2_1 *
+                protection_phase_x_part_53)) - reported_phase_x_2);
             protection_phase_y_part_6 = fabsf(step_2 - ((moves_1_2 * scores_1_times_gains_1) + (moves_2_2 *
-                protection_phase_x_part_50)) - reported_phase_y);
+                protection_phase_x_part_53)) - reported_phase_y);
             protection_yaw_part_5 = fabsf(step_3 - ((moves_1_3 * scores_1_times_gains_1) + (moves_2_3 *
-                protection_phase_x_part_50)) - reported_phase_x);
+                protection_phase_x_part_53)) - reported_phase_x);
         } else {
-            protection_phase_x_part_49 = 0.0f;
+            protection_phase_x_part_52 = 0.0f;
             protection_phase_y_part_7 = 0.0f;
             protection_yaw_part_6 = 0.0f;
         }
-        float protection_phase_x_part_51 = 0.0f;
-        float protection_phase_x_part_52 = protection_phase_x_part_20;
+        float protection_phase_x_part_54 = 0.0f;
+        float protection_phase_x_part_55 = protection_phase_x_part_23;
         float protection_phase_y_part_8 = 0.0f;
         float protection_phase_y_part_9 = protection_phase_y_part_2;
         float protection_yaw_part_7 = 0.0f;
         float protection_yaw_part_8 = protection_yaw_part_2;
-        if (costs_2 <= protection_phase_x_part_47) {
+        if (costs_2 <= protection_phase_x_part_50) {
             const float scores_3_times_gains_3 = scores_3 * gains_3;
-            const float protection_phase_x_part_53 = scores_4_protection_phase_x * gains_4;
-            protection_phase_x_part_51 = fabsf(step_1 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 *
-                protection_phase_x_part_53)) - reported_phase_x_2);
+            const float protection_phase_x_part_56 = scores_4_protection_phase_x * gains_4;
+            protection_phase_x_part_54 = fabsf(step_1 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 *
+                protection_phase_x_part_56)) - reported_phase_x_2);
             protection_phase_y_part_8 = fabsf(step_2 - ((moves_3_2 * scores_3_times_gains_3) + (moves_4_2 *
-                protection_phase_x_part_53)) - reported_phase_y);
+                protection_phase_x_part_56)) - reported_phase_y);
             protection_yaw_part_7 = fabsf(step_3 - ((moves_3_3 * scores_3_times_gains_3) + (moves_4_3 *
-                protection_phase_x_part_53)) - reported_phase_x);
+                protection_phase_x_part_56)) - reported_phase_x);
         } else {
-            protection_phase_x_part_52 = 0.0f;
+            protection_phase_x_part_55 = 0.0f;
             protection_phase_y_part_9 = 0.0f;
             protection_yaw_part_8 = 0.0f;
         }
-        float protection_phase_x_part_54 = 0.0f;
-        float protection_phase_x_part_55 = protection_phase_x_part_29;
+        float protection_phase_x_part_57 = 0.0f;
+        float protection_phase_x_part_58 = protection_phase_x_part_32;
         float protection_phase_y_part_10 = 0.0f;
         float protection_phase_y_part_11 = protection_phase_y_part_3;
         float protection_yaw_part_9 = 0.0f;
         float protection_yaw_part_10 = protection_yaw_part_3;
-        if (costs_3 <= protection_phase_x_part_47) {
+        if (costs_3 <= protection_phase_x_part_50) {
             const float scores_5_times_gains_5 = scores_5 * gains_5;
-            const float protection_phase_x_part_56 = scores_6_protection_phase_x * gains_6;
-            protection_phase_x_part_54 = fabsf(step_1 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 *
-                protection_phase_x_part_56)) - reported_phase_x_2);
+            const float protection_phase_x_part_59 = scores_6_protection_phase_x * gains_6;
+            protection_phase_x_part_57 = fabsf(step_1 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 *
+                protection_phase_x_part_59)) - reported_phase_x_2);
             protection_phase_y_part_10 = fabsf(step_2 - ((moves_5_2 * scores_5_times_gains_5) + (moves_6_2 *
-                protection_phase_x_part_56)) - reported_phase_y);
+                protection_phase_x_part_59)) - reported_phase_y);
             protection_yaw_part_9 = fabsf(step_3 - ((moves_5_3 * scores_5_times_gains_5) + (moves_6_3 *
-                protection_phase_x_part_56)) - reported_phase_x);
+                protection_phase_x_part_59)) - reported_phase_x);
         } else {
-            protection_phase_x_part_55 = 0.0f;
+            protection_phase_x_part_58 = 0.0f;
             protection_phase_y_part_11 = 0.0f;
             protection_yaw_part_10 = 0.0f;
         }
-        float protection_phase_x_part_57 = 0.0f;
-        float protection_phase_x_part_58 = protection_phase_x_part_38;
+        float protection_phase_x_part_60 = 0.0f;
+        float protection_phase_x_part_61 = protection_phase_x_part_41;
         float protection_phase_y_part_12 = 0.0f;
         float protection_phase_y_part_13 = protection_phase_y_part_4;
         float protection_yaw_part_11 = 0.0f;
         float protection_yaw_part_12 = protection_yaw_part_4;
-        if (costs_4 <= protection_phase_x_part_47) {
+        if (costs_4 <= protection_phase_x_part_50) {
             const float scores_7_times_gains_7 = scores_7 * gains_7;
-            const float protection_phase_x_part_59 = scores_8_protection_phase_x * gain;
-            protection_phase_x_part_57 = fabsf(step_1 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 *
-                protection_phase_x_part_59)) - reported_phase_x_2);
+            const float protection_phase_x_part_62 = scores_8_protection_phase_x * gain;
+            protection_phase_x_part_60 = fabsf(step_1 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 *
+                protection_phase_x_part_62)) - reported_phase_x_2);
             protection_phase_y_part_12 = fabsf(step_2 - ((moves_7_2 * scores_7_times_gains_7) + (moves_8_2 *
-                protection_phase_x_part_59)) - reported_phase_y);
+                protection_phase_x_part_62)) - reported_phase_y);
             protection_yaw_part_11 = fabsf(step_3 - ((moves_7_3 * scores_7_times_gains_7) + (moves_8_3 *
-                protection_phase_x_part_59)) - reported_phase_x);
+                protection_phase_x_part_62)) - reported_phase_x);
         } else {
-            protection_phase_x_part_58 = 0.0f;
+            protection_phase_x_part_61 = 0.0f;
             protection_phase_y_part_13 = 0.0f;
             protection_yaw_part_12 = 0.0f;
         }
-        const float protection_phase_x_part_60 = terms_1_protection_phase_x_6 - (terms_1_protection_phase_x_8 *
+        const float protection_phase_x_part_63 = terms_1_protection_phase_x_6 - (terms_1_protection_phase_x_8 *
             terms_1_protection_phase_x_2);
         const float added_protection_phase_x =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
-            protection_phase_x_part_49), protection_phase_x_part_52), protection_phase_x_part_55),
-            protection_phase_x_part_58);
-        const float protection_phase_x_part_61 =
-            hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part_48,
-            protection_phase_x_part_51), protection_phase_x_part_54), protection_phase_x_part_57) + (0.20887439f *
+            protection_phase_x_part_52), protection_phase_x_part_55), protection_phase_x_part_58),
+            protection_phase_x_part_61);
+        const float protection_phase_x_part_64 =
+            hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part_51,
+            protection_phase_x_part_54), protection_phase_x_part_57), protection_phase_x_part_60) + (0.20887439f *
             sqrtf(terms_1_protection_phase_x + (terms_1_protection_phase_x_2 * terms_1_protection_phase_x_2 *
-            terms_1_protection_phase_x_5) + (protection_phase_x_part_60 * protection_phase_x_part_60 *
-            protection_phase_x_part_4) + added_protection_phase_x));
-        protection_phase_x_part_46 = protection_phase_x_part_61;
+            terms_1_protection_phase_x_5) + (protection_phase_x_part_63 * protection_phase_x_part_63 *
+            protection_phase_x_part_7) + added_protection_phase_x));
+        protection_phase_x_part_49 = protection_phase_x_part_64;
         const float protection_phase_y_part_14 = terms_1_protection_phase_x_7 - (terms_1_protection_phase_x_8 *
             terms_1_protection_phase_x_4);
         const float added_protection_phase_y =
@@ -1349,7 +1269,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_phase_y_part_8), protection_phase_y_part_10), protection_phase_y_part_12) + (0.20887439f *
             sqrtf(terms_1_protection_phase_x_3 + (terms_1_protection_phase_x_4 * terms_1_protection_phase_x_4 *
             terms_1_protection_phase_x_5) + (protection_phase_y_part_14 * protection_phase_y_part_14 *
-            protection_phase_x_part_4) + added_protection_phase_y));
+            protection_phase_x_part_7) + added_protection_phase_y));
         protection_phase_y_part_5 = protection_phase_y_part_15;
         const float added_protection_yaw =
             hall_position_four_max(hall_position_four_max(hall_position_four_max(hall_position_four_max(0.0f,
@@ -1358,20 +1278,20 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part_5,
             protection_yaw_part_7), protection_yaw_part_9), protection_yaw_part_11) + (0.20887439f *
             sqrtf(terms_1_protection_phase_x_5 + (terms_1_protection_phase_x_8 * terms_1_protection_phase_x_8 *
-            protection_phase_x_part_4) + added_protection_yaw));
+            protection_phase_x_part_7) + added_protection_yaw));
         level = separated;
     }
     const bool passes = (left_1_1_protection_phase_x <= 14404.0f) && (left_2_2_protection_phase_x <= 14404.0f) &&
-        (left_3_3_protection_phase_x <= 90025.0f) && (left_4_4_protection_phase_x <= 22506.25f) && (cost_chi_square_2 <=
+        (left_3_3_protection_phase_x <= 90025.0f) && (left_4_4_protection_phase_x <= 22506.25f) && (cost_chi_square <=
         (0.003601f * limit));
     const bool detectable = (gains_1 < 999.99f) && (gains_2 < 999.99f) && (gains_3 < 999.99f) && (gains_4 < 999.99f) &&
         (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_46 = 61.842377f;
+        protection_phase_x_part_49 = 61.842377f;
         protection_phase_y_part_5 = 61.842377f;
         level = 22.0f;
     }
-    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_46, 61.842377f);
+    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_49, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_part_5, 61.842377f);
     const float protection_yaw = hall_position_four_min(level, 22.0f);
     const uint32_t estimator_start_number = state->estimator_start_number;
