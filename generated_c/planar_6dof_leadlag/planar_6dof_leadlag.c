@@ -476,8 +476,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float phi_raw_part = filter_phi_p;
-        bool accepted_y = false;
+        bool accepted_phi_raw = false;
+        float raw_yaw = 0.0f;
         float sensing_within_x_next = 0.0f;
         float sensing_within_y_next = 0.0f;
         if (complete) {
@@ -545,11 +545,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ?
                     sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
+                accepted_phi_raw = true;
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
                 const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
                     / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-                phi_raw_part = filter_phi_p + yaw_correction;
-                accepted_y = true;
+                raw_yaw = filter_phi_p + yaw_correction;
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -562,15 +562,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
-        const float phi_raw = planar_6dof_leadlag_limit(phi_raw_part, max_yaw);
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
-        if (accepted_y) {
+        if (accepted_phi_raw) {
             state->sensing_within_x = sensing_within_x_next;
             state->sensing_within_y = sensing_within_y_next;
         } else {
+            raw_yaw = filter_phi_p;
             sensing_within_x_next = state->sensing_within_x;
             sensing_within_y_next = state->sensing_within_y;
         }
+        const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -737,9 +738,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (diagnostics != NULL) {
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = sensing_within_x_next;
             diagnostics->within_y = sensing_within_y_next;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
