@@ -10,7 +10,7 @@
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. Protection levels hold for voltages within 60 mV rms of the model, and a fault of one
+ * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
  * sensor. A lost track needs init.
  *
  * The gains were computed for the numbers of the plant in hall_position_four.c: for another mass or geometry, generate
