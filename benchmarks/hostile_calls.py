@@ -4,6 +4,7 @@ import functools
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -50,7 +51,7 @@ def examples() -> Mapping[str, Call]:
     matrix = ca.vertcat(ca.horzcat(1 + x, g), ca.horzcat(0, 2))
     single = {"plant": maglev}
     log = logs.Log({"a": common["rows"], "b": 2 * common["rows"]}, T)
-    calibrating = {
+    calibrating: dict[str, Any] = {
         "h": lambda q, k: {"b": k["gain"] * q["a"]},
         "scan": log,
         "parameters": [Parameter("gain", 1.0, "1", 0.1, "guess")],
