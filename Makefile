@@ -50,6 +50,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.margins
 	$(BIN)/python -m benchmarks.riccati
 	$(BIN)/python -m benchmarks.glsdc
+	$(BIN)/python -m benchmarks.hall
 	$(BIN)/python -m benchmarks.hostile
 
 prove: $(STAMP)

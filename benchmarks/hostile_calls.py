@@ -4,6 +4,7 @@ import functools
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -32,10 +33,10 @@ from benchmarks.hostile_examples import (
 )
 from synth.analyse import equilibrium, lie, relative_degree, worst_case_search
 from synth.analyse.observability import placement
-from synth.blocks import advance, safety
+from synth.blocks import advance, lookup_table, safety
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
-from synth.synthesise.identify import logs
+from synth.synthesise.identify import calibration, logs
 from synth.synthesise.observers import kalman, lqg, noise, square_root_kalman
 from synth.synthesise.regulation.minimal_polynomial import Mode
 from synth.timing import Continuous
@@ -51,6 +52,13 @@ def examples() -> Mapping[str, Call]:
     matrix = ca.vertcat(ca.horzcat(1 + x, g), ca.horzcat(0, 2))
     single = {"plant": maglev}
     log = logs.Log({"a": common["rows"], "b": 2 * common["rows"]}, T)
+    calibrating: dict[str, Any] = {
+        "h": lambda q, k: {"b": k["gain"] * q["a"]},
+        "scan": log,
+        "parameters": [Parameter("gain", 1.0, "1", 0.1, "guess")],
+        "references": {"a": 1e-3},
+        "readings": {"b": 1e-3},
+    }
     plant_log = logs.Log({"gap": 0.02 + 0 * common["rows"], "rate": 0 * common["rows"], "current": np.full(12, 4.0)}, T)
     safe = safety.Safety(3, {"y": 0.0}, {"y": 10.0}, "at rest nothing moves")
     discrete = {"system": held, "time": TIME}
@@ -178,6 +186,13 @@ def examples() -> Mapping[str, Call]:
             "start": [0.0, 0.0],
             "parameters": ["a", "b"],
             "outputs": ["y"],
+        },
+        "calibration.calibrate": calibrating,
+        "calibration.assess": {"calibration": calibration.calibrate(**calibrating), "held_out": log},
+        "residual_map.fit": {
+            "places": [[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]],
+            "residuals": [[1.0], [2.0], [1.5]],
+            "grid": lookup_table.square(1.0, 0.5),
         },
         "identify.fit_linear": {
             "equations": {"e": x - u * g},

@@ -41,7 +41,9 @@ amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
 INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
-that the currents do not explain, long before the voltages contradict each other.
+that the currents do not explain, long before the voltages contradict each other. An unmodelled torque shifts the
+predicted yaw by an almost constant innovation. A sample that is not complete takes the predicted yaw plus the last
+innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -82,6 +84,8 @@ RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") fo
 RAW["phi"] = Signal("phi_raw", "rad", -MAX_RAW_YAW, MAX_RAW_YAW, "from this sample's voltages")
 PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples before") for a in "xy"}
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
+LARGEST = RAW["phi"].high + PREDICTED["phi"].high
+INNOVATION = Signal("innovation_phi", "rad", -LARGEST, LARGEST, "raw yaw of the sample before less the predicted one")
 HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
@@ -148,22 +152,29 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         def by_case(accepted: ca.SX, contradicted: ca.SX, incomplete: ca.SX) -> ca.SX:
             return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
 
-        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
-        held_yaw = u["phi_predicted"] if predicted else phi
-        output = {yaw: clip(by_case(phi + yaw_correction, held_yaw, held_yaw), RAW["phi"])}
+        left, confirmed, zero = x["contradiction_left"], x["contradiction_confirmed"], ca.SX(0)
+        accepted = by_case(ca.SX(1), zero, zero)
+
+        def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
+            return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
+
+        bridge = _bridge(u, x, phi, predicted, reckoned)
+        raw_yaw = or_bridge(phi + yaw_correction, bridge["phi"])
+        output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
-            last = x[f"first_{name}"]
-            next[f"first_{name}"] = by_case(last, ca.if_else(left, last, value), last)
+            first = x[f"first_{name}"]
+            next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
         for axis, position in within.items():
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
-            passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            accepted = by_case(ca.SX(1), ca.SX(0), ca.SX(0))
-            output[f"within_{axis}"] = ca.if_else(accepted, by_case(position, ca.SX(0), ca.SX(0)), passed)
+            passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
+            output[f"within_{axis}"] = or_bridge(position, passed)
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
-            held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
+            output[f"{axis}_raw"] = by_case(position + offset[axis], bridge[axis], bridge[axis])
+        if reckoned:
+            e = ca.if_else(ca.logic_and(u["ready"], u["complete"]), output[yaw] - u["phi_predicted"], 0)
+            next[INNOVATION.name] = e
         next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
@@ -187,6 +198,16 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
     return replace(block, faults=AMPLITUDE_FAULTS)
 
 
+def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> dict[str, ca.SX]:
+    """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
+    if not predicted:
+        return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
+    predictions = {a: u[s.name] for a, s in PREDICTED.items()}
+    # Not in a contradicted sample: a wrong channel has shifted the last innovation.
+    last = ca.if_else(u["complete"], 0, x[INNOVATION.name]) if reckoned else 0
+    return predictions | {"phi": predictions["phi"] + last}
+
+
 def _states(predicted: bool, reckoned: bool) -> list[State]:
     memory = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
     confirmed = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
@@ -197,7 +218,7 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    reals = (*shown, *OFFSETS, *(() if reckoned else WITHIN), *last)
+    reals = (*shown, *OFFSETS, *([INNOVATION] if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 

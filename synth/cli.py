@@ -202,14 +202,22 @@ def study(
     ] = Sampling.UNIFORM,
     row: Annotated[int | None, typer.Option(min=0, help="run this row of the table alone, and show all of it")] = None,
     csv: Annotated[Path | None, typer.Option(help="file for the whole table, a row a machine")] = None,
+    parquet: Annotated[Path | None, typer.Option(help="the same as Parquet; needs pyarrow")] = None,
+    report: Annotated[Path | None, typer.Option(help="file for a page with the distributions, as HTML")] = None,
+    search: Annotated[
+        str | None, typer.Option(help="check to make worse, from the worst machine, as 'experiment: name'")
+    ] = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a dask scheduler, as tcp://host:8786")] = None,
     fresh: Fresh = False,
 ) -> None:
     """Run the experiments on many machines within their tolerances: distributions, yield, and what drives them."""
-    from synth import commands
+    from synth import study_command
 
-    chosen = commands.StudyChoice(plants, tuple(experiments or ()), seed, sampling.value, row, csv, scheduler)
-    raise typer.Exit(commands.study(name, as_json, fresh, chosen))
+    files = study_command.StudyFiles(csv, parquet, report)
+    chosen = study_command.StudyChoice(
+        plants, tuple(experiments or ()), seed, sampling.value, row, files, search, scheduler
+    )
+    raise typer.Exit(study_command.study(name, as_json, fresh, chosen))
 
 
 @app.command(epilog="Example: synth audit my_stage")

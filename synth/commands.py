@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from synth import fault_jobs, progress, store, strict_json, study_jobs, tables, tasks, workspace
+from synth import fault_jobs, progress, store, strict_json, tables, tasks, workspace
 from synth.check import Check
 from synth.command_results import Failed, finish, run_jobs, successful, writer
 from synth.emit import write
@@ -23,8 +23,6 @@ from synth.errors import CompileError
 from synth.jobs import Job
 from synth.new import create
 from synth.progress import Progress
-from synth.simulate import sampling
-from synth.simulate import study as studies
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
 from synth.verify.cost import Cost
@@ -218,42 +216,6 @@ def _on_machine(
         error = next((e for job in jobs[name] if (e := outcomes[job.name].error)), "")
         results[name] = Failed(name, error) if error else result(*each, outcomes)
     return results
-
-
-@dataclass(frozen=True)
-class StudyChoice:
-    """The options of `synth study`."""
-
-    plants: int
-    experiments: tuple[str, ...]
-    seed: int
-    method: str
-    row: int | None
-    csv: Path | None
-    scheduler: str | None
-
-
-def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
-    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
-    (design,) = workspace.designs(Path.cwd(), [name])
-    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
-    plan = study_jobs.Plan(drawn, chosen.experiments)
-    jobs = study_jobs.jobs(design, plan)
-    if chosen.row is not None:
-        jobs = [Job(name, name, partial(study_jobs.row, design, plan, chosen.row))]
-    elif chosen.scheduler is not None:
-        jobs = [Job(name, name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
-    outcomes = run_jobs(jobs, as_json, fresh)
-    if any(outcome.error for outcome in outcomes.values()):
-        return 2
-    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
-    if chosen.csv is not None:
-        store.replace_text(chosen.csv, studies.csv_text(table))
-    if as_json:
-        sys.stdout.write(strict_json.dumps(studies.document(table)) + "\n")
-    else:
-        (tables.print_study if chosen.row is None else tables.print_machine)(name, table)
-    return int(not table.passed.all())
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from synth import arguments
 from synth.errors import SignalError
@@ -40,6 +41,11 @@ def dimension(unit: str) -> Dimension:
 
     Raises SignalError when the text is not a product of known units.
     """
+    return _parse(unit)
+
+
+@lru_cache(maxsize=256)
+def _parse(unit: str) -> Dimension:
     exponents: dict[str, Fraction] = {}
     position = 0
     while position < len(unit):

@@ -66,10 +66,15 @@ def holds(name: str) -> bool:
 
 def replace_text(path: Path, text: str) -> None:
     """Write a text file in one step: whoever reads it, and an interrupt, finds the old text or the new one."""
+    replace_bytes(path, text.encode("utf-8"))
+
+
+def replace_bytes(path: Path, content: bytes) -> None:
+    """Write a file in one step, as `replace_text`."""
     path = path.resolve()
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content)
         os.replace(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)

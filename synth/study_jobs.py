@@ -19,14 +19,15 @@ from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, EmitError, WiringError
 from synth.jobs import Job, Outcome
 from synth.progress import Counted, Progress
-from synth.simulate import integration, study
+from synth.simulate import integration, study, worst_case
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
+from synth.simulate.worst_case import WorstCase
 from synth.workspace import Design
 
-CHUNK = 32  # rows
+CHUNK = 96  # rows: each chunk prepares the loops of all experiments once, some 20 s for a large stage
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,13 @@ def row(design: Design, plan: Plan, number: int, progress: Progress) -> StudyTab
     if not 0 <= number < plan.sampling.rows:
         raise DesignError(f"row {number} of a study of {plan.sampling.rows} rows: give 0 to {plan.sampling.rows - 1}")
     return _rows(stage_of(design), plan, [number], progress)
+
+
+def search(design: Design, plan: Plan, table: StudyTable, check: str, progress: Progress) -> WorstCase:
+    """Return the worst machine for a check that a search from the worst row of the table reaches."""
+    progress(f"search for the worst {check}")
+    stage = stage_of(design)
+    return worst_case.search(_rig(stage), stage.experiments, plan.sampling.seed, table, check)
 
 
 def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> StudyTable:

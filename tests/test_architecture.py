@@ -56,6 +56,7 @@ LAYERS += (
     "testing",
     "new",
     "command_results",
+    "study_command",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}

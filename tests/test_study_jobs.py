@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from synth import commands, jobs, store, study_jobs, workspace
+from synth import jobs, store, study_command, study_jobs, workspace
 from synth.errors import DesignError
 from synth.progress import Lines, silent
-from synth.simulate import study
+from synth.simulate import study_table
 from synth.simulate.sampling import Method, Sampling
 from synth.simulate.study import StudyTable
 from synth.study_jobs import Plan
@@ -89,13 +89,14 @@ def test_a_killed_study_goes_on_where_it_was(design: Design, tmp_path: Path) -> 
     assert len(stored_chunks()) == len(PLAN.chunks)
     assert all(path.stat().st_ino == inode for path, inode in kept.items()), "a stored chunk was computed again"
     with store.fresh_run():
-        assert file.read_text() == study.csv_text(whole(design))
+        assert file.read_text() == study_table.csv_text(whole(design))
 
 
 def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "table.csv"
-    chosen = commands.StudyChoice(9, ("z_*",), 1, "corners", None, file, None)
-    status = commands.study(NAME, True, False, chosen)
+    files = study_command.StudyFiles(csv=file)
+    chosen = study_command.StudyChoice(9, ("z_*",), 1, "corners", None, files, None, None)
+    status = study_command.study(NAME, True, False, chosen)
     document = json.loads(capsys.readouterr().out)
     assert document["rows"] == 9 and status == int(document["yield"]["share"] < 1)
     lines = file.read_text().splitlines()
@@ -103,8 +104,8 @@ def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytes
 
 
 def test_rows_and_designs_that_do_not_exist_are_refused(design: Design) -> None:
-    with pytest.raises(DesignError, match="row 101 of a study of 101 rows: give 0 to 100"):
-        study_jobs.row(design, PLAN, 101, silent)
+    with pytest.raises(DesignError, match="row 293 of a study of 293 rows: give 0 to 292"):
+        study_jobs.row(design, PLAN, 293, silent)
     with pytest.raises(DesignError, match="no experiment is called 'stp'"):
         study_jobs.jobs(design, Plan(Sampling(3, 0, Method.LATIN), ("stp",)))
 

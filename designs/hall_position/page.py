@@ -9,7 +9,7 @@ import numpy as np
 
 from designs.hall_position import config, costs
 from designs.hall_position.loop import calibration
-from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
+from designs.hall_position.pages import accuracy, estimator, experiments, field, integrity, loops, six, trust
 from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import captions, page, sections, standard, template
@@ -61,6 +61,7 @@ def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -
         **estimator.blocks(data["meaning"]),
         **accuracy.blocks(stage),
         **trust.blocks(trust.estimators()),
+        **integrity.blocks(),
         **experiments.blocks(calibration.calibrated_source().map if runs else None, runs),
         **six.blocks(stage),
     }

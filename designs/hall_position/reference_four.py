@@ -110,24 +110,19 @@ def fit(setup: Setup, start: Array, V: Array, used: Array) -> Fit:
     e, rows = linearise(setup, start, V)
     H = used[:, :, None] * rows
     N = np.swapaxes(H, 1, 2) @ rows + np.diag(P)
-    R = np.swapaxes(np.linalg.cholesky(N), 1, 2)
+    K = np.linalg.inv(N)
     for i in range(setup.corrections):
         if i:
             q = start + at
             q[:, 2:] = np.clip(q[:, 2:], low[2:], high[2:])
             e, _ = linearise(setup, q, V)
         gradient = np.einsum("nki,nk->ni", H, e) - P * (o + at)
-        y = np.linalg.solve(np.swapaxes(R, 1, 2), gradient[:, :, None])[:, :, 0]
-        end, move = at.copy(), np.zeros_like(at)
-        for j in reversed(range(4)):
-            step = (y[:, j] - np.einsum("nk,nk->n", R[:, j, j + 1 :], move[:, j + 1 :])) / R[:, j, j]
-            end[:, j] = np.clip(at[:, j] + step, -steps[j], steps[j])
-            move[:, j] = end[:, j] - at[:, j]
-        decrease, cost = (y**2).sum(axis=1), (used * e**2).sum(axis=1) + (P * (o + at) ** 2).sum(axis=1)
-        at = end
-    variances = np.diagonal(np.linalg.inv(N), axis1=1, axis2=2)
+        step = np.einsum("nij,nj->ni", K, gradient)
+        decrease, cost = (gradient * step).sum(axis=1), (used * e**2).sum(axis=1) + (P * (o + at) ** 2).sum(axis=1)
+        at = np.clip(at + step, -steps, steps)
+    variances = np.diagonal(K, axis1=1, axis2=2)
     f, s = floors(setup), scale(setup)
-    outside = (np.diagonal(N, axis1=1, axis2=2) > RANGE**2 * f).any(axis=1)
+    outside = ((rows**2).sum(axis=1) + P > RANGE**2 * f).any(axis=1)
     weak = outside | (variances >= (1 - WEAK) / f).any(axis=1)
     sigmas = np.minimum(s * np.sqrt(variances), s / np.sqrt(f))
     return Fit(

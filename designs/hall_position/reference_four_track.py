@@ -28,12 +28,13 @@ def screen(setup: Setup, states: Columns, held: Array, refused: Array) -> tuple[
     """Return whether one sensor is faulty at most, its number or 0, and the next states."""
     names, flat = reference_guard.channels(setup), held.reshape(len(held), -1)
     last = np.stack([np.asarray(states[f"screen_last_{n}"], dtype=np.float64) for n in names], axis=1)
-    repeats = np.stack([np.asarray(states[f"screen_repeats_{n}"], dtype=np.int64) for n in names], axis=1)
-    counts = np.where(flat == last, np.minimum(repeats + 1, setup.repeats), 0)
-    faulty = (refused.reshape(counts.shape) | (counts >= setup.repeats)).reshape(-1, 4, 2).any(axis=2)
+    repeats = np.stack([np.asarray(states[f"screen_repeats_{k}"], dtype=np.int64) for k in range(1, 5)], axis=1)
+    same = (flat == last).reshape(-1, 4, 2).any(axis=2)
+    counts = np.where(same, np.minimum(repeats + 1, setup.repeats), 0)
+    faulty = refused.reshape(-1, 4, 2).any(axis=2) | (counts >= setup.repeats)
     single = faulty.sum(axis=1) <= 1
     next = {f"screen_last_{n}": v for n, v in zip(names, flat.T, strict=True)}
-    next |= {f"screen_repeats_{n}": v for n, v in zip(names, counts.T, strict=True)}
+    next |= {f"screen_repeats_{k}": v for k, v in enumerate(counts.T, 1)}
     return single, np.where(single, faulty @ np.arange(1, 5), 0), next
 
 
@@ -84,10 +85,11 @@ def _unknowns(
             half = setup.yaw_range if n == "yaw" else pi
             start = x[f"begin_{n}"] + step[i]
             start = np.clip(np.where(start > half, start - 2 * half, start), -half, half)
-            next[f"begin_{n}"] = np.where(ends, start, x[f"begin_{n}"])
+            next[f"begin_{n}"] = np.where(ends & ~tracking, start, x[f"begin_{n}"])
         sweep = np.where(unique, candidate, np.where(ends, start, sample.pose[:, i]))
         track = np.where(sample.accepted, sample.pose[:, i], sample.start[:, i])
-        next |= {f"candidate_{n}": candidate, n: np.where(tracking, track, sweep)}
+        next |= {f"candidate_{n}": np.where(tracking, x[f"candidate_{n}"], candidate)}
+        next[n] = np.where(tracking, track, sweep)
     return next
 
 

@@ -32,7 +32,7 @@ from models.hall_motions import Numbers
 from synth.check import Check
 from synth.execute import host
 from synth.simulate import ensemble
-from synth.verify import agree, suite
+from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
 from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
@@ -229,7 +229,7 @@ def free_running(subject: Subject, witness_set: Witnesses, inputs: Columns) -> l
     """Compare valid positions of the free-running reference and of single precision with those of the C."""
     start = {s.name: s.initial for s in subject.block.states}
     double, reference_outputs, single = (
-        agree.run(witness, start, inputs).outputs
+        replays.run(witness, start, inputs).outputs
         for witness in (witness_set.by_name["c64"], witness_set.by_name["reference"], agree.emitted_c(witness_set.c32))
     )
     checks = []

@@ -26,7 +26,7 @@ from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.statespace import Array
+from synth.statespace import Array, readonly
 
 Make = Callable[..., Experiment]
 
@@ -91,10 +91,15 @@ def step(
     return StepRun(trajectory, reference, response, k)
 
 
+@lru_cache
+def _courses(duration_s: float, period_s: float) -> dict[str, Array]:
+    """Return the set-points of the 4-DOF tracking: a study runs it on many machines."""
+    return {axis: readonly(course(sample_times(duration_s, period_s))) for axis, course in COURSES.items()}
+
+
 def tracking(rig: Rig, four: bool, duration_s: float = TRACK_TO) -> tuple[Trajectory, dict[str, Array]]:
     """Run the 4-DOF tracking or the 3-DOF ellipse from rest; return it with the set-points by axis."""
-    time = sample_times(duration_s, rig.period_s)
-    courses = {axis: course(time) for axis, course in COURSES.items() if four or axis != "theta"}
+    courses = {axis: course for axis, course in _courses(duration_s, rig.period_s).items() if four or axis != "theta"}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
     references = {f"{axis}_ref": course for axis, course in courses.items()}
     if four:

@@ -33,7 +33,7 @@ from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
-from synth.verify import agree
+from synth.verify import agree, replays
 
 Place = Mapping[str, float]  # m and rad, by axis
 
@@ -94,7 +94,7 @@ def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, floa
 def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.StepResults:
     """Return outputs and states of a Block after some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
-    return agree.run(agree.casadi(block), start, columns)
+    return replays.run(agree.casadi(block), start, columns)
 
 
 def open_loop(both: LoopParts, signals: Sequence[str]) -> StateSpace:

@@ -111,6 +111,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
         f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
     }
     columns |= {"sensing_scale": rng.uniform(0.99, 1.01, n)} | _first_residuals(rng, n)
+    columns["sensing_innovation_phi"] = rng.normal(0, PREDICTED, n)
     columns["sensing_phi_raw"] = np.clip(predicted["phi"], -sensing.MAX_RAW_YAW, sensing.MAX_RAW_YAW) * (1 - INSIDE)
     for a in allocation.HORIZONTAL:
         columns |= {

@@ -5,7 +5,8 @@ Each axis is the double integrator q'' = b d, sampled with d held over a period:
     (q, v) <- (q + T v + b d T^2/2, v + b d T)
 
 A measured position corrects the prediction by a Luenberger observer whose two poles coincide, placed by the
-characteristic polynomial (z - r)^2. d acts one sample late. While it brakes, d is what halves the predicted rate.
+characteristic polynomial (z - r)^2. A bridged one replaces it. d acts one sample late. While it brakes, d is what
+halves the predicted rate.
 """
 
 from collections.abc import Mapping
@@ -44,24 +45,25 @@ def acceleration(axis: str) -> float:
     return control.scales()[axis] / INERTIAS[axis]
 
 
-def correct(axis: str, state: Columns, measured: Array, ready: Array, T: float) -> tuple[Array, Array]:
+def correct(axis: str, state: Columns, measured: Array, trusted: Array, T: float) -> tuple[Array, Array]:
     """Return position and rate (m and m/s, rad and rad/s) after the measurement.
 
-    At the first good sample the position is that measured, and the rate stays as predicted.
+    At the first good sample, and where the sample is not complete, the position is that measured or bridged, and the
+    rate stays as predicted.
     """
     r, e = POLE[axis], measured - state[f"reckoning_{axis}_position"]
     A, C = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     characteristic = A @ A - 2 * r * A + r * r * np.eye(2)
     M = np.linalg.solve(A, characteristic @ np.linalg.solve(np.vstack([C, C @ A]), [0.0, 1.0]))
-    position, rate = (np.where(ready > 0, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
+    position, rate = (np.where(trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
     return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / T + rate * e
 
 
-def next_rates(state: Columns, measured: Columns, ready: Array, T: float) -> dict[str, Array]:
+def next_rates(state: Columns, measured: Columns, trusted: Array, T: float) -> dict[str, Array]:
     """Return the rates of the next sample, when the demands of this one begin to act, m/s and rad/s."""
     rates = {}
     for axis, q in measured.items():
-        _, v = correct(axis, state, q, ready, T)
+        _, v = correct(axis, state, q, trusted, T)
         rates[axis] = v + acceleration(axis) * T * state[f"lqg_{axis}_achieved"]
     return rates
 
@@ -76,11 +78,11 @@ def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[st
     return after
 
 
-def next_state(state: Columns, measured: Columns, ready: Array, T: float) -> dict[str, Array]:
+def next_state(state: Columns, measured: Columns, trusted: Array, T: float) -> dict[str, Array]:
     """Return the next predictions; what the law achieved in the sample before acts until the next one."""
     after: dict[str, Array] = {}
     for axis, q in measured.items():
-        at, v = correct(axis, state, q, ready, T)
+        at, v = correct(axis, state, q, trusted, T)
         acting = acceleration(axis) * state[f"lqg_{axis}_achieved"]
         values = {"position": at + T * v + acting * T**2 / 2, "rate": (v + acting * T) * T}
         bounds = {"position": FARTHEST[axis], "rate": FASTEST[axis] * T}

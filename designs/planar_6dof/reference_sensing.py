@@ -129,7 +129,7 @@ def initial_state() -> dict[str, Array]:
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    return rest | {"sensing_phi_raw": np.array(0.0)}
+    return rest | {"sensing_phi_raw": np.array(0.0), "sensing_innovation_phi": np.array(0.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -179,11 +179,10 @@ def sense(
     k: Constants,
     reckoned: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
+    """Return raw position, that within its pitch and residuals, and the next state, from held voltages. Y(1)-(5).
 
     `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
     predictions a measured motion that differs is a contradiction, too.
-    Source: Y(1)-(5), Fig. 4.
     """
     A, (ready, complete) = k.amplitude, flags
     phi = state["sensing_phi_raw"] if reckoned else predicted["phi"]
@@ -206,7 +205,8 @@ def sense(
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, predicted["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
+    bridge = predicted["phi"] + (np.where(complete, 0, state["sensing_innovation_phi"]) if reckoned else 0)
+    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -217,7 +217,8 @@ def sense(
     }
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
-    after |= {"sensing_phi_raw": out["phi_raw"]} if reckoned else {}
+    e = np.where((ready > 0) & complete, out["phi_raw"] - predicted["phi"], 0)
+    after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):

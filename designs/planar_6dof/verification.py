@@ -26,9 +26,8 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.timing import Discrete
-from synth.verify import agree, standard, suite
+from synth.verify import agree, replays, standard, suite
 from synth.verify.evidence import Evidence
-from synth.verify.suite import Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 FLOOR = 1.0  # A: a phase is a projection of up to 1.26 A, and its rounding error does not decrease with it
@@ -46,6 +45,7 @@ LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-6, "z": 1e-8, "theta": 1e-7, "psi": 1
 # m, rad rms: with converters, where a count of 0.84 um or 0.1 mrad sometimes differs; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
 Compared = tuple[agree.Agreement, list[Check]]
+Pair = tuple[agree.StepResults, agree.StepResults]  # of a witness and of the C, over the same steps
 
 
 def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -> Evidence:
@@ -56,38 +56,40 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     random = {name: witness(*samples) for name, witness in by.by_name.items()}
     single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
     pairs = [
-        *compare_witnesses("random steps", subject, random),
+        *compare_witnesses("random steps", subject, pair_with_c64(random)),
         (single, [*decision_checks, *share_checks(samples[0], random["c64"])]),
     ]
     progress("edge steps")
     edges = random_steps.edge_steps(subject.block, EDGE_STEPS)
-    pairs += compare_witnesses("edge steps", subject, {name: witness(*edges) for name, witness in by.by_name.items()})
+    edge = {name: witness(*edges) for name, witness in by.by_name.items()}
+    pairs += compare_witnesses("edge steps", subject, pair_with_c64(edge))
     progress("replays of closed loops")
     loop = loops.of(subject.block, by.c64)
-    for what, run in record_runs(loop, subject.step, replay_s).items():
-        pairs += compare_witnesses(what, subject, replay(by, run))
+    runs = record_runs(loop, subject.step, replay_s)
+    c64 = [replays.replay_in_parts(by.c64, run.measured) for run in runs.values()]
+    others = {name: replays.repeat(by.by_name[name], c64) for name in suite.WITNESS_NAMES}
+    for k, what in enumerate(runs):
+        pairs += compare_witnesses(what, subject, {name: repeated[k] for name, repeated in others.items()})
     progress(f"single against double over {LONG:g} s")
     last = single_against_double(loop, replace(loop, controller=by.c32))
     checks = [check for _, some in pairs for check in some]
     return Evidence(subject.block.name, tuple(a for a, _ in pairs), (*checks, *last))
 
 
-def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.StepResults]) -> list[Compared]:
-    """Compare all given witnesses with the C in double precision, over the same steps."""
+def pair_with_c64(by: Mapping[str, agree.StepResults]) -> dict[str, Pair]:
+    """Return the results of each other witness beside those of the C in double precision."""
+    return {name: (by[name], by["c64"]) for name in suite.WITNESS_NAMES if name in by}
+
+
+def compare_witnesses(what: str, subject: Subject, by: Mapping[str, Pair]) -> list[Compared]:
+    """Compare each witness with the C in double precision, over the same steps."""
     pairs: list[Compared] = []
-    for name in (n for n in suite.WITNESS_NAMES if n in by):
-        a = agree.compare(what, (name, by[name]), ("c64", by["c64"]), FLOOR, subject.block)
-        apart, law = law_difference(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
+    for name, (results, c64) in by.items():
+        a = agree.compare(what, (name, results), ("c64", c64), FLOOR, subject.block)
+        apart, law = law_difference(subject, results, c64), f"{what}: next states of the law of {name} and c64"
         checks = suite.exact_checks([a], f"max({FLOOR:g} A, |i|)")
         pairs.append((a, [*checks, Check(law, apart, suite.DOUBLE_TOLERANCE, "max(|x|, what the motors meet)")]))
     return pairs
-
-
-def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.StepResults]:
-    """Replay a recorded run from `init` with all witnesses."""
-    start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.run(by.by_name[name], start, run.measured) for name in suite.WITNESS_NAMES}
-    return others | {"c64": agree.replay(by.c64, run.measured)}
 
 
 def law_difference(subject: Subject, first: agree.StepResults, second: agree.StepResults) -> float:

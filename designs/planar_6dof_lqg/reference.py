@@ -143,7 +143,8 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
-    rates = motion.next_rates(state, {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, ready, float(PERIOD))
+    reckoned = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, (ready > 0) & guarded.complete, float(PERIOD)
+    rates = motion.next_rates(state, *reckoned)
     demands = motion.brake(demands, rates, state, float(PERIOD))
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
@@ -152,6 +153,6 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
     after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
-    after |= motion.next_state(state, {a: pose[f"{a}_raw"] for a in HORIZONTAL}, ready, float(PERIOD))
+    after |= motion.next_state(state, *reckoned)
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

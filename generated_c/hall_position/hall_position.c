@@ -61,6 +61,9 @@ static inline float yaw_fraction_cosine_polynomial(float t)
 /* f3_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) *
  * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in
  * -8.35398197 .. 8.35398293, t = x^2; relative error at most 1.5e-07. */
+/* f5_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) *
+ * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
+ * -8.35398293 .. 8.35398197, t = x^2; relative error at most 1.5e-07. */
 static inline float f3_polynomial(float t)
 {
     return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
@@ -69,23 +72,10 @@ static inline float f3_polynomial(float t)
 /* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2)
  * * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in
  * -8.35398197 .. 8.35398293, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
-}
-
-/* f5_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -8.35398293 .. 8.35398197, t = x^2; relative error at most 1.5e-07. */
-static inline float f5_polynomial(float t)
-{
-    return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
-}
-
 /* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2)
  * * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
  * -8.35398293 .. 8.35398197, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_2_polynomial(float t)
+static inline float phase_fraction_cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
 }
@@ -120,6 +110,106 @@ static inline float f9_polynomial(float t)
 static inline float f10_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666614f + (t * (0.008330209f + (t * -0.00019311193f)))));
+}
+
+typedef struct {
+    float sine_2;
+    float sine_squared;
+    float by_axis_g;
+    float terms;
+} hall_position_terms_t;
+
+/* terms: 16 calls in the step */
+HALL_POSITION_INLINE hall_position_terms_t hall_position_terms(float cosine, float angle, float sine)
+{
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_0 = 2.24906f;
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_2 = 10.81368f;
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_4 = -14.41824f;
+
+    const float f9_argument = angle * angle;
+    const float by_cosine = f9_polynomial(f9_argument);
+    const float by_sine = angle * f10_polynomial(f9_argument);
+    const float sine_2 = (sine * by_cosine) + (cosine * by_sine);
+    const float sine_2_squared = sine_2 * sine_2;
+    const float by_axis_g = ((cosine * by_cosine) - (sine * by_sine)) * (estimator_slope_0 + (sine_2_squared *
+        (estimator_slope_2 + (sine_2_squared * estimator_slope_4))));
+    return (hall_position_terms_t){.sine_2 = sine_2, .sine_squared = sine_2_squared, .by_axis_g = by_axis_g, .terms =
+        by_axis_g * by_axis_g};
+}
+
+typedef struct {
+    float by_axis_1_e;
+    float by_axis_2_e;
+    float coupling;
+    float across;
+    float gain;
+} hall_position_gain_t;
+
+/* gain: 8 calls in the step */
+HALL_POSITION_INLINE hall_position_gain_t hall_position_gain(float by_axis_1_h, float volts, float B, float by_axis_2_h,
+    float volts_2, float B_2, float value, float by_axis_1_g, float by_axis_2_g)
+{
+    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
+
+    const float by_axis_1_e = volts - B;
+    const float by_axis_2_e = volts_2 - B_2;
+    const float coupling = (by_axis_1_g * by_axis_1_h) + (by_axis_2_g * by_axis_2_h);
+    const float across = (by_axis_1_g * by_axis_2_h) - (by_axis_2_g * by_axis_1_h);
+    return (hall_position_gain_t){.by_axis_1_e = by_axis_1_e, .by_axis_2_e = by_axis_2_e, .coupling = coupling, .across
+        = across, .gain = (damping * ((by_axis_1_h * by_axis_1_e) + (by_axis_2_h * by_axis_2_e) + (value * coupling))) +
+        (across * ((by_axis_1_g * by_axis_2_e) - (by_axis_2_g * by_axis_1_e)))};
+}
+
+typedef struct {
+    float cosine;
+    float sine;
+    float sine_squared;
+    float by_axis_g;
+    float terms;
+} hall_position_terms_2_t;
+
+/* terms_2: 4 calls in the step */
+HALL_POSITION_INLINE hall_position_terms_2_t hall_position_terms_2(float prediction_phase, float value)
+{
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_0 = 2.24906f;
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_2 = 10.81368f;
+    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_4 = -14.41824f;
+
+    const float at = prediction_phase + value;
+    const float f3_argument = at * at;
+    const float f3 = at * f3_polynomial(f3_argument);
+    const float phase_fraction_sine = 8.0f * f3;
+    const float phase_fraction_cosine = phase_fraction_cosine_polynomial(f3_argument);
+    const float cosine_part = f3 * phase_fraction_cosine;
+    const float cosine_part_2 = hall_position_limit(8.0f * (cosine_part * (1.0f - (0.03125f * (phase_fraction_sine *
+        phase_fraction_sine)))), 2.0f);
+    const float cosine = 1.0f - (0.5f * (cosine_part_2 * cosine_part_2));
+    const float sine_part = 8.0f * cosine_part;
+    const float sine = hall_position_limit(cosine_part_2 * (1.0f - (0.125f * (sine_part * sine_part))), 1.0f);
+    const float sine_squared = sine * sine;
+    const float by_axis_g = cosine * (estimator_slope_0 + (sine_squared * (estimator_slope_2 + (sine_squared *
+        estimator_slope_4))));
+    return (hall_position_terms_2_t){.cosine = cosine, .sine = sine, .sine_squared = sine_squared, .by_axis_g =
+        by_axis_g, .terms = by_axis_g * by_axis_g};
+}
+
+/* B: 16 calls in the step */
+HALL_POSITION_INLINE float hall_position_B(float sine, float sine_squared)
+{
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
+
+    return sine * (estimator_field_1 + (sine_squared * (estimator_field_3 + (sine_squared * estimator_field_5))));
 }
 
 void hall_position_init(hall_position_state_t *state)
@@ -167,12 +257,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float estimator_field_3 = 3.60456f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_0 = 2.24906f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_2 = 10.81368f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_4 = -14.41824f;
 
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
@@ -211,475 +295,257 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float f1 = prediction_yaw * f1_polynomial(f1_argument);
     const float yaw_fraction_sine = 4.0f * f1;
     const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
+    const float cost_0_part = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (cost_0_part * cost_0_part));
+    const float heading_sine = hall_position_limit(cost_0_part * (1.0f - (0.125f * (yaw_fraction_sine *
+        yaw_fraction_sine))), 1.0f);
+    const float volts_cosine_cost_0 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float phase_fraction_sine_part = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_sine = hall_position_limit(phase_fraction_sine_part * (1.0f - (0.125f * (yaw_fraction_sine *
-        yaw_fraction_sine))), 1.0f);
     const float arm_times_heading_sine = -arm * heading_sine;
-    const float heading_cosine = 1.0f - (0.5f * (phase_fraction_sine_part * phase_fraction_sine_part));
     const float arm_times_heading_cosine = -arm * heading_cosine;
-    const float x_phase_fraction_sine = arm_times_heading_sine - arm_times_heading_cosine;
-    const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
-    const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
-    const float f3 = at_1_phase_fraction_sine * f3_polynomial(f3_argument);
-    const float phase_fraction_sine = 8.0f * f3;
-    const float phase_fraction_cosine = phase_fraction_cosine_polynomial(f3_argument);
-    const float estimator_motion_y = state->estimator_motion_y;
-    const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float y_phase_fraction_sine = (arm * heading_sine) - arm_times_heading_cosine;
-    const float at_2_phase_fraction_sine = prediction_phase_y + y_phase_fraction_sine;
-    const float f3_argument_2 = at_2_phase_fraction_sine * at_2_phase_fraction_sine;
-    const float f3_2 = at_2_phase_fraction_sine * f3_polynomial(f3_argument_2);
-    const float phase_fraction_sine_2 = 8.0f * f3_2;
-    const float phase_fraction_cosine_2 = phase_fraction_cosine_polynomial(f3_argument_2);
-    const float x_phase_fraction_sine_2 = arm_times_heading_cosine - arm_times_heading_sine;
-    const float at_1_phase_fraction_sine_2 = prediction_phase_x + x_phase_fraction_sine_2;
-    const float f5_argument = at_1_phase_fraction_sine_2 * at_1_phase_fraction_sine_2;
-    const float f5 = at_1_phase_fraction_sine_2 * f5_polynomial(f5_argument);
-    const float phase_fraction_sine_3 = 8.0f * f5;
-    const float phase_fraction_cosine_3 = phase_fraction_cosine_2_polynomial(f5_argument);
-    const float y_phase_fraction_sine_2 = arm_times_heading_sine + arm_times_heading_cosine;
-    const float at_2_phase_fraction_sine_2 = prediction_phase_y + y_phase_fraction_sine_2;
-    const float f5_argument_2 = at_2_phase_fraction_sine_2 * at_2_phase_fraction_sine_2;
-    const float f5_2 = at_2_phase_fraction_sine_2 * f5_polynomial(f5_argument_2);
-    const float phase_fraction_sine_4 = 8.0f * f5_2;
-    const float phase_fraction_cosine_4 = phase_fraction_cosine_2_polynomial(f5_argument_2);
-    const float volts_cosine_cost_0 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
-    const float cost_0_part = f3 * phase_fraction_cosine;
-    const float cost_0_part_2 = hall_position_limit(8.0f * (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine *
-        phase_fraction_sine)))), 2.0f);
-    const float cost_0_part_3 = 8.0f * cost_0_part;
-    const float x_sine_cost_0 = hall_position_limit(cost_0_part_2 * (1.0f - (0.125f * (cost_0_part_3 * cost_0_part_3))),
-        1.0f);
-    const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
-    const float B_1_cost_0 = x_sine_cost_0 * (estimator_field_1 + (x_sine_cost_0_squared * (estimator_field_3 +
-        (x_sine_cost_0_squared * estimator_field_5))));
+    const float x_cost_0 = arm_times_heading_sine - arm_times_heading_cosine;
+    const hall_position_terms_2_t terms_1_2 = hall_position_terms_2(prediction_phase_x, x_cost_0);
+    const float cost_0_part_2 = estimator_field_1 + (terms_1_2.sine_squared * (estimator_field_3 +
+        (terms_1_2.sine_squared * estimator_field_5)));
+    const float B_1_cost_0 = terms_1_2.sine * cost_0_part_2;
     const float by_axis_1_1_e_cost_0 = volts_cosine_cost_0 - B_1_cost_0;
     const float volts_cosine_cost_0_2 = (heading_cosine * V_bx_held) - (heading_sine * V_by_held);
-    const float cost_0_part_4 = f5 * phase_fraction_cosine_3;
-    const float cost_0_part_5 = hall_position_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_3 *
-        phase_fraction_sine_3)))), 2.0f);
-    const float cost_0_part_6 = 8.0f * cost_0_part_4;
-    const float x_sine_cost_0_2 = hall_position_limit(cost_0_part_5 * (1.0f - (0.125f * (cost_0_part_6 *
-        cost_0_part_6))), 1.0f);
-    const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (estimator_field_1 + (x_sine_cost_0_2_squared * (estimator_field_3 +
-        (x_sine_cost_0_2_squared * estimator_field_5))));
+    const float x_cost_0_2 = arm_times_heading_cosine - arm_times_heading_sine;
+    const hall_position_terms_2_t terms_2_2 = hall_position_terms_2(prediction_phase_x, x_cost_0_2);
+    const float cost_0_part_3 = estimator_field_1 + (terms_2_2.sine_squared * (estimator_field_3 +
+        (terms_2_2.sine_squared * estimator_field_5)));
+    const float B_1_cost_0_2 = terms_2_2.sine * cost_0_part_3;
     const float by_axis_1_2_e_cost_0 = volts_cosine_cost_0_2 - B_1_cost_0_2;
     const float volts_sine_cost_0 = (heading_sine * V_ax_held) + (heading_cosine * V_ay_held);
-    const float cost_0_part_7 = f3_2 * phase_fraction_cosine_2;
-    const float cost_0_part_8 = hall_position_limit(8.0f * (cost_0_part_7 * (1.0f - (0.03125f * (phase_fraction_sine_2 *
-        phase_fraction_sine_2)))), 2.0f);
-    const float cost_0_part_9 = 8.0f * cost_0_part_7;
-    const float p_sine_cost_0 = hall_position_limit(cost_0_part_8 * (1.0f - (0.125f * (cost_0_part_9 * cost_0_part_9))),
-        1.0f);
-    const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (estimator_field_1 + (q_cost_0 * (estimator_field_3 + (q_cost_0 *
-        estimator_field_5))));
+    const float estimator_motion_y = state->estimator_motion_y;
+    const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
+    const float y_cost_0 = (arm * heading_sine) - arm_times_heading_cosine;
+    const hall_position_terms_2_t terms_3_2 = hall_position_terms_2(prediction_phase_y, y_cost_0);
+    const float cost_0_part_4 = estimator_field_1 + (terms_3_2.sine_squared * (estimator_field_3 +
+        (terms_3_2.sine_squared * estimator_field_5)));
+    const float B_2_cost_0 = terms_3_2.sine * cost_0_part_4;
     const float by_axis_2_1_e_cost_0 = volts_sine_cost_0 - B_2_cost_0;
     const float volts_sine_cost_0_2 = (heading_sine * V_bx_held) + (heading_cosine * V_by_held);
-    const float cost_0_part_10 = f5_2 * phase_fraction_cosine_4;
-    const float cost_0_part_11 = hall_position_limit(8.0f * (cost_0_part_10 * (1.0f - (0.03125f * (phase_fraction_sine_4
-        * phase_fraction_sine_4)))), 2.0f);
-    const float cost_0_part_12 = 8.0f * cost_0_part_10;
-    const float p_sine_cost_0_2 = hall_position_limit(cost_0_part_11 * (1.0f - (0.125f * (cost_0_part_12 *
-        cost_0_part_12))), 1.0f);
-    const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (estimator_field_1 + (q_cost_0_2 * (estimator_field_3 + (q_cost_0_2 *
-        estimator_field_5))));
+    const float y_cost_0_2 = arm_times_heading_sine + arm_times_heading_cosine;
+    const hall_position_terms_2_t terms_4_2 = hall_position_terms_2(prediction_phase_y, y_cost_0_2);
+    const float cost_0_part_5 = estimator_field_1 + (terms_4_2.sine_squared * (estimator_field_3 +
+        (terms_4_2.sine_squared * estimator_field_5)));
+    const float B_2_cost_0_2 = terms_4_2.sine * cost_0_part_5;
     const float by_axis_2_2_e_cost_0 = volts_sine_cost_0_2 - B_2_cost_0_2;
     const float cost_0 = (by_axis_1_1_e_cost_0 * by_axis_1_1_e_cost_0) + (by_axis_1_2_e_cost_0 * by_axis_1_2_e_cost_0) +
         (by_axis_2_1_e_cost_0 * by_axis_2_1_e_cost_0) + (by_axis_2_2_e_cost_0 * by_axis_2_2_e_cost_0);
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_2 * cost_0_part_2));
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (estimator_slope_0 + (x_sine_cost_0_squared *
-        (estimator_slope_2 + (x_sine_cost_0_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_5 * cost_0_part_5));
-    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (estimator_slope_0 + (x_sine_cost_0_2_squared *
-        (estimator_slope_2 + (x_sine_cost_0_2_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float across_yaw_change_sine = (yaw_change_sine_part * yaw_change_sine_part_4) - (yaw_change_sine_part_3 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_5 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_3)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_8 * cost_0_part_8));
-    const float yaw_change_sine_part_6 = p_cosine_yaw_change_sine * (estimator_slope_0 + (q_cost_0 * (estimator_slope_2
-        + (q_cost_0 * estimator_slope_4))));
-    const float yaw_change_sine_part_7 = (yaw_change_sine_part_6 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_11 * cost_0_part_11));
-    const float yaw_change_sine_part_8 = p_cosine_yaw_change_sine_2 * (estimator_slope_0 + (q_cost_0_2 *
-        (estimator_slope_2 + (q_cost_0_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_9 = (yaw_change_sine_part_8 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float across_yaw_change_sine_2 = (yaw_change_sine_part_6 * yaw_change_sine_part_9) - (yaw_change_sine_part_8 *
-        yaw_change_sine_part_7);
-    const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part_6 * yaw_change_sine_part_6) +
-        (yaw_change_sine_part_8 * yaw_change_sine_part_8)));
-    const float right_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * by_axis_1_1_e_cost_0) +
-        (yaw_change_sine_part_4 * by_axis_1_2_e_cost_0))) + (across_yaw_change_sine * ((yaw_change_sine_part *
-        by_axis_1_2_e_cost_0) - (yaw_change_sine_part_3 * by_axis_1_1_e_cost_0)))) * yaw_change_sine_part_5) +
-        (((damping * ((yaw_change_sine_part_7 * by_axis_2_1_e_cost_0) + (yaw_change_sine_part_9 *
-        by_axis_2_2_e_cost_0))) + (across_yaw_change_sine_2 * ((yaw_change_sine_part_6 * by_axis_2_2_e_cost_0) -
-        (yaw_change_sine_part_8 * by_axis_2_1_e_cost_0)))) * yaw_change_sine_part_10);
-    const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_4 * yaw_change_sine_part_4))) + (across_yaw_change_sine * across_yaw_change_sine)) *
-        yaw_change_sine_part_5) + (((damping * ((yaw_change_sine_part_7 * yaw_change_sine_part_7) +
-        (yaw_change_sine_part_9 * yaw_change_sine_part_9))) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
-        yaw_change_sine_part_10);
-    const float then_3_yaw_change_sine = hall_position_limit(right_yaw_change_sine / (yaw_damping +
-        data_yaw_change_sine), max_yaw_step);
-    const float yaw_change_sine_part_11 = then_3_yaw_change_sine * then_3_yaw_change_sine;
-    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_11);
-    const float half_yaw_change_sine = then_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_11);
+    const float yaw_change_sine_part = B_2_cost_0 - (terms_1_2.by_axis_g * y_cost_0);
+    const float yaw_change_sine_part_2 = B_2_cost_0_2 - (terms_2_2.by_axis_g * y_cost_0_2);
+    const float across_yaw_change_sine = (terms_1_2.by_axis_g * yaw_change_sine_part_2) - (terms_2_2.by_axis_g *
+        yaw_change_sine_part);
+    const float yaw_change_sine_part_3 = 1.0f / (damping + (terms_1_2.terms + terms_2_2.terms));
+    const float terms_1_yaw_change_sine = ((damping * ((yaw_change_sine_part * by_axis_1_1_e_cost_0) +
+        (yaw_change_sine_part_2 * by_axis_1_2_e_cost_0))) + (across_yaw_change_sine * ((terms_1_2.by_axis_g *
+        by_axis_1_2_e_cost_0) - (terms_2_2.by_axis_g * by_axis_1_1_e_cost_0)))) * yaw_change_sine_part_3;
+    const float yaw_change_sine_part_4 = (terms_3_2.by_axis_g * x_cost_0) - B_1_cost_0;
+    const float yaw_change_sine_part_5 = (terms_4_2.by_axis_g * x_cost_0_2) - B_1_cost_0_2;
+    const float across_yaw_change_sine_2 = (terms_3_2.by_axis_g * yaw_change_sine_part_5) - (terms_4_2.by_axis_g *
+        yaw_change_sine_part_4);
+    const float yaw_change_sine_part_6 = 1.0f / (damping + (terms_3_2.terms + terms_4_2.terms));
+    const float terms_2_yaw_change_sine = ((damping * ((yaw_change_sine_part_4 * by_axis_2_1_e_cost_0) +
+        (yaw_change_sine_part_5 * by_axis_2_2_e_cost_0))) + (across_yaw_change_sine_2 * ((terms_3_2.by_axis_g *
+        by_axis_2_2_e_cost_0) - (terms_4_2.by_axis_g * by_axis_2_1_e_cost_0)))) * yaw_change_sine_part_6;
+    const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part * yaw_change_sine_part) +
+        (yaw_change_sine_part_2 * yaw_change_sine_part_2))) + (across_yaw_change_sine * across_yaw_change_sine)) *
+        yaw_change_sine_part_3) + (((damping * ((yaw_change_sine_part_4 * yaw_change_sine_part_4) +
+        (yaw_change_sine_part_5 * yaw_change_sine_part_5))) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
+        yaw_change_sine_part_6);
+    const float then_3_yaw_change_sine = hall_position_limit((terms_1_yaw_change_sine + terms_2_yaw_change_sine) /
+        (yaw_damping + data_yaw_change_sine), max_yaw_step);
+    const float yaw_change_sine_part_7 = then_3_yaw_change_sine * then_3_yaw_change_sine;
+    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_7);
+    const float half_yaw_change_sine = then_3_yaw_change_sine * half_yaw_change_sine_polynomial(yaw_change_sine_part_7);
+    const float cost_1_part = (terms_3_2.by_axis_g * by_axis_2_1_e_cost_0) + (terms_4_2.by_axis_g *
+        by_axis_2_2_e_cost_0) - (((terms_3_2.by_axis_g * yaw_change_sine_part_4) + (terms_4_2.by_axis_g *
+        yaw_change_sine_part_5)) * then_3_yaw_change_sine);
+    const float then_2_cost_1 = hall_position_limit(cost_1_part * yaw_change_sine_part_6, 0.5f);
     const float versine_cost_1 = half_yaw_change_sine * half_yaw_change_sine;
+    const float dy_cost_1 = (x_cost_0 * yaw_change_sine) - (y_cost_0 * versine_cost_1);
+    const hall_position_terms_t terms_3 = hall_position_terms(terms_3_2.cosine, then_2_cost_1 + dy_cost_1,
+        terms_3_2.sine);
+    const float B_2 = hall_position_B(terms_3.sine_2, terms_3.sine_squared);
+    const float cost_1_part_2 = (terms_1_2.by_axis_g * by_axis_1_1_e_cost_0) + (terms_2_2.by_axis_g *
+        by_axis_1_2_e_cost_0) - (((terms_1_2.by_axis_g * yaw_change_sine_part) + (terms_2_2.by_axis_g *
+        yaw_change_sine_part_2)) * then_3_yaw_change_sine);
+    const float then_1_cost_1 = hall_position_limit(cost_1_part_2 * yaw_change_sine_part_3, 0.5f);
+    const float cost_1_part_3 = (x_cost_0 * versine_cost_1) + (y_cost_0 * yaw_change_sine);
+    const hall_position_terms_t terms_1 = hall_position_terms(terms_1_2.cosine, then_1_cost_1 - cost_1_part_3,
+        terms_1_2.sine);
+    const float by_axis_1_1_h_cost_1 = B_2 - (terms_1.by_axis_g * (y_cost_0 + dy_cost_1));
     const float rotation_cosine_cost_1 = 1.0f - versine_cost_1;
-    const float then_1_cost_1 = hall_position_limit(((yaw_change_sine_part * by_axis_1_1_e_cost_0) +
-        (yaw_change_sine_part_3 * by_axis_1_2_e_cost_0) - (((yaw_change_sine_part * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_4)) * then_3_yaw_change_sine)) * yaw_change_sine_part_5, 0.5f);
-    const float cost_1_part = (x_phase_fraction_sine * versine_cost_1) + (y_phase_fraction_sine * yaw_change_sine);
-    const float angle_cost_1 = then_1_cost_1 - cost_1_part;
-    const float f9_argument = angle_cost_1 * angle_cost_1;
-    const float by_cosine_cost_1 = f9_polynomial(f9_argument);
-    const float by_sine_cost_1 = angle_cost_1 * f10_polynomial(f9_argument);
-    const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
-    const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (estimator_field_1 + (phases_1_sine_cost_1_squared *
-        (estimator_field_3 + (phases_1_sine_cost_1_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) - (volts_sine_cost_0 *
-        yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) + (y_phase_fraction_sine_2 *
-        yaw_change_sine);
-    const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
-    const float f9_argument_2 = angle_cost_1_2 * angle_cost_1_2;
-    const float by_cosine_cost_1_2 = f9_polynomial(f9_argument_2);
-    const float by_sine_cost_1_2 = angle_cost_1_2 * f10_polynomial(f9_argument_2);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_2);
-    const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (estimator_field_1 + (cost_1_part_3 * (estimator_field_3 +
-        (cost_1_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) - (volts_sine_cost_0_2 *
-        yaw_change_sine) - B_1_cost_1_2;
-    const float then_2_cost_1 = hall_position_limit(((yaw_change_sine_part_6 * by_axis_2_1_e_cost_0) +
-        (yaw_change_sine_part_8 * by_axis_2_2_e_cost_0) - (((yaw_change_sine_part_6 * yaw_change_sine_part_7) +
-        (yaw_change_sine_part_8 * yaw_change_sine_part_9)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
-    const float dy_cost_1 = (x_phase_fraction_sine * yaw_change_sine) - (y_phase_fraction_sine * versine_cost_1);
-    const float angle_cost_1_3 = then_2_cost_1 + dy_cost_1;
-    const float f9_argument_3 = angle_cost_1_3 * angle_cost_1_3;
-    const float by_cosine_cost_1_3 = f9_polynomial(f9_argument_3);
-    const float by_sine_cost_1_3 = angle_cost_1_3 * f10_polynomial(f9_argument_3);
-    const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_3) + (p_cosine_yaw_change_sine * by_sine_cost_1_3);
-    const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (estimator_field_1 + (q_cost_1 * (estimator_field_3 + (q_cost_1 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) + (volts_cosine_cost_0 *
-        yaw_change_sine) - B_2_cost_1;
-    const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
-    const float angle_cost_1_4 = then_2_cost_1 + dy_cost_1_2;
-    const float f9_argument_4 = angle_cost_1_4 * angle_cost_1_4;
-    const float by_cosine_cost_1_4 = f9_polynomial(f9_argument_4);
-    const float by_sine_cost_1_4 = angle_cost_1_4 * f10_polynomial(f9_argument_4);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_4);
-    const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (estimator_field_1 + (q_cost_1_2 * (estimator_field_3 + (q_cost_1_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) + (volts_cosine_cost_0_2 *
-        yaw_change_sine) - B_2_cost_1_2;
-    const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
-        (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) + (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (damping *
-        ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) + (squared_yaw_arm *
-        yaw_change_sine_part_11)));
+    const float B_1 = hall_position_B(terms_1.sine_2, terms_1.sine_squared);
+    const float dy_cost_1_2 = (x_cost_0_2 * yaw_change_sine) - (y_cost_0_2 * versine_cost_1);
+    const hall_position_terms_t terms_4 = hall_position_terms(terms_4_2.cosine, then_2_cost_1 + dy_cost_1_2,
+        terms_4_2.sine);
+    const float B_2_2 = hall_position_B(terms_4.sine_2, terms_4.sine_squared);
+    const float cost_1_part_4 = (x_cost_0_2 * versine_cost_1) + (y_cost_0_2 * yaw_change_sine);
+    const hall_position_terms_t terms_2 = hall_position_terms(terms_2_2.cosine, then_1_cost_1 - cost_1_part_4,
+        terms_2_2.sine);
+    const float by_axis_1_2_h_cost_1 = B_2_2 - (terms_2.by_axis_g * (y_cost_0_2 + dy_cost_1_2));
+    const float B_1_2 = hall_position_B(terms_2.sine_2, terms_2.sine_squared);
+    const hall_position_gain_t gain_1 = hall_position_gain(by_axis_1_1_h_cost_1, (volts_cosine_cost_0 *
+        rotation_cosine_cost_1) - (volts_sine_cost_0 * yaw_change_sine), B_1, by_axis_1_2_h_cost_1,
+        (volts_cosine_cost_0_2 * rotation_cosine_cost_1) - (volts_sine_cost_0_2 * yaw_change_sine), B_1_2,
+        then_1_cost_1, terms_1.by_axis_g, terms_2.by_axis_g);
+    const float by_axis_2_1_h_cost_1 = (terms_3.by_axis_g * (x_cost_0 - cost_1_part_3)) - B_1;
+    const float by_axis_2_2_h_cost_1 = (terms_4.by_axis_g * (x_cost_0_2 - cost_1_part_4)) - B_1_2;
+    const hall_position_gain_t gain_2 = hall_position_gain(by_axis_2_1_h_cost_1, (volts_sine_cost_0 *
+        rotation_cosine_cost_1) + (volts_cosine_cost_0 * yaw_change_sine), B_2, by_axis_2_2_h_cost_1,
+        (volts_sine_cost_0_2 * rotation_cosine_cost_1) + (volts_cosine_cost_0_2 * yaw_change_sine), B_2_2,
+        then_2_cost_1, terms_3.by_axis_g, terms_4.by_axis_g);
+    const float cost_1_part_5 = (gain_1.by_axis_1_e * gain_1.by_axis_1_e) + (gain_1.by_axis_2_e * gain_1.by_axis_2_e) +
+        (gain_2.by_axis_1_e * gain_2.by_axis_1_e);
+    const float cost_1 = cost_1_part_5 + (gain_2.by_axis_2_e * gain_2.by_axis_2_e) + (damping * ((then_1_cost_1 *
+        then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) + (squared_yaw_arm * yaw_change_sine_part_7)));
     const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_12 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) - (x_sine_cost_0 *
-        by_sine_cost_1)) * (estimator_slope_0 + (phases_1_sine_cost_1_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_1_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_13 = B_2_cost_1 - (yaw_change_sine_part_12 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_14 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) - (x_sine_cost_0_2 *
-        by_sine_cost_1_2)) * (estimator_slope_0 + (cost_1_part_3 * (estimator_slope_2 + (cost_1_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_15 = B_2_cost_1_2 - (yaw_change_sine_part_14 * (y_phase_fraction_sine_2 +
-        dy_cost_1_2));
-    const float yaw_change_sine_part_16 = (yaw_change_sine_part_12 * yaw_change_sine_part_13) + (yaw_change_sine_part_14
-        * yaw_change_sine_part_15);
-    const float across_yaw_change_sine_3 = (yaw_change_sine_part_12 * yaw_change_sine_part_15) -
-        (yaw_change_sine_part_14 * yaw_change_sine_part_13);
-    const float yaw_change_sine_part_17 = 1.0f / (damping + ((yaw_change_sine_part_12 * yaw_change_sine_part_12) +
-        (yaw_change_sine_part_14 * yaw_change_sine_part_14)));
-    const float yaw_change_sine_part_18 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_3) - (p_sine_cost_0 *
-        by_sine_cost_1_3)) * (estimator_slope_0 + (q_cost_1 * (estimator_slope_2 + (q_cost_1 * estimator_slope_4))));
-    const float yaw_change_sine_part_19 = (yaw_change_sine_part_18 * (x_phase_fraction_sine - cost_1_part)) -
-        B_1_cost_1;
-    const float yaw_change_sine_part_20 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_4) - (p_sine_cost_0_2 *
-        by_sine_cost_1_4)) * (estimator_slope_0 + (q_cost_1_2 * (estimator_slope_2 + (q_cost_1_2 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_21 = (yaw_change_sine_part_20 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
-        B_1_cost_1_2;
-    const float yaw_change_sine_part_22 = (yaw_change_sine_part_18 * yaw_change_sine_part_19) + (yaw_change_sine_part_20
-        * yaw_change_sine_part_21);
-    const float across_yaw_change_sine_4 = (yaw_change_sine_part_18 * yaw_change_sine_part_21) -
-        (yaw_change_sine_part_20 * yaw_change_sine_part_19);
-    const float yaw_change_sine_part_23 = 1.0f / (damping + ((yaw_change_sine_part_18 * yaw_change_sine_part_18) +
-        (yaw_change_sine_part_20 * yaw_change_sine_part_20)));
-    const float yaw_change_sine_part_24 = (((damping * ((yaw_change_sine_part_13 * by_axis_1_1_e_cost_1) +
-        (yaw_change_sine_part_15 * by_axis_1_2_e_cost_1) + (then_1_cost_1 * yaw_change_sine_part_16))) +
-        (across_yaw_change_sine_3 * ((yaw_change_sine_part_12 * by_axis_1_2_e_cost_1) - (yaw_change_sine_part_14 *
-        by_axis_1_1_e_cost_1)))) * yaw_change_sine_part_17) + (((damping * ((yaw_change_sine_part_19 *
-        by_axis_2_1_e_cost_1) + (yaw_change_sine_part_21 * by_axis_2_2_e_cost_1) + (then_2_cost_1 *
-        yaw_change_sine_part_22))) + (across_yaw_change_sine_4 * ((yaw_change_sine_part_18 * by_axis_2_2_e_cost_1) -
-        (yaw_change_sine_part_20 * by_axis_2_1_e_cost_1)))) * yaw_change_sine_part_23);
-    const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_13 * yaw_change_sine_part_13) +
-        (yaw_change_sine_part_15 * yaw_change_sine_part_15))) + (across_yaw_change_sine_3 * across_yaw_change_sine_3)) *
-        yaw_change_sine_part_17) + (((damping * ((yaw_change_sine_part_19 * yaw_change_sine_part_19) +
-        (yaw_change_sine_part_21 * yaw_change_sine_part_21))) + (across_yaw_change_sine_4 * across_yaw_change_sine_4)) *
-        yaw_change_sine_part_23);
+    const float yaw_change_sine_part_8 = 1.0f / (damping + (terms_1.terms + terms_2.terms));
+    const float yaw_change_sine_part_9 = 1.0f / (damping + (terms_3.terms + terms_4.terms));
+    const float data_yaw_change_sine_2 = (((damping * ((by_axis_1_1_h_cost_1 * by_axis_1_1_h_cost_1) +
+        (by_axis_1_2_h_cost_1 * by_axis_1_2_h_cost_1))) + (gain_1.across * gain_1.across)) * yaw_change_sine_part_8) +
+        (((damping * ((by_axis_2_1_h_cost_1 * by_axis_2_1_h_cost_1) + (by_axis_2_2_h_cost_1 * by_axis_2_2_h_cost_1))) +
+        (gain_2.across * gain_2.across)) * yaw_change_sine_part_9);
     float other_3_yaw_change_sine = then_3_yaw_change_sine;
     float other_1_cost_2 = then_1_cost_1;
     float other_2_cost_2 = then_2_cost_1;
-    float yaw_change_sine_part_25 = cost_1;
+    float yaw_change_sine_part_10 = cost_1;
     if (!better_yaw_change_sine) {
         other_3_yaw_change_sine = 0.0f;
         other_1_cost_2 = 0.0f;
         other_2_cost_2 = 0.0f;
-        yaw_change_sine_part_25 = cost_0;
+        yaw_change_sine_part_10 = cost_0;
     }
-    const float then_3_yaw_change_sine_2 = hall_position_limit((better_yaw_change_sine) ? (then_3_yaw_change_sine +
-        ((yaw_change_sine_part_24 - (yaw_damping * then_3_yaw_change_sine)) / (yaw_damping + data_yaw_change_sine_2))) :
-        (0.5f * (then_3_yaw_change_sine + other_3_yaw_change_sine)), max_yaw_step);
-    const float yaw_change_sine_part_26 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
-    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_26);
+    const float yaw_change_sine_part_11 = (better_yaw_change_sine) ? (then_3_yaw_change_sine + (((gain_1.gain *
+        yaw_change_sine_part_8) + (gain_2.gain * yaw_change_sine_part_9) - (yaw_damping * then_3_yaw_change_sine)) /
+        (yaw_damping + data_yaw_change_sine_2))) : (0.5f * (then_3_yaw_change_sine + other_3_yaw_change_sine));
+    const float then_3_yaw_change_sine_2 = hall_position_limit(yaw_change_sine_part_11, max_yaw_step);
+    const float yaw_change_sine_part_12 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
+    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_12);
     const float half_yaw_change_sine_2 = then_3_yaw_change_sine_2 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_26);
-    const float versine_cost_2 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
-    const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
+        half_yaw_change_sine_polynomial(yaw_change_sine_part_12);
     const float yaw_change_cost_2 = then_3_yaw_change_sine_2 - then_3_yaw_change_sine;
-    const float then_1_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_1_cost_1 +
-        (((yaw_change_sine_part_12 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_14 * by_axis_1_2_e_cost_1) - (damping
-        * then_1_cost_1) - (yaw_change_sine_part_16 * yaw_change_cost_2)) * yaw_change_sine_part_17)) : (0.5f *
-        (then_1_cost_1 + other_1_cost_2)), 0.5f);
-    const float cost_2_part = (x_phase_fraction_sine * versine_cost_2) + (y_phase_fraction_sine * yaw_change_sine_2);
-    const float angle_cost_2 = then_1_cost_2 - cost_2_part;
-    const float f9_argument_5 = angle_cost_2 * angle_cost_2;
-    const float by_cosine_cost_2 = f9_polynomial(f9_argument_5);
-    const float by_sine_cost_2 = angle_cost_2 * f10_polynomial(f9_argument_5);
-    const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
-    const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (estimator_field_1 + (phases_1_sine_cost_2_squared *
-        (estimator_field_3 + (phases_1_sine_cost_2_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) - (volts_sine_cost_0 *
-        yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_2);
-    const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
-    const float f9_argument_6 = angle_cost_2_2 * angle_cost_2_2;
-    const float by_cosine_cost_2_2 = f9_polynomial(f9_argument_6);
-    const float by_sine_cost_2_2 = angle_cost_2_2 * f10_polynomial(f9_argument_6);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_2);
-    const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (estimator_field_1 + (cost_2_part_3 * (estimator_field_3 +
-        (cost_2_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) - (volts_sine_cost_0_2 *
-        yaw_change_sine_2) - B_1_cost_2_2;
-    const float then_2_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_2_cost_1 +
-        (((yaw_change_sine_part_18 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_20 * by_axis_2_2_e_cost_1) - (damping
-        * then_2_cost_1) - (yaw_change_sine_part_22 * yaw_change_cost_2)) * yaw_change_sine_part_23)) : (0.5f *
-        (then_2_cost_1 + other_2_cost_2)), 0.5f);
-    const float dy_cost_2 = (x_phase_fraction_sine * yaw_change_sine_2) - (y_phase_fraction_sine * versine_cost_2);
-    const float angle_cost_2_3 = then_2_cost_2 + dy_cost_2;
-    const float f9_argument_7 = angle_cost_2_3 * angle_cost_2_3;
-    const float by_cosine_cost_2_3 = f9_polynomial(f9_argument_7);
-    const float by_sine_cost_2_3 = angle_cost_2_3 * f10_polynomial(f9_argument_7);
-    const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_3) + (p_cosine_yaw_change_sine * by_sine_cost_2_3);
-    const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (estimator_field_1 + (q_cost_2 * (estimator_field_3 + (q_cost_2 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) + (volts_cosine_cost_0 *
-        yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) - (y_phase_fraction_sine_2 *
-        versine_cost_2);
-    const float angle_cost_2_4 = then_2_cost_2 + dy_cost_2_2;
-    const float f9_argument_8 = angle_cost_2_4 * angle_cost_2_4;
-    const float by_cosine_cost_2_4 = f9_polynomial(f9_argument_8);
-    const float by_sine_cost_2_4 = angle_cost_2_4 * f10_polynomial(f9_argument_8);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_4);
-    const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (estimator_field_1 + (q_cost_2_2 * (estimator_field_3 + (q_cost_2_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_2) - B_2_cost_2_2;
-    const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
-        (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) + (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (damping *
-        ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) + (squared_yaw_arm *
-        yaw_change_sine_part_26)));
-    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_25) + cost_slack);
-    const float yaw_change_sine_part_27 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) - (x_sine_cost_0 *
-        by_sine_cost_2)) * (estimator_slope_0 + (phases_1_sine_cost_2_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_2_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_28 = B_2_cost_2 - (yaw_change_sine_part_27 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_29 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) - (x_sine_cost_0_2 *
-        by_sine_cost_2_2)) * (estimator_slope_0 + (cost_2_part_3 * (estimator_slope_2 + (cost_2_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_30 = B_2_cost_2_2 - (yaw_change_sine_part_29 * (y_phase_fraction_sine_2 +
-        dy_cost_2_2));
-    const float yaw_change_sine_part_31 = (yaw_change_sine_part_27 * yaw_change_sine_part_28) + (yaw_change_sine_part_29
-        * yaw_change_sine_part_30);
-    const float across_yaw_change_sine_5 = (yaw_change_sine_part_27 * yaw_change_sine_part_30) -
-        (yaw_change_sine_part_29 * yaw_change_sine_part_28);
-    const float yaw_change_sine_part_32 = 1.0f / (damping + ((yaw_change_sine_part_27 * yaw_change_sine_part_27) +
-        (yaw_change_sine_part_29 * yaw_change_sine_part_29)));
-    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_3) - (p_sine_cost_0 *
-        by_sine_cost_2_3)) * (estimator_slope_0 + (q_cost_2 * (estimator_slope_2 + (q_cost_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_2_part)) -
-        B_1_cost_2;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_4) - (p_sine_cost_0_2 *
-        by_sine_cost_2_4)) * (estimator_slope_0 + (q_cost_2_2 * (estimator_slope_2 + (q_cost_2_2 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
-        B_1_cost_2_2;
-    const float yaw_change_sine_part_37 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) + (yaw_change_sine_part_35
-        * yaw_change_sine_part_36);
-    const float across_yaw_change_sine_6 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) -
-        (yaw_change_sine_part_35 * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_38 = 1.0f / (damping + ((yaw_change_sine_part_33 * yaw_change_sine_part_33) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_35)));
-    const float yaw_change_sine_part_39 = (((damping * ((yaw_change_sine_part_28 * by_axis_1_1_e_cost_2) +
-        (yaw_change_sine_part_30 * by_axis_1_2_e_cost_2) + (then_1_cost_2 * yaw_change_sine_part_31))) +
-        (across_yaw_change_sine_5 * ((yaw_change_sine_part_27 * by_axis_1_2_e_cost_2) - (yaw_change_sine_part_29 *
-        by_axis_1_1_e_cost_2)))) * yaw_change_sine_part_32) + (((damping * ((yaw_change_sine_part_34 *
-        by_axis_2_1_e_cost_2) + (yaw_change_sine_part_36 * by_axis_2_2_e_cost_2) + (then_2_cost_2 *
-        yaw_change_sine_part_37))) + (across_yaw_change_sine_6 * ((yaw_change_sine_part_33 * by_axis_2_2_e_cost_2) -
-        (yaw_change_sine_part_35 * by_axis_2_1_e_cost_2)))) * yaw_change_sine_part_38);
-    const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_28 * yaw_change_sine_part_28) +
-        (yaw_change_sine_part_30 * yaw_change_sine_part_30))) + (across_yaw_change_sine_5 * across_yaw_change_sine_5)) *
-        yaw_change_sine_part_32) + (((damping * ((yaw_change_sine_part_34 * yaw_change_sine_part_34) +
-        (yaw_change_sine_part_36 * yaw_change_sine_part_36))) + (across_yaw_change_sine_6 * across_yaw_change_sine_6)) *
-        yaw_change_sine_part_38);
+    const float cost_2_part = (terms_3.by_axis_g * gain_2.by_axis_1_e) + (terms_4.by_axis_g * gain_2.by_axis_2_e) -
+        (damping * then_2_cost_1) - (gain_2.coupling * yaw_change_cost_2);
+    const float then_2_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_2_cost_1 + (cost_2_part *
+        yaw_change_sine_part_9)) : (0.5f * (then_2_cost_1 + other_2_cost_2)), 0.5f);
+    const float versine_cost_2 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
+    const float dy_cost_2 = (x_cost_0 * yaw_change_sine_2) - (y_cost_0 * versine_cost_2);
+    const hall_position_terms_t terms_7 = hall_position_terms(terms_3_2.cosine, then_2_cost_2 + dy_cost_2,
+        terms_3_2.sine);
+    const float B_2_3 = hall_position_B(terms_7.sine_2, terms_7.sine_squared);
+    const float cost_2_part_2 = (terms_1.by_axis_g * gain_1.by_axis_1_e) + (terms_2.by_axis_g * gain_1.by_axis_2_e) -
+        (damping * then_1_cost_1) - (gain_1.coupling * yaw_change_cost_2);
+    const float then_1_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_1_cost_1 + (cost_2_part_2 *
+        yaw_change_sine_part_8)) : (0.5f * (then_1_cost_1 + other_1_cost_2)), 0.5f);
+    const float cost_2_part_3 = (x_cost_0 * versine_cost_2) + (y_cost_0 * yaw_change_sine_2);
+    const hall_position_terms_t terms_5 = hall_position_terms(terms_1_2.cosine, then_1_cost_2 - cost_2_part_3,
+        terms_1_2.sine);
+    const float by_axis_1_1_h_cost_2 = B_2_3 - (terms_5.by_axis_g * (y_cost_0 + dy_cost_2));
+    const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
+    const float B_1_3 = hall_position_B(terms_5.sine_2, terms_5.sine_squared);
+    const float dy_cost_2_2 = (x_cost_0_2 * yaw_change_sine_2) - (y_cost_0_2 * versine_cost_2);
+    const hall_position_terms_t terms_8 = hall_position_terms(terms_4_2.cosine, then_2_cost_2 + dy_cost_2_2,
+        terms_4_2.sine);
+    const float B_2_4 = hall_position_B(terms_8.sine_2, terms_8.sine_squared);
+    const float cost_2_part_4 = (x_cost_0_2 * versine_cost_2) + (y_cost_0_2 * yaw_change_sine_2);
+    const hall_position_terms_t terms_6 = hall_position_terms(terms_2_2.cosine, then_1_cost_2 - cost_2_part_4,
+        terms_2_2.sine);
+    const float by_axis_1_2_h_cost_2 = B_2_4 - (terms_6.by_axis_g * (y_cost_0_2 + dy_cost_2_2));
+    const float B_1_4 = hall_position_B(terms_6.sine_2, terms_6.sine_squared);
+    const hall_position_gain_t gain_3 = hall_position_gain(by_axis_1_1_h_cost_2, (volts_cosine_cost_0 *
+        rotation_cosine_cost_2) - (volts_sine_cost_0 * yaw_change_sine_2), B_1_3, by_axis_1_2_h_cost_2,
+        (volts_cosine_cost_0_2 * rotation_cosine_cost_2) - (volts_sine_cost_0_2 * yaw_change_sine_2), B_1_4,
+        then_1_cost_2, terms_5.by_axis_g, terms_6.by_axis_g);
+    const float by_axis_2_1_h_cost_2 = (terms_7.by_axis_g * (x_cost_0 - cost_2_part_3)) - B_1_3;
+    const float by_axis_2_2_h_cost_2 = (terms_8.by_axis_g * (x_cost_0_2 - cost_2_part_4)) - B_1_4;
+    const hall_position_gain_t gain_4 = hall_position_gain(by_axis_2_1_h_cost_2, (volts_sine_cost_0 *
+        rotation_cosine_cost_2) + (volts_cosine_cost_0 * yaw_change_sine_2), B_2_3, by_axis_2_2_h_cost_2,
+        (volts_sine_cost_0_2 * rotation_cosine_cost_2) + (volts_cosine_cost_0_2 * yaw_change_sine_2), B_2_4,
+        then_2_cost_2, terms_7.by_axis_g, terms_8.by_axis_g);
+    const float cost_2_part_5 = (gain_3.by_axis_1_e * gain_3.by_axis_1_e) + (gain_3.by_axis_2_e * gain_3.by_axis_2_e) +
+        (gain_4.by_axis_1_e * gain_4.by_axis_1_e);
+    const float cost_2 = cost_2_part_5 + (gain_4.by_axis_2_e * gain_4.by_axis_2_e) + (damping * ((then_1_cost_2 *
+        then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) + (squared_yaw_arm * yaw_change_sine_part_12)));
+    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_10) + cost_slack);
+    const float yaw_change_sine_part_13 = 1.0f / (damping + (terms_5.terms + terms_6.terms));
+    const float yaw_change_sine_part_14 = 1.0f / (damping + (terms_7.terms + terms_8.terms));
+    const float data_yaw_change_sine_3 = (((damping * ((by_axis_1_1_h_cost_2 * by_axis_1_1_h_cost_2) +
+        (by_axis_1_2_h_cost_2 * by_axis_1_2_h_cost_2))) + (gain_3.across * gain_3.across)) * yaw_change_sine_part_13) +
+        (((damping * ((by_axis_2_1_h_cost_2 * by_axis_2_1_h_cost_2) + (by_axis_2_2_h_cost_2 * by_axis_2_2_h_cost_2))) +
+        (gain_4.across * gain_4.across)) * yaw_change_sine_part_14);
     float other_3_yaw_change_sine_2 = then_3_yaw_change_sine_2;
     float other_1_cost_3 = then_1_cost_2;
     float other_2_cost_3 = then_2_cost_2;
-    float yaw_change_sine_part_40 = cost_2;
+    float yaw_change_sine_part_15 = cost_2;
     if (!better_yaw_change_sine_2) {
         other_3_yaw_change_sine_2 = other_3_yaw_change_sine;
         other_1_cost_3 = other_1_cost_2;
         other_2_cost_3 = other_2_cost_2;
-        yaw_change_sine_part_40 = yaw_change_sine_part_25;
+        yaw_change_sine_part_15 = yaw_change_sine_part_10;
     }
-    const float then_3_yaw_change_sine_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_3_yaw_change_sine_2 +
-        ((yaw_change_sine_part_39 - (yaw_damping * then_3_yaw_change_sine_2)) / (yaw_damping + data_yaw_change_sine_3)))
-        : (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
-    const float yaw_change_sine_part_41 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
-    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_41);
+    const float yaw_change_sine_part_16 = (better_yaw_change_sine_2) ? (then_3_yaw_change_sine_2 + (((gain_3.gain *
+        yaw_change_sine_part_13) + (gain_4.gain * yaw_change_sine_part_14) - (yaw_damping * then_3_yaw_change_sine_2)) /
+        (yaw_damping + data_yaw_change_sine_3))) : (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2));
+    const float then_3_yaw_change_sine_3 = hall_position_limit(yaw_change_sine_part_16, max_yaw_step);
+    const float yaw_change_sine_part_17 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
+    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_17);
     const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_41);
-    const float versine_cost_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
-    const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
+        half_yaw_change_sine_polynomial(yaw_change_sine_part_17);
     const float yaw_change_cost_3 = then_3_yaw_change_sine_3 - then_3_yaw_change_sine_2;
-    const float then_1_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_1_cost_2 +
-        (((yaw_change_sine_part_27 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_29 * by_axis_1_2_e_cost_2) - (damping
-        * then_1_cost_2) - (yaw_change_sine_part_31 * yaw_change_cost_3)) * yaw_change_sine_part_32)) : (0.5f *
-        (then_1_cost_2 + other_1_cost_3)), 0.5f);
-    const float cost_3_part = (x_phase_fraction_sine * versine_cost_3) + (y_phase_fraction_sine * yaw_change_sine_3);
-    const float angle_cost_3 = then_1_cost_3 - cost_3_part;
-    const float f9_argument_9 = angle_cost_3 * angle_cost_3;
-    const float by_cosine_cost_3 = f9_polynomial(f9_argument_9);
-    const float by_sine_cost_3 = angle_cost_3 * f10_polynomial(f9_argument_9);
-    const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
-    const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (estimator_field_1 + (phases_1_sine_cost_3_squared *
-        (estimator_field_3 + (phases_1_sine_cost_3_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) - (volts_sine_cost_0 *
-        yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_3);
-    const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
-    const float f9_argument_10 = angle_cost_3_2 * angle_cost_3_2;
-    const float by_cosine_cost_3_2 = f9_polynomial(f9_argument_10);
-    const float by_sine_cost_3_2 = angle_cost_3_2 * f10_polynomial(f9_argument_10);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_2);
-    const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (estimator_field_1 + (cost_3_part_3 * (estimator_field_3 +
-        (cost_3_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) - (volts_sine_cost_0_2 *
-        yaw_change_sine_3) - B_1_cost_3_2;
-    const float then_2_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
-        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_2) - (damping
-        * then_2_cost_2) - (yaw_change_sine_part_37 * yaw_change_cost_3)) * yaw_change_sine_part_38)) : (0.5f *
-        (then_2_cost_2 + other_2_cost_3)), 0.5f);
-    const float dy_cost_3 = (x_phase_fraction_sine * yaw_change_sine_3) - (y_phase_fraction_sine * versine_cost_3);
-    const float angle_cost_3_3 = then_2_cost_3 + dy_cost_3;
-    const float f9_argument_11 = angle_cost_3_3 * angle_cost_3_3;
-    const float by_cosine_cost_3_3 = f9_polynomial(f9_argument_11);
-    const float by_sine_cost_3_3 = angle_cost_3_3 * f10_polynomial(f9_argument_11);
-    const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_3) + (p_cosine_yaw_change_sine * by_sine_cost_3_3);
-    const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (estimator_field_1 + (q_cost_3 * (estimator_field_3 + (q_cost_3 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) + (volts_cosine_cost_0 *
-        yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) - (y_phase_fraction_sine_2 *
-        versine_cost_3);
-    const float angle_cost_3_4 = then_2_cost_3 + dy_cost_3_2;
-    const float f9_argument_12 = angle_cost_3_4 * angle_cost_3_4;
-    const float by_cosine_cost_3_4 = f9_polynomial(f9_argument_12);
-    const float by_sine_cost_3_4 = angle_cost_3_4 * f10_polynomial(f9_argument_12);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_4);
-    const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (estimator_field_1 + (q_cost_3_2 * (estimator_field_3 + (q_cost_3_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_3) - B_2_cost_3_2;
-    const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
-        (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) + (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (damping *
-        ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) + (squared_yaw_arm *
-        yaw_change_sine_part_41)));
-    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_40) + cost_slack);
-    const float yaw_change_sine_part_42 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) - (x_sine_cost_0 *
-        by_sine_cost_3)) * (estimator_slope_0 + (phases_1_sine_cost_3_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_3_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_43 = B_2_cost_3 - (yaw_change_sine_part_42 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_44 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) - (x_sine_cost_0_2 *
-        by_sine_cost_3_2)) * (estimator_slope_0 + (cost_3_part_3 * (estimator_slope_2 + (cost_3_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_45 = B_2_cost_3_2 - (yaw_change_sine_part_44 * (y_phase_fraction_sine_2 +
-        dy_cost_3_2));
-    const float yaw_change_sine_part_46 = (yaw_change_sine_part_42 * yaw_change_sine_part_43) + (yaw_change_sine_part_44
-        * yaw_change_sine_part_45);
-    const float across_yaw_change_sine_7 = (yaw_change_sine_part_42 * yaw_change_sine_part_45) -
-        (yaw_change_sine_part_44 * yaw_change_sine_part_43);
-    const float yaw_change_sine_part_47 = 1.0f / (damping + ((yaw_change_sine_part_42 * yaw_change_sine_part_42) +
-        (yaw_change_sine_part_44 * yaw_change_sine_part_44)));
-    const float yaw_change_sine_part_48 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_3) - (p_sine_cost_0 *
-        by_sine_cost_3_3)) * (estimator_slope_0 + (q_cost_3 * (estimator_slope_2 + (q_cost_3 * estimator_slope_4))));
-    const float yaw_change_sine_part_49 = (yaw_change_sine_part_48 * (x_phase_fraction_sine - cost_3_part)) -
-        B_1_cost_3;
-    const float yaw_change_sine_part_50 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_4) - (p_sine_cost_0_2 *
-        by_sine_cost_3_4)) * (estimator_slope_0 + (q_cost_3_2 * (estimator_slope_2 + (q_cost_3_2 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_51 = (yaw_change_sine_part_50 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
-        B_1_cost_3_2;
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_48 * yaw_change_sine_part_49) + (yaw_change_sine_part_50
-        * yaw_change_sine_part_51);
-    const float across_yaw_change_sine_8 = (yaw_change_sine_part_48 * yaw_change_sine_part_51) -
-        (yaw_change_sine_part_50 * yaw_change_sine_part_49);
-    const float yaw_change_sine_part_53 = 1.0f / (damping + ((yaw_change_sine_part_48 * yaw_change_sine_part_48) +
-        (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
-    const float yaw_change_sine_part_54 = (((damping * ((yaw_change_sine_part_43 * by_axis_1_1_e_cost_3) +
-        (yaw_change_sine_part_45 * by_axis_1_2_e_cost_3) + (then_1_cost_3 * yaw_change_sine_part_46))) +
-        (across_yaw_change_sine_7 * ((yaw_change_sine_part_42 * by_axis_1_2_e_cost_3) - (yaw_change_sine_part_44 *
-        by_axis_1_1_e_cost_3)))) * yaw_change_sine_part_47) + (((damping * ((yaw_change_sine_part_49 *
-        by_axis_2_1_e_cost_3) + (yaw_change_sine_part_51 * by_axis_2_2_e_cost_3) + (then_2_cost_3 *
-        yaw_change_sine_part_52))) + (across_yaw_change_sine_8 * ((yaw_change_sine_part_48 * by_axis_2_2_e_cost_3) -
-        (yaw_change_sine_part_50 * by_axis_2_1_e_cost_3)))) * yaw_change_sine_part_53);
-    const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_43 * yaw_change_sine_part_43) +
-        (yaw_change_sine_part_45 * yaw_change_sine_part_45))) + (across_yaw_change_sine_7 * across_yaw_change_sine_7)) *
-        yaw_change_sine_part_47) + (((damping * ((yaw_change_sine_part_49 * yaw_change_sine_part_49) +
-        (yaw_change_sine_part_51 * yaw_change_sine_part_51))) + (across_yaw_change_sine_8 * across_yaw_change_sine_8)) *
-        yaw_change_sine_part_53);
+    const float cost_3_part = (terms_7.by_axis_g * gain_4.by_axis_1_e) + (terms_8.by_axis_g * gain_4.by_axis_2_e) -
+        (damping * then_2_cost_2) - (gain_4.coupling * yaw_change_cost_3);
+    const float then_2_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_2_cost_2 + (cost_3_part *
+        yaw_change_sine_part_14)) : (0.5f * (then_2_cost_2 + other_2_cost_3)), 0.5f);
+    const float versine_cost_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
+    const float dy_cost_3 = (x_cost_0 * yaw_change_sine_3) - (y_cost_0 * versine_cost_3);
+    const hall_position_terms_t terms_11 = hall_position_terms(terms_3_2.cosine, then_2_cost_3 + dy_cost_3,
+        terms_3_2.sine);
+    const float B_2_5 = hall_position_B(terms_11.sine_2, terms_11.sine_squared);
+    const float cost_3_part_2 = (terms_5.by_axis_g * gain_3.by_axis_1_e) + (terms_6.by_axis_g * gain_3.by_axis_2_e) -
+        (damping * then_1_cost_2) - (gain_3.coupling * yaw_change_cost_3);
+    const float then_1_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_1_cost_2 + (cost_3_part_2 *
+        yaw_change_sine_part_13)) : (0.5f * (then_1_cost_2 + other_1_cost_3)), 0.5f);
+    const float cost_3_part_3 = (x_cost_0 * versine_cost_3) + (y_cost_0 * yaw_change_sine_3);
+    const hall_position_terms_t terms_9 = hall_position_terms(terms_1_2.cosine, then_1_cost_3 - cost_3_part_3,
+        terms_1_2.sine);
+    const float by_axis_1_1_h_cost_3 = B_2_5 - (terms_9.by_axis_g * (y_cost_0 + dy_cost_3));
+    const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
+    const float B_1_5 = hall_position_B(terms_9.sine_2, terms_9.sine_squared);
+    const float dy_cost_3_2 = (x_cost_0_2 * yaw_change_sine_3) - (y_cost_0_2 * versine_cost_3);
+    const hall_position_terms_t terms_12 = hall_position_terms(terms_4_2.cosine, then_2_cost_3 + dy_cost_3_2,
+        terms_4_2.sine);
+    const float B_2_6 = hall_position_B(terms_12.sine_2, terms_12.sine_squared);
+    const float cost_3_part_4 = (x_cost_0_2 * versine_cost_3) + (y_cost_0_2 * yaw_change_sine_3);
+    const hall_position_terms_t terms_10 = hall_position_terms(terms_2_2.cosine, then_1_cost_3 - cost_3_part_4,
+        terms_2_2.sine);
+    const float by_axis_1_2_h_cost_3 = B_2_6 - (terms_10.by_axis_g * (y_cost_0_2 + dy_cost_3_2));
+    const float B_1_6 = hall_position_B(terms_10.sine_2, terms_10.sine_squared);
+    const hall_position_gain_t gain_5 = hall_position_gain(by_axis_1_1_h_cost_3, (volts_cosine_cost_0 *
+        rotation_cosine_cost_3) - (volts_sine_cost_0 * yaw_change_sine_3), B_1_5, by_axis_1_2_h_cost_3,
+        (volts_cosine_cost_0_2 * rotation_cosine_cost_3) - (volts_sine_cost_0_2 * yaw_change_sine_3), B_1_6,
+        then_1_cost_3, terms_9.by_axis_g, terms_10.by_axis_g);
+    const float by_axis_2_1_h_cost_3 = (terms_11.by_axis_g * (x_cost_0 - cost_3_part_3)) - B_1_5;
+    const float by_axis_2_2_h_cost_3 = (terms_12.by_axis_g * (x_cost_0_2 - cost_3_part_4)) - B_1_6;
+    const hall_position_gain_t gain_6 = hall_position_gain(by_axis_2_1_h_cost_3, (volts_sine_cost_0 *
+        rotation_cosine_cost_3) + (volts_cosine_cost_0 * yaw_change_sine_3), B_2_5, by_axis_2_2_h_cost_3,
+        (volts_sine_cost_0_2 * rotation_cosine_cost_3) + (volts_cosine_cost_0_2 * yaw_change_sine_3), B_2_6,
+        then_2_cost_3, terms_11.by_axis_g, terms_12.by_axis_g);
+    const float cost_3_part_5 = (gain_5.by_axis_1_e * gain_5.by_axis_1_e) + (gain_5.by_axis_2_e * gain_5.by_axis_2_e) +
+        (gain_6.by_axis_1_e * gain_6.by_axis_1_e);
+    const float cost_3 = cost_3_part_5 + (gain_6.by_axis_2_e * gain_6.by_axis_2_e) + (damping * ((then_1_cost_3 *
+        then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) + (squared_yaw_arm * yaw_change_sine_part_17)));
+    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_15) + cost_slack);
+    const float yaw_change_sine_part_18 = 1.0f / (damping + (terms_9.terms + terms_10.terms));
+    const float yaw_change_sine_part_19 = 1.0f / (damping + (terms_11.terms + terms_12.terms));
+    const float data_yaw_change_sine_4 = (((damping * ((by_axis_1_1_h_cost_3 * by_axis_1_1_h_cost_3) +
+        (by_axis_1_2_h_cost_3 * by_axis_1_2_h_cost_3))) + (gain_5.across * gain_5.across)) * yaw_change_sine_part_18) +
+        (((damping * ((by_axis_2_1_h_cost_3 * by_axis_2_1_h_cost_3) + (by_axis_2_2_h_cost_3 * by_axis_2_2_h_cost_3))) +
+        (gain_6.across * gain_6.across)) * yaw_change_sine_part_19);
     float other_3_yaw_change_sine_3 = then_3_yaw_change_sine_3;
     float other_1_cost_4 = then_1_cost_3;
     float other_2_cost_4 = then_2_cost_3;
@@ -688,145 +554,92 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         other_3_yaw_change_sine_3 = other_3_yaw_change_sine_2;
         other_1_cost_4 = other_1_cost_3;
         other_2_cost_4 = other_2_cost_3;
-        converged_part = yaw_change_sine_part_40;
+        converged_part = yaw_change_sine_part_15;
     }
-    const float at_3_yaw_change_sine = hall_position_limit((better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3 +
-        ((yaw_change_sine_part_54 - (yaw_damping * then_3_yaw_change_sine_3)) / (yaw_damping + data_yaw_change_sine_4)))
-        : (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
+    const float yaw_change_sine_part_20 = (better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3 + (((gain_5.gain *
+        yaw_change_sine_part_18) + (gain_6.gain * yaw_change_sine_part_19) - (yaw_damping * then_3_yaw_change_sine_3)) /
+        (yaw_damping + data_yaw_change_sine_4))) : (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3));
+    const float at_3_yaw_change_sine = hall_position_limit(yaw_change_sine_part_20, max_yaw_step);
     const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
     const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
     const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
         half_yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
-    const float versine_cost_4 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
-    const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
     const float yaw_change_cost_4 = at_3_yaw_change_sine - then_3_yaw_change_sine_3;
-    const float at_1_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_1_cost_3 +
-        (((yaw_change_sine_part_42 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_44 * by_axis_1_2_e_cost_3) - (damping
-        * then_1_cost_3) - (yaw_change_sine_part_46 * yaw_change_cost_4)) * yaw_change_sine_part_47)) : (0.5f *
-        (then_1_cost_3 + other_1_cost_4)), 0.5f);
-    const float cost_4_part = (x_phase_fraction_sine * versine_cost_4) + (y_phase_fraction_sine * yaw_change_sine_4);
-    const float angle_cost_4 = at_1_cost_4 - cost_4_part;
-    const float f9_argument_13 = angle_cost_4 * angle_cost_4;
-    const float by_cosine_cost_4 = f9_polynomial(f9_argument_13);
-    const float by_sine_cost_4 = angle_cost_4 * f10_polynomial(f9_argument_13);
-    const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
-    const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (estimator_field_1 + (phases_1_sine_cost_4_squared *
-        (estimator_field_3 + (phases_1_sine_cost_4_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) - (volts_sine_cost_0 *
-        yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_4);
-    const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
-    const float f9_argument_14 = angle_cost_4_2 * angle_cost_4_2;
-    const float by_cosine_cost_4_2 = f9_polynomial(f9_argument_14);
-    const float by_sine_cost_4_2 = angle_cost_4_2 * f10_polynomial(f9_argument_14);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_2);
-    const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (estimator_field_1 + (cost_4_part_3 * (estimator_field_3 +
-        (cost_4_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) - (volts_sine_cost_0_2 *
-        yaw_change_sine_4) - B_1_cost_4_2;
-    const float at_2_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
-        (((yaw_change_sine_part_48 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_50 * by_axis_2_2_e_cost_3) - (damping
-        * then_2_cost_3) - (yaw_change_sine_part_52 * yaw_change_cost_4)) * yaw_change_sine_part_53)) : (0.5f *
-        (then_2_cost_3 + other_2_cost_4)), 0.5f);
-    const float dy_cost_4 = (x_phase_fraction_sine * yaw_change_sine_4) - (y_phase_fraction_sine * versine_cost_4);
-    const float angle_cost_4_3 = at_2_cost_4 + dy_cost_4;
-    const float f9_argument_15 = angle_cost_4_3 * angle_cost_4_3;
-    const float by_cosine_cost_4_3 = f9_polynomial(f9_argument_15);
-    const float by_sine_cost_4_3 = angle_cost_4_3 * f10_polynomial(f9_argument_15);
-    const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_3) + (p_cosine_yaw_change_sine * by_sine_cost_4_3);
-    const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (estimator_field_1 + (q_cost_4 * (estimator_field_3 + (q_cost_4 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) + (volts_cosine_cost_0 *
-        yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) - (y_phase_fraction_sine_2 *
-        versine_cost_4);
-    const float angle_cost_4_4 = at_2_cost_4 + dy_cost_4_2;
-    const float f9_argument_16 = angle_cost_4_4 * angle_cost_4_4;
-    const float by_cosine_cost_4_4 = f9_polynomial(f9_argument_16);
-    const float by_sine_cost_4_4 = angle_cost_4_4 * f10_polynomial(f9_argument_16);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_4);
-    const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (estimator_field_1 + (q_cost_4_2 * (estimator_field_3 + (q_cost_4_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_4) - B_2_cost_4_2;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) + (by_axis_1_2_e_cost_4 *
-        by_axis_1_2_e_cost_4) + (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 *
-        by_axis_2_2_e_cost_4);
-    const float cost_4_part_4 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
-    const float cost_4 = squares_cost_4 + (damping * (cost_4_part_4 + (squared_yaw_arm *
+    const float cost_4_part = (terms_11.by_axis_g * gain_6.by_axis_1_e) + (terms_12.by_axis_g * gain_6.by_axis_2_e) -
+        (damping * then_2_cost_3) - (gain_6.coupling * yaw_change_cost_4);
+    const float at_2_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_2_cost_3 + (cost_4_part *
+        yaw_change_sine_part_19)) : (0.5f * (then_2_cost_3 + other_2_cost_4)), 0.5f);
+    const float versine_cost_4 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
+    const float dy_cost_4 = (x_cost_0 * yaw_change_sine_4) - (y_cost_0 * versine_cost_4);
+    const hall_position_terms_t terms_15 = hall_position_terms(terms_3_2.cosine, at_2_cost_4 + dy_cost_4,
+        terms_3_2.sine);
+    const float B_2_7 = hall_position_B(terms_15.sine_2, terms_15.sine_squared);
+    const float cost_4_part_2 = (terms_9.by_axis_g * gain_5.by_axis_1_e) + (terms_10.by_axis_g * gain_5.by_axis_2_e) -
+        (damping * then_1_cost_3) - (gain_5.coupling * yaw_change_cost_4);
+    const float at_1_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_1_cost_3 + (cost_4_part_2 *
+        yaw_change_sine_part_18)) : (0.5f * (then_1_cost_3 + other_1_cost_4)), 0.5f);
+    const float cost_4_part_3 = (x_cost_0 * versine_cost_4) + (y_cost_0 * yaw_change_sine_4);
+    const hall_position_terms_t terms_13 = hall_position_terms(terms_1_2.cosine, at_1_cost_4 - cost_4_part_3,
+        terms_1_2.sine);
+    const float by_axis_1_1_h_cost_4 = B_2_7 - (terms_13.by_axis_g * (y_cost_0 + dy_cost_4));
+    const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
+    const float B_1_7 = hall_position_B(terms_13.sine_2, terms_13.sine_squared);
+    const float dy_cost_4_2 = (x_cost_0_2 * yaw_change_sine_4) - (y_cost_0_2 * versine_cost_4);
+    const hall_position_terms_t terms_16 = hall_position_terms(terms_4_2.cosine, at_2_cost_4 + dy_cost_4_2,
+        terms_4_2.sine);
+    const float B_2_8 = hall_position_B(terms_16.sine_2, terms_16.sine_squared);
+    const float cost_4_part_4 = (x_cost_0_2 * versine_cost_4) + (y_cost_0_2 * yaw_change_sine_4);
+    const hall_position_terms_t terms_14 = hall_position_terms(terms_2_2.cosine, at_1_cost_4 - cost_4_part_4,
+        terms_2_2.sine);
+    const float by_axis_1_2_h_cost_4 = B_2_8 - (terms_14.by_axis_g * (y_cost_0_2 + dy_cost_4_2));
+    const float B_1_8 = hall_position_B(terms_14.sine_2, terms_14.sine_squared);
+    const hall_position_gain_t gain_7 = hall_position_gain(by_axis_1_1_h_cost_4, (volts_cosine_cost_0 *
+        rotation_cosine_cost_4) - (volts_sine_cost_0 * yaw_change_sine_4), B_1_7, by_axis_1_2_h_cost_4,
+        (volts_cosine_cost_0_2 * rotation_cosine_cost_4) - (volts_sine_cost_0_2 * yaw_change_sine_4), B_1_8,
+        at_1_cost_4, terms_13.by_axis_g, terms_14.by_axis_g);
+    const float by_axis_2_1_h_cost_4 = (terms_15.by_axis_g * (x_cost_0 - cost_4_part_3)) - B_1_7;
+    const float by_axis_2_2_h_cost_4 = (terms_16.by_axis_g * (x_cost_0_2 - cost_4_part_4)) - B_1_8;
+    const hall_position_gain_t gain_8 = hall_position_gain(by_axis_2_1_h_cost_4, (volts_sine_cost_0 *
+        rotation_cosine_cost_4) + (volts_cosine_cost_0 * yaw_change_sine_4), B_2_7, by_axis_2_2_h_cost_4,
+        (volts_sine_cost_0_2 * rotation_cosine_cost_4) + (volts_cosine_cost_0_2 * yaw_change_sine_4), B_2_8,
+        at_2_cost_4, terms_15.by_axis_g, terms_16.by_axis_g);
+    const float cost_4_part_5 = (gain_7.by_axis_1_e * gain_7.by_axis_1_e) + (gain_7.by_axis_2_e * gain_7.by_axis_2_e) +
+        (gain_8.by_axis_1_e * gain_8.by_axis_1_e);
+    const float squares_cost_4 = cost_4_part_5 + (gain_8.by_axis_2_e * gain_8.by_axis_2_e);
+    const float cost_4_part_6 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
+    const float cost_4 = squares_cost_4 + (damping * (cost_4_part_6 + (squared_yaw_arm *
         at_3_yaw_change_sine_squared)));
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
-    const bool gate_exceeded = squared_gate < (cost_4_part_4 + (squared_radius * at_3_yaw_change_sine_squared));
+    const bool gate_exceeded = squared_gate < (cost_4_part_6 + (squared_radius * at_3_yaw_change_sine_squared));
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) - (x_sine_cost_0 *
-        by_sine_cost_4)) * (estimator_slope_0 + (phases_1_sine_cost_4_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_4_squared * estimator_slope_4))));
-    const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) - (x_sine_cost_0_2 *
-        by_sine_cost_4_2)) * (estimator_slope_0 + (cost_4_part_3 * (estimator_slope_2 + (cost_4_part_3 *
-        estimator_slope_4))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 - (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 +
-        dy_cost_4_2));
-    const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_h_converged);
-    const float across_converged = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) - (by_axis_1_2_g_converged *
-        by_axis_1_1_h_converged);
-    const float axes_1_inverse = 1.0f / (damping + ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_g_converged)));
-    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_3) - (p_sine_cost_0 *
-        by_sine_cost_4_3)) * (estimator_slope_0 + (q_cost_4 * (estimator_slope_2 + (q_cost_4 * estimator_slope_4))));
-    const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
-        B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_4) - (p_sine_cost_0_2 *
-        by_sine_cost_4_4)) * (estimator_slope_0 + (q_cost_4_2 * (estimator_slope_2 + (q_cost_4_2 *
-        estimator_slope_4))));
-    const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
-        B_1_cost_4_2;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) + (by_axis_2_2_g_converged *
-        by_axis_2_2_h_converged);
-    const float across_converged_2 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) - (by_axis_2_2_g_converged *
-        by_axis_2_1_h_converged);
-    const float n_inverse = 1.0f / (damping + ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_g_converged)));
-    const float converged_part_2 = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (at_1_cost_4 * axes_1_coupling_converged))) +
-        (across_converged * ((by_axis_1_1_g_converged * by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged *
-        by_axis_1_1_e_cost_4)))) * axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_h_converged * by_axis_2_2_e_cost_4) + (at_2_cost_4 * n_coupling))) + (across_converged_2 *
-        ((by_axis_2_1_g_converged * by_axis_2_2_e_cost_4) - (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4)))) *
-        n_inverse);
-    const float right_converged = converged_part_2 - (yaw_damping * at_3_yaw_change_sine);
-    const float data_converged = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_h_converged * by_axis_1_2_h_converged))) + (across_converged * across_converged)) * axes_1_inverse)
-        + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) + (by_axis_2_2_h_converged *
-        by_axis_2_2_h_converged))) + (across_converged_2 * across_converged_2)) * n_inverse);
-    const float converged_part_3 = 1.0f / (yaw_damping + data_converged);
-    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) + (by_axis_1_2_g_converged *
-        by_axis_1_2_e_cost_4) - (damping * at_1_cost_4);
-    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) + (by_axis_2_2_g_converged *
-        by_axis_2_2_e_cost_4) - (damping * at_2_cost_4);
-    const bool converged = better_converged && (((right_converged * right_converged * converged_part_3) +
+    const float axes_1_inverse = 1.0f / (damping + (terms_13.terms + terms_14.terms));
+    const float n_inverse = 1.0f / (damping + (terms_15.terms + terms_16.terms));
+    const float right_converged = (gain_7.gain * axes_1_inverse) + (gain_8.gain * n_inverse) - (yaw_damping *
+        at_3_yaw_change_sine);
+    const float data_converged = (((damping * ((by_axis_1_1_h_cost_4 * by_axis_1_1_h_cost_4) + (by_axis_1_2_h_cost_4 *
+        by_axis_1_2_h_cost_4))) + (gain_7.across * gain_7.across)) * axes_1_inverse) + (((damping *
+        ((by_axis_2_1_h_cost_4 * by_axis_2_1_h_cost_4) + (by_axis_2_2_h_cost_4 * by_axis_2_2_h_cost_4))) +
+        (gain_8.across * gain_8.across)) * n_inverse);
+    const float converged_part_2 = 1.0f / (yaw_damping + data_converged);
+    const float axes_1_slope_converged = (terms_13.by_axis_g * gain_7.by_axis_1_e) + (terms_14.by_axis_g *
+        gain_7.by_axis_2_e) - (damping * at_1_cost_4);
+    const float n_slope = (terms_15.by_axis_g * gain_8.by_axis_1_e) + (terms_16.by_axis_g * gain_8.by_axis_2_e) -
+        (damping * at_2_cost_4);
+    const bool converged = better_converged && (((right_converged * right_converged * converged_part_2) +
         (axes_1_slope_converged * axes_1_slope_converged * axes_1_inverse) + (n_slope * n_slope * n_inverse)) <=
         cost_slack);
     float at_3_X;
     float at_1_X;
     float at_2_Y;
     if (converged) {
-        const float untried_3 = hall_position_limit(at_3_yaw_change_sine + (right_converged * converged_part_3),
+        const float untried_3 = hall_position_limit(at_3_yaw_change_sine + (right_converged * converged_part_2),
             max_yaw_step);
         at_3_X = untried_3;
         const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
-        at_1_X = hall_position_limit(at_1_cost_4 + ((axes_1_slope_converged - (axes_1_coupling_converged *
-            yaw_change_X)) * axes_1_inverse), 0.5f);
-        at_2_Y = hall_position_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
+        at_1_X = hall_position_limit(at_1_cost_4 + ((axes_1_slope_converged - (gain_7.coupling * yaw_change_X)) *
+            axes_1_inverse), 0.5f);
+        at_2_Y = hall_position_limit(at_2_cost_4 + ((n_slope - (gain_8.coupling * yaw_change_X)) * n_inverse), 0.5f);
     } else {
         if (better_converged) {
             at_3_X = at_3_yaw_change_sine;
@@ -896,12 +709,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (angle_yaw < -pi) {
         yaw = angle_yaw + two_pi;
     }
-    const float by_yaw_X = axes_1_coupling_converged * axes_1_inverse;
+    const float by_yaw_X = gain_7.coupling * axes_1_inverse;
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
     const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
     const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X_squared * yaw_deviation_X));
     out->deviation_X = deviation_X;
-    const float by_yaw_Y = n_coupling * n_inverse;
+    const float by_yaw_Y = gain_8.coupling * n_inverse;
     const float by_yaw_Y_squared = by_yaw_Y * by_yaw_Y;
     const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y_squared * yaw_deviation_X));
     out->deviation_Y = deviation_Y;

@@ -10,7 +10,7 @@
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. Protection levels hold for voltages within 60 mV rms of the model, and a fault of one
+ * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
  * sensor. A lost track needs init.
  *
  * The gains were computed for the numbers of the plant in hall_position_four.c: for another mass or geometry, generate
@@ -83,14 +83,10 @@ typedef struct {
     float screen_last_V_cy;             /* V, -5 .. 5: of the last sample */
     float screen_last_V_dx;             /* V, -5 .. 5: of the last sample */
     float screen_last_V_dy;             /* V, -5 .. 5: of the last sample */
-    uint32_t screen_repeats_V_ax;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_ay;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_bx;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_by;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_cx;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_cy;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_dx;       /* 1, 0 .. 6: samples in a row with the same code */
-    uint32_t screen_repeats_V_dy;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_1;          /* 1, 0 .. 6: samples in a row in which a channel of group 1 has the same code */
+    uint32_t screen_repeats_2;          /* 1, 0 .. 6: samples in a row in which a channel of group 2 has the same code */
+    uint32_t screen_repeats_3;          /* 1, 0 .. 6: samples in a row in which a channel of group 3 has the same code */
+    uint32_t screen_repeats_4;          /* 1, 0 .. 6: samples in a row in which a channel of group 4 has the same code */
     float estimator_phase_x;            /* rad, -3.14159 .. 3.14159 */
     float estimator_phase_y;            /* rad, -3.14159 .. 3.14159 */
     float estimator_yaw;                /* rad, -0.20944 .. 0.20944 */
@@ -121,11 +117,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_four_input_t) == 32u, "size of hall_position_four_input_t");
 _Static_assert(sizeof(hall_position_four_output_t) == 72u, "size of hall_position_four_output_t");
-_Static_assert(sizeof(hall_position_four_state_t) == 204u, "size of hall_position_four_state_t");
+_Static_assert(sizeof(hall_position_four_state_t) == 188u, "size of hall_position_four_state_t");
 #else
 extern char hall_position_four_input_size_is_32[(sizeof(hall_position_four_input_t) == 32u) ? 1 : -1];
 extern char hall_position_four_output_size_is_72[(sizeof(hall_position_four_output_t) == 72u) ? 1 : -1];
-extern char hall_position_four_state_size_is_204[(sizeof(hall_position_four_state_t) == 204u) ? 1 : -1];
+extern char hall_position_four_state_size_is_188[(sizeof(hall_position_four_state_t) == 188u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

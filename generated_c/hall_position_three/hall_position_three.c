@@ -71,6 +71,9 @@ static inline float yaw_fraction_cosine_polynomial(float t)
 /* f3_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((-1.5812683 * (1 - (0.5 * (clamp((...), -2, 2) *
  * clamp((...), -2, 2))))) - (1.5833627 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
  * -6.80622387 .. 6.80622435, t = x^2; relative error at most 1.2e-07. */
+/* f5_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((1.5833627 * (1 - (0.5 * (clamp((...), -2, 2) *
+ * clamp((...), -2, 2))))) - (1.5812683 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
+ * -6.80622435 .. 6.80622387, t = x^2; relative error at most 1.2e-07. */
 static inline float f3_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552044f + (t * (2.5426283e-07f + (t * -9.2772345e-11f)))));
@@ -79,23 +82,10 @@ static inline float f3_polynomial(float t)
 /* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((-1.5812683 * (1 - (0.5 * (clamp((...), -2, 2)
  * * clamp((...), -2, 2))))) - (1.5833627 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
  * -6.80622387 .. 6.80622435, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.0078124604f + (t * (1.01684145e-05f + (t * -5.1597757e-09f)))));
-}
-
-/* f5_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((1.5833627 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (1.5812683 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.80622435 .. 6.80622387, t = x^2; relative error at most 1.2e-07. */
-static inline float f5_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552044f + (t * (2.5426283e-07f + (t * -9.2772345e-11f)))));
-}
-
 /* phase_fraction_cosine; x = (estimator_phase_y + estimator_motion_y) + ((1.5833627 * (1 - (0.5 * (clamp((...), -2, 2)
  * * clamp((...), -2, 2))))) - (1.5812683 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
  * -6.80622435 .. 6.80622387, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_2_polynomial(float t)
+static inline float phase_fraction_cosine_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.0078124604f + (t * (1.01684145e-05f + (t * -5.1597757e-09f)))));
 }
@@ -103,6 +93,9 @@ static inline float phase_fraction_cosine_2_polynomial(float t)
 /* f7_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((-0.0858701992 * (1 - (0.5 * ((...) * (...))))) -
  * (0.081681409 * clamp((clamp((...), -2, 2) * (1 - (...))), -1, 1))) in -3.80914426 .. 3.8091445, t = x^2; relative
  * error at most 1.7e-07. */
+/* f9_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((0.081681409 * (1 - (0.5 * (clamp((...), -2, 2) *
+ * clamp((...), -2, 2))))) - (0.0858701992 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
+ * -3.8091445 .. 3.80914426, t = x^2; relative error at most 1.7e-07. */
 static inline float f7_polynomial(float t)
 {
     return 0.12499999f + (t * (-0.00032551005f + (t * 2.5227982e-07f)));
@@ -111,23 +104,10 @@ static inline float f7_polynomial(float t)
 /* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((-0.0858701992 * (1 - (0.5 * ((...) *
  * (...))))) - (0.081681409 * clamp((clamp((...), -2, 2) * (1 - (...))), -1, 1))) in -3.80914426 .. 3.8091445, t = x^2;
  * relative error at most 6e-08. */
-static inline float phase_fraction_cosine_3_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812499f + (t * (1.017216e-05f + (t * -5.2561466e-09f)))));
-}
-
-/* f9_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((0.081681409 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (0.0858701992 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -3.8091445 .. 3.80914426, t = x^2; relative error at most 1.7e-07. */
-static inline float f9_polynomial(float t)
-{
-    return 0.12499999f + (t * (-0.00032551005f + (t * 2.5227982e-07f)));
-}
-
 /* phase_fraction_cosine; x = (estimator_phase_y + estimator_motion_y) + ((0.081681409 * (1 - (0.5 * (clamp((...), -2,
  * 2) * clamp((...), -2, 2))))) - (0.0858701992 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
  * -3.8091445 .. 3.80914426, t = x^2; relative error at most 6e-08. */
-static inline float phase_fraction_cosine_4_polynomial(float t)
+static inline float phase_fraction_cosine_3_polynomial(float t)
 {
     return 1.0f + (t * (-0.007812499f + (t * (1.017216e-05f + (t * -5.2561466e-09f)))));
 }
@@ -210,6 +190,172 @@ static inline float f19_polynomial(float t)
 static inline float f20_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666614f + (t * (0.008330212f + (t * -0.00019311559f)))));
+}
+
+typedef struct {
+    float value;
+    float value_2;
+    float across;
+    float value_3;
+    float terms;
+} hall_position_three_terms_t;
+
+/* terms: 10 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_terms_t hall_position_three_terms(float terms_1, float terms_2,
+    float by_axis_3_h, float by_axis_1_g, float by_axis_2_h, float by_axis_2_g, float by_axis_1_h, float by_axis_3_g)
+{
+    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
+
+    const float value_part = (by_axis_1_g * by_axis_2_h) - (by_axis_2_g * by_axis_1_h);
+    const float value_2_part = (by_axis_1_g * by_axis_3_h) - (by_axis_3_g * by_axis_1_h);
+    const float across = (by_axis_2_g * by_axis_3_h) - (by_axis_3_g * by_axis_2_h);
+    const float value_3_part = 1.0f / (damping + ((by_axis_1_g * by_axis_1_g) + (by_axis_2_g * by_axis_2_g) +
+        (by_axis_3_g * by_axis_3_g)));
+    return (hall_position_three_terms_t){.value = value_part, .value_2 = value_2_part, .across = across, .value_3 =
+        value_3_part, .terms = ((damping * (terms_1 + terms_2 + (by_axis_3_h * by_axis_3_h))) + (value_part *
+        value_part) + (value_2_part * value_2_part) + (across * across)) * value_3_part};
+}
+
+typedef struct {
+    float sine;
+    float sine_squared;
+    float B;
+    float cosine;
+} hall_position_three_cosine_t;
+
+/* cosine: 6 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_cosine_t hall_position_three_cosine(float at, float value,
+    float phase_fraction_cosine, float field_2, float field_3, float field_4)
+{
+    const float at_times_value = at * value;
+    const float phase_fraction_sine = 8.0f * at_times_value;
+    const float sine_part = at_times_value * phase_fraction_cosine;
+    const float sine_part_2 = hall_position_three_limit(8.0f * (sine_part * (1.0f - (0.03125f * (phase_fraction_sine *
+        phase_fraction_sine)))), 2.0f);
+    const float sine_part_3 = 8.0f * sine_part;
+    const float sine = hall_position_three_limit(sine_part_2 * (1.0f - (0.125f * (sine_part_3 * sine_part_3))), 1.0f);
+    const float sine_squared = sine * sine;
+    return (hall_position_three_cosine_t){.sine = sine, .sine_squared = sine_squared, .B = sine * (field_2 +
+        (sine_squared * (field_3 + (sine_squared * field_4)))), .cosine = 1.0f - (0.5f * (sine_part_2 * sine_part_2))};
+}
+
+typedef struct {
+    float phases_1_sine_squared;
+    float B_1;
+    float by_axis_1_e;
+    float terms;
+} hall_position_three_terms_2_t;
+
+/* terms_2: 12 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_terms_2_t hall_position_three_terms_2(float volts_cosine,
+    float rotation_cosine, float volts_sine, float yaw_change_sine, float x_sine_times_by_cosine,
+    float x_cosine_times_by_sine, float field_2, float field_3, float field_4)
+{
+    const float phases_1_sine = x_sine_times_by_cosine + x_cosine_times_by_sine;
+    const float phases_1_sine_squared = phases_1_sine * phases_1_sine;
+    const float B_1 = phases_1_sine * (field_2 + (phases_1_sine_squared * (field_3 + (phases_1_sine_squared *
+        field_4))));
+    const float by_axis_1_e = (volts_cosine * rotation_cosine) - (volts_sine * yaw_change_sine) - B_1;
+    return (hall_position_three_terms_2_t){.phases_1_sine_squared = phases_1_sine_squared, .B_1 = B_1, .by_axis_1_e =
+        by_axis_1_e, .terms = by_axis_1_e * by_axis_1_e};
+}
+
+typedef struct {
+    float q;
+    float B_2;
+    float by_axis_2_e;
+    float terms;
+} hall_position_three_terms_3_t;
+
+/* terms_3: 12 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_terms_3_t hall_position_three_terms_3(float volts_sine,
+    float rotation_cosine, float volts_cosine, float yaw_change_sine, float p_sine_times_by_cosine,
+    float p_cosine_times_by_sine, float field_2, float field_3, float field_4)
+{
+    const float p_sine = p_sine_times_by_cosine + p_cosine_times_by_sine;
+    const float q = p_sine * p_sine;
+    const float B_2 = p_sine * (field_2 + (q * (field_3 + (q * field_4))));
+    const float by_axis_2_e = (volts_sine * rotation_cosine) + (volts_cosine * yaw_change_sine) - B_2;
+    return (hall_position_three_terms_3_t){.q = q, .B_2 = B_2, .by_axis_2_e = by_axis_2_e, .terms = by_axis_2_e *
+        by_axis_2_e};
+}
+
+typedef struct {
+    float by_axis_1_g;
+    float by_axis_1_h;
+    float terms;
+    float terms_2;
+} hall_position_three_terms_4_t;
+
+/* terms_4: 15 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_terms_4_t hall_position_three_terms_4(float B_2, float cosine,
+    float slope_1, float sine_squared, float slope_2, float slope_3, float value, float value_2)
+{
+    const float by_axis_1_g = cosine * (slope_1 + (sine_squared * (slope_2 + (sine_squared * slope_3))));
+    const float by_axis_1_h = B_2 - (by_axis_1_g * value);
+    return (hall_position_three_terms_4_t){.by_axis_1_g = by_axis_1_g, .by_axis_1_h = by_axis_1_h, .terms = by_axis_1_h
+        * value_2, .terms_2 = by_axis_1_g * by_axis_1_h};
+}
+
+typedef struct {
+    float by_axis_2_g;
+    float by_axis_2_h;
+    float terms;
+    float terms_2;
+} hall_position_three_terms_5_t;
+
+/* terms_5: 15 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_terms_5_t hall_position_three_terms_5(float p_cosine, float slope_1,
+    float q, float slope_2, float slope_3, float value, float B_1, float value_2)
+{
+    const float by_axis_2_g = p_cosine * (slope_1 + (q * (slope_2 + (q * slope_3))));
+    const float by_axis_2_h = (by_axis_2_g * value) - B_1;
+    return (hall_position_three_terms_5_t){.by_axis_2_g = by_axis_2_g, .by_axis_2_h = by_axis_2_h, .terms = by_axis_2_h
+        * value_2, .terms_2 = by_axis_2_g * by_axis_2_h};
+}
+
+/* moment: 10 calls in the step */
+HALL_POSITION_THREE_INLINE float hall_position_three_moment(float value, float value_2, float value_3, float value_4,
+    float value_5, float value_6, float by_axis_1_g, float value_7, float value_8)
+{
+    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
+
+    return (damping * (value + value_2)) + (value_3 * (value_4 - value_5)) + (value_6 * ((by_axis_1_g * value_7) -
+        value_8));
+}
+
+typedef struct {
+    float by_cosine;
+    float by_sine;
+    float cosine_2;
+} hall_position_three_cosine_2_t;
+
+/* cosine_2: 8 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_cosine_2_t hall_position_three_cosine_2(float cosine, float angle,
+    float sine)
+{
+    const float f17_argument = angle * angle;
+    const float by_cosine = f17_polynomial(f17_argument);
+    const float by_sine = angle * f18_polynomial(f17_argument);
+    return (hall_position_three_cosine_2_t){.by_cosine = by_cosine, .by_sine = by_sine, .cosine_2 = (cosine * by_cosine)
+        - (sine * by_sine)};
+}
+
+typedef struct {
+    float by_cosine;
+    float by_sine;
+    float cosine_2;
+} hall_position_three_cosine_3_t;
+
+/* cosine_3: 8 calls in the step */
+HALL_POSITION_THREE_INLINE hall_position_three_cosine_3_t hall_position_three_cosine_3(float cosine, float angle,
+    float sine)
+{
+    const float f19_argument = angle * angle;
+    const float by_cosine = f19_polynomial(f19_argument);
+    const float by_sine = angle * f20_polynomial(f19_argument);
+    return (hall_position_three_cosine_3_t){.by_cosine = by_cosine, .by_sine = by_sine, .cosine_2 = (cosine * by_cosine)
+        - (sine * by_sine)};
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -327,47 +473,35 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float phase_fraction_sine_part = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (phase_fraction_sine_part * phase_fraction_sine_part));
-    const float heading_sine = hall_position_three_limit(phase_fraction_sine_part * (1.0f - (0.125f * (yaw_fraction_sine
-        * yaw_fraction_sine))), 1.0f);
-    const float x_phase_fraction_sine = (arm_ax * heading_cosine) - (arm_ay * heading_sine);
-    const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
-    const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
-    const float f3 = at_1_phase_fraction_sine * f3_polynomial(f3_argument);
-    const float phase_fraction_sine = 8.0f * f3;
+    const float phase_fraction_cosine_part = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (phase_fraction_cosine_part * phase_fraction_cosine_part));
+    const float heading_sine = hall_position_three_limit(phase_fraction_cosine_part * (1.0f - (0.125f *
+        (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
+    const float x_phase_fraction_cosine = (arm_ax * heading_cosine) - (arm_ay * heading_sine);
+    const float at_1_phase_fraction_cosine = prediction_phase_x + x_phase_fraction_cosine;
+    const float f3_argument = at_1_phase_fraction_cosine * at_1_phase_fraction_cosine;
     const float phase_fraction_cosine = phase_fraction_cosine_polynomial(f3_argument);
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float y_phase_fraction_sine = (arm_ay * heading_cosine) - (-arm_ax * heading_sine);
-    const float at_2_phase_fraction_sine = prediction_phase_y + y_phase_fraction_sine;
-    const float f5_argument = at_2_phase_fraction_sine * at_2_phase_fraction_sine;
-    const float f5 = at_2_phase_fraction_sine * f5_polynomial(f5_argument);
-    const float phase_fraction_sine_2 = 8.0f * f5;
-    const float phase_fraction_cosine_2 = phase_fraction_cosine_2_polynomial(f5_argument);
-    const float x_phase_fraction_sine_2 = (arm_bx * heading_cosine) - (arm_by * heading_sine);
-    const float at_1_phase_fraction_sine_2 = prediction_phase_x + x_phase_fraction_sine_2;
-    const float f7_argument = at_1_phase_fraction_sine_2 * at_1_phase_fraction_sine_2;
-    const float f7 = at_1_phase_fraction_sine_2 * f7_polynomial(f7_argument);
-    const float phase_fraction_sine_3 = 8.0f * f7;
+    const float y_phase_fraction_cosine = (arm_ay * heading_cosine) - (-arm_ax * heading_sine);
+    const float at_2_phase_fraction_cosine = prediction_phase_y + y_phase_fraction_cosine;
+    const float f3_argument_2 = at_2_phase_fraction_cosine * at_2_phase_fraction_cosine;
+    const float phase_fraction_cosine_2 = phase_fraction_cosine_polynomial(f3_argument_2);
+    const float x_phase_fraction_cosine_2 = (arm_bx * heading_cosine) - (arm_by * heading_sine);
+    const float at_1_phase_fraction_cosine_2 = prediction_phase_x + x_phase_fraction_cosine_2;
+    const float f7_argument = at_1_phase_fraction_cosine_2 * at_1_phase_fraction_cosine_2;
     const float phase_fraction_cosine_3 = phase_fraction_cosine_3_polynomial(f7_argument);
-    const float y_phase_fraction_sine_2 = (arm_by * heading_cosine) - (-arm_bx * heading_sine);
-    const float at_2_phase_fraction_sine_2 = prediction_phase_y + y_phase_fraction_sine_2;
-    const float f9_argument = at_2_phase_fraction_sine_2 * at_2_phase_fraction_sine_2;
-    const float f9 = at_2_phase_fraction_sine_2 * f9_polynomial(f9_argument);
-    const float phase_fraction_sine_4 = 8.0f * f9;
-    const float phase_fraction_cosine_4 = phase_fraction_cosine_4_polynomial(f9_argument);
-    const float x_phase_fraction_sine_3 = (arm_cx * heading_cosine) + (-arm_cy * heading_sine);
-    const float at_1_phase_fraction_sine_3 = prediction_phase_x + x_phase_fraction_sine_3;
-    const float f11_argument = at_1_phase_fraction_sine_3 * at_1_phase_fraction_sine_3;
-    const float f11 = at_1_phase_fraction_sine_3 * f11_polynomial(f11_argument);
-    const float phase_fraction_sine_5 = 8.0f * f11;
+    const float y_phase_fraction_cosine_2 = (arm_by * heading_cosine) - (-arm_bx * heading_sine);
+    const float at_2_phase_fraction_cosine_2 = prediction_phase_y + y_phase_fraction_cosine_2;
+    const float f7_argument_2 = at_2_phase_fraction_cosine_2 * at_2_phase_fraction_cosine_2;
+    const float phase_fraction_cosine_4 = phase_fraction_cosine_3_polynomial(f7_argument_2);
+    const float x_phase_fraction_cosine_3 = (arm_cx * heading_cosine) + (-arm_cy * heading_sine);
+    const float at_1_phase_fraction_cosine_3 = prediction_phase_x + x_phase_fraction_cosine_3;
+    const float f11_argument = at_1_phase_fraction_cosine_3 * at_1_phase_fraction_cosine_3;
     const float phase_fraction_cosine_5 = phase_fraction_cosine_5_polynomial(f11_argument);
-    const float y_phase_fraction_sine_3 = (arm_cx * heading_sine) - (-arm_cy * heading_cosine);
-    const float at_2_phase_fraction_sine_3 = prediction_phase_y + y_phase_fraction_sine_3;
-    const float f11_argument_2 = at_2_phase_fraction_sine_3 * at_2_phase_fraction_sine_3;
-    const float f11_2 = at_2_phase_fraction_sine_3 * f11_polynomial(f11_argument_2);
-    const float phase_fraction_sine_6 = 8.0f * f11_2;
+    const float y_phase_fraction_cosine_3 = (arm_cx * heading_sine) - (-arm_cy * heading_cosine);
+    const float at_2_phase_fraction_cosine_3 = prediction_phase_y + y_phase_fraction_cosine_3;
+    const float f11_argument_2 = at_2_phase_fraction_cosine_3 * at_2_phase_fraction_cosine_3;
     const float phase_fraction_cosine_6 = phase_fraction_cosine_5_polynomial(f11_argument_2);
     const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
     const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
@@ -375,692 +509,441 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float vx_cost_0 = cost_0_part * V_ax_held;
     const float vy_cost_0 = cost_0_part * V_ay_held;
     const float volts_cosine_cost_0 = (heading_cosine * vx_cost_0) - (heading_sine * vy_cost_0);
-    const float cost_0_part_2 = f3 * phase_fraction_cosine;
-    const float cost_0_part_3 = hall_position_three_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f *
-        (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
-    const float cost_0_part_4 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0 = hall_position_three_limit(cost_0_part_3 * (1.0f - (0.125f * (cost_0_part_4 *
-        cost_0_part_4))), 1.0f);
     const float field_2_cost_0 = cost_0_part * estimator_field_1;
-    const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
     const float field_3_cost_0 = cost_0_part * estimator_field_3;
     const float field_4_cost_0 = cost_0_part * estimator_field_5;
-    const float B_1_cost_0 = x_sine_cost_0 * (field_2_cost_0 + (x_sine_cost_0_squared * (field_3_cost_0 +
-        (x_sine_cost_0_squared * field_4_cost_0))));
-    const float residuals_1 = volts_cosine_cost_0 - B_1_cost_0;
+    const hall_position_three_cosine_t cosine_1 = hall_position_three_cosine(at_1_phase_fraction_cosine,
+        f3_polynomial(f3_argument), phase_fraction_cosine, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float residuals_1 = volts_cosine_cost_0 - cosine_1.B;
     const float terms_1_cost_0 = residuals_1 * residuals_1;
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
-    const float cost_0_part_5 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float vx_cost_0_2 = cost_0_part_5 * V_bx_held;
-    const float vy_cost_0_2 = cost_0_part_5 * V_by_held;
+    const float cost_0_part_2 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
+    const float vx_cost_0_2 = cost_0_part_2 * V_bx_held;
+    const float vy_cost_0_2 = cost_0_part_2 * V_by_held;
     const float volts_cosine_cost_0_2 = (heading_cosine * vx_cost_0_2) - (heading_sine * vy_cost_0_2);
-    const float cost_0_part_6 = f7 * phase_fraction_cosine_3;
-    const float cost_0_part_7 = hall_position_three_limit(8.0f * (cost_0_part_6 * (1.0f - (0.03125f *
-        (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
-    const float cost_0_part_8 = 8.0f * cost_0_part_6;
-    const float x_sine_cost_0_2 = hall_position_three_limit(cost_0_part_7 * (1.0f - (0.125f * (cost_0_part_8 *
-        cost_0_part_8))), 1.0f);
-    const float field_2_cost_0_2 = cost_0_part_5 * estimator_field_1;
-    const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float field_3_cost_0_2 = cost_0_part_5 * estimator_field_3;
-    const float field_4_cost_0_2 = cost_0_part_5 * estimator_field_5;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (field_2_cost_0_2 + (x_sine_cost_0_2_squared * (field_3_cost_0_2 +
-        (x_sine_cost_0_2_squared * field_4_cost_0_2))));
-    const float residuals_2 = volts_cosine_cost_0_2 - B_1_cost_0_2;
+    const float field_2_cost_0_2 = cost_0_part_2 * estimator_field_1;
+    const float field_3_cost_0_2 = cost_0_part_2 * estimator_field_3;
+    const float field_4_cost_0_2 = cost_0_part_2 * estimator_field_5;
+    const hall_position_three_cosine_t cosine_2 = hall_position_three_cosine(at_1_phase_fraction_cosine_2,
+        f7_polynomial(f7_argument), phase_fraction_cosine_3, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float residuals_2 = volts_cosine_cost_0_2 - cosine_2.B;
     const float terms_2_cost_0 = residuals_2 * residuals_2;
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
-    const float cost_0_part_9 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float vx_cost_0_3 = cost_0_part_9 * V_cx_held;
-    const float vy_cost_0_3 = cost_0_part_9 * V_cy_held;
+    const float cost_0_part_3 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
+    const float vx_cost_0_3 = cost_0_part_3 * V_cx_held;
+    const float vy_cost_0_3 = cost_0_part_3 * V_cy_held;
     const float volts_cosine_cost_0_3 = (heading_cosine * vx_cost_0_3) - (heading_sine * vy_cost_0_3);
-    const float cost_0_part_10 = f11 * phase_fraction_cosine_5;
-    const float cost_0_part_11 = hall_position_three_limit(8.0f * (cost_0_part_10 * (1.0f - (0.03125f *
-        (phase_fraction_sine_5 * phase_fraction_sine_5)))), 2.0f);
-    const float cost_0_part_12 = 8.0f * cost_0_part_10;
-    const float x_sine_cost_0_3 = hall_position_three_limit(cost_0_part_11 * (1.0f - (0.125f * (cost_0_part_12 *
-        cost_0_part_12))), 1.0f);
-    const float field_2_cost_0_3 = cost_0_part_9 * estimator_field_1;
-    const float x_sine_cost_0_3_squared = x_sine_cost_0_3 * x_sine_cost_0_3;
-    const float field_3_cost_0_3 = cost_0_part_9 * estimator_field_3;
-    const float field_4_cost_0_3 = cost_0_part_9 * estimator_field_5;
-    const float B_1_cost_0_3 = x_sine_cost_0_3 * (field_2_cost_0_3 + (x_sine_cost_0_3_squared * (field_3_cost_0_3 +
-        (x_sine_cost_0_3_squared * field_4_cost_0_3))));
-    const float residuals_3 = volts_cosine_cost_0_3 - B_1_cost_0_3;
+    const float field_2_cost_0_3 = cost_0_part_3 * estimator_field_1;
+    const float field_3_cost_0_3 = cost_0_part_3 * estimator_field_3;
+    const float field_4_cost_0_3 = cost_0_part_3 * estimator_field_5;
+    const hall_position_three_cosine_t cosine_3 = hall_position_three_cosine(at_1_phase_fraction_cosine_3,
+        f11_polynomial(f11_argument), phase_fraction_cosine_5, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float residuals_3 = volts_cosine_cost_0_3 - cosine_3.B;
     const float terms_3_cost_0 = residuals_3 * residuals_3;
     const float volts_sine_cost_0 = (heading_sine * vx_cost_0) + (heading_cosine * vy_cost_0);
-    const float cost_0_part_13 = f5 * phase_fraction_cosine_2;
-    const float cost_0_part_14 = hall_position_three_limit(8.0f * (cost_0_part_13 * (1.0f - (0.03125f *
-        (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
-    const float cost_0_part_15 = 8.0f * cost_0_part_13;
-    const float p_sine_cost_0 = hall_position_three_limit(cost_0_part_14 * (1.0f - (0.125f * (cost_0_part_15 *
-        cost_0_part_15))), 1.0f);
-    const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (field_2_cost_0 + (q_cost_0 * (field_3_cost_0 + (q_cost_0 *
-        field_4_cost_0))));
-    const float residuals_4 = volts_sine_cost_0 - B_2_cost_0;
+    const hall_position_three_cosine_t cosine_4 = hall_position_three_cosine(at_2_phase_fraction_cosine,
+        f3_polynomial(f3_argument_2), phase_fraction_cosine_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float residuals_4 = volts_sine_cost_0 - cosine_4.B;
     const float terms_4_cost_0 = residuals_4 * residuals_4;
     const float volts_sine_cost_0_2 = (heading_sine * vx_cost_0_2) + (heading_cosine * vy_cost_0_2);
-    const float cost_0_part_16 = f9 * phase_fraction_cosine_4;
-    const float cost_0_part_17 = hall_position_three_limit(8.0f * (cost_0_part_16 * (1.0f - (0.03125f *
-        (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
-    const float cost_0_part_18 = 8.0f * cost_0_part_16;
-    const float p_sine_cost_0_2 = hall_position_three_limit(cost_0_part_17 * (1.0f - (0.125f * (cost_0_part_18 *
-        cost_0_part_18))), 1.0f);
-    const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (field_2_cost_0_2 + (q_cost_0_2 * (field_3_cost_0_2 + (q_cost_0_2 *
-        field_4_cost_0_2))));
-    const float residuals_5 = volts_sine_cost_0_2 - B_2_cost_0_2;
+    const hall_position_three_cosine_t cosine_5 = hall_position_three_cosine(at_2_phase_fraction_cosine_2,
+        f7_polynomial(f7_argument_2), phase_fraction_cosine_4, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float residuals_5 = volts_sine_cost_0_2 - cosine_5.B;
     const float terms_5_cost_0 = residuals_5 * residuals_5;
     const float volts_sine_cost_0_3 = (heading_sine * vx_cost_0_3) + (heading_cosine * vy_cost_0_3);
-    const float cost_0_part_19 = f11_2 * phase_fraction_cosine_6;
-    const float cost_0_part_20 = hall_position_three_limit(8.0f * (cost_0_part_19 * (1.0f - (0.03125f *
-        (phase_fraction_sine_6 * phase_fraction_sine_6)))), 2.0f);
-    const float cost_0_part_21 = 8.0f * cost_0_part_19;
-    const float p_sine_cost_0_3 = hall_position_three_limit(cost_0_part_20 * (1.0f - (0.125f * (cost_0_part_21 *
-        cost_0_part_21))), 1.0f);
-    const float q_cost_0_3 = p_sine_cost_0_3 * p_sine_cost_0_3;
-    const float B_2_cost_0_3 = p_sine_cost_0_3 * (field_2_cost_0_3 + (q_cost_0_3 * (field_3_cost_0_3 + (q_cost_0_3 *
-        field_4_cost_0_3))));
-    const float residuals_6 = volts_sine_cost_0_3 - B_2_cost_0_3;
+    const hall_position_three_cosine_t cosine_6 = hall_position_three_cosine(at_2_phase_fraction_cosine_3,
+        f11_polynomial(f11_argument_2), phase_fraction_cosine_6, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float residuals_6 = volts_sine_cost_0_3 - cosine_6.B;
     const float terms_6_cost_0 = residuals_6 * residuals_6;
     const float cost_0 = terms_1_cost_0 + terms_2_cost_0 + terms_3_cost_0 + terms_4_cost_0 + terms_5_cost_0 +
         terms_6_cost_0;
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_3 * cost_0_part_3));
     const float slope_1_yaw_change_sine = cost_0_part * estimator_slope_0;
     const float slope_2_yaw_change_sine = cost_0_part * estimator_slope_2;
     const float slope_3_yaw_change_sine = cost_0_part * estimator_slope_4;
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (x_sine_cost_0_squared *
-        (slope_2_yaw_change_sine + (x_sine_cost_0_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_7 * cost_0_part_7));
-    const float slope_1_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_2 = cost_0_part_5 * estimator_slope_4;
-    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
-        (x_sine_cost_0_2_squared * (slope_2_yaw_change_sine_2 + (x_sine_cost_0_2_squared *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float x_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (cost_0_part_11 * cost_0_part_11));
-    const float slope_1_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_3 = cost_0_part_9 * estimator_slope_4;
-    const float yaw_change_sine_part_5 = x_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
-        (x_sine_cost_0_3_squared * (slope_2_yaw_change_sine_3 + (x_sine_cost_0_3_squared *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_6 = B_2_cost_0_3 - (yaw_change_sine_part_5 * y_phase_fraction_sine_3);
-    const float yaw_change_sine_part_7 = (yaw_change_sine_part * yaw_change_sine_part_4) - (yaw_change_sine_part_3 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_8 = (yaw_change_sine_part * yaw_change_sine_part_6) - (yaw_change_sine_part_5 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_9 = (damping * ((yaw_change_sine_part_2 * residuals_1) + (yaw_change_sine_part_4 *
-        residuals_2) + (yaw_change_sine_part_6 * residuals_3))) + (yaw_change_sine_part_7 * ((yaw_change_sine_part *
-        residuals_2) - (yaw_change_sine_part_3 * residuals_1))) + (yaw_change_sine_part_8 * ((yaw_change_sine_part *
-        residuals_3) - (yaw_change_sine_part_5 * residuals_1)));
-    const float across_yaw_change_sine = (yaw_change_sine_part_3 * yaw_change_sine_part_6) - (yaw_change_sine_part_5 *
-        yaw_change_sine_part_4);
-    const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_3) + (yaw_change_sine_part_5 * yaw_change_sine_part_5)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (cost_0_part_14 * cost_0_part_14));
-    const float yaw_change_sine_part_11 = p_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (q_cost_0 *
-        (slope_2_yaw_change_sine + (q_cost_0 * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_12 = (yaw_change_sine_part_11 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (cost_0_part_17 * cost_0_part_17));
-    const float yaw_change_sine_part_13 = p_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 + (q_cost_0_2 *
-        (slope_2_yaw_change_sine_2 + (q_cost_0_2 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_14 = (yaw_change_sine_part_13 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float p_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (cost_0_part_20 * cost_0_part_20));
-    const float yaw_change_sine_part_15 = p_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 + (q_cost_0_3 *
-        (slope_2_yaw_change_sine_3 + (q_cost_0_3 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_16 = (yaw_change_sine_part_15 * x_phase_fraction_sine_3) - B_1_cost_0_3;
-    const float yaw_change_sine_part_17 = (yaw_change_sine_part_11 * yaw_change_sine_part_14) - (yaw_change_sine_part_13
-        * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_18 = (yaw_change_sine_part_11 * yaw_change_sine_part_16) - (yaw_change_sine_part_15
-        * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_19 = (damping * ((yaw_change_sine_part_12 * residuals_4) + (yaw_change_sine_part_14
-        * residuals_5) + (yaw_change_sine_part_16 * residuals_6))) + (yaw_change_sine_part_17 *
-        ((yaw_change_sine_part_11 * residuals_5) - (yaw_change_sine_part_13 * residuals_4))) + (yaw_change_sine_part_18
-        * ((yaw_change_sine_part_11 * residuals_6) - (yaw_change_sine_part_15 * residuals_4)));
-    const float across_yaw_change_sine_2 = (yaw_change_sine_part_13 * yaw_change_sine_part_16) -
-        (yaw_change_sine_part_15 * yaw_change_sine_part_14);
-    const float yaw_change_sine_part_20 = 1.0f / (damping + ((yaw_change_sine_part_11 * yaw_change_sine_part_11) +
-        (yaw_change_sine_part_13 * yaw_change_sine_part_13) + (yaw_change_sine_part_15 * yaw_change_sine_part_15)));
-    const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_4 * yaw_change_sine_part_4) + (yaw_change_sine_part_6 * yaw_change_sine_part_6))) +
-        (yaw_change_sine_part_7 * yaw_change_sine_part_7) + (yaw_change_sine_part_8 * yaw_change_sine_part_8) +
-        (across_yaw_change_sine * across_yaw_change_sine)) * yaw_change_sine_part_10) + (((damping *
-        ((yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_14 * yaw_change_sine_part_14) +
-        (yaw_change_sine_part_16 * yaw_change_sine_part_16))) + (yaw_change_sine_part_17 * yaw_change_sine_part_17) +
-        (yaw_change_sine_part_18 * yaw_change_sine_part_18) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
-        yaw_change_sine_part_20);
-    const float step_yaw_change_sine = (((yaw_change_sine_part_9 + (across_yaw_change_sine * ((yaw_change_sine_part_3 *
-        residuals_3) - (yaw_change_sine_part_5 * residuals_2)))) * yaw_change_sine_part_10) + ((yaw_change_sine_part_19
-        + (across_yaw_change_sine_2 * ((yaw_change_sine_part_13 * residuals_6) - (yaw_change_sine_part_15 *
-        residuals_5)))) * yaw_change_sine_part_20)) / (yaw_damping + data_yaw_change_sine);
-    const float then_3_yaw_change_sine = hall_position_three_limit(step_yaw_change_sine, max_yaw_step);
-    const float yaw_change_sine_part_21 = then_3_yaw_change_sine * then_3_yaw_change_sine;
-    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_21);
-    const float half_yaw_change_sine = then_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_21);
+    const hall_position_three_terms_4_t terms_1_4 = hall_position_three_terms_4(cosine_4.B, cosine_1.cosine,
+        slope_1_yaw_change_sine, cosine_1.sine_squared, slope_2_yaw_change_sine, slope_3_yaw_change_sine,
+        y_phase_fraction_cosine, residuals_1);
+    const float slope_1_yaw_change_sine_2 = cost_0_part_2 * estimator_slope_0;
+    const float slope_2_yaw_change_sine_2 = cost_0_part_2 * estimator_slope_2;
+    const float slope_3_yaw_change_sine_2 = cost_0_part_2 * estimator_slope_4;
+    const hall_position_three_terms_4_t terms_2_4 = hall_position_three_terms_4(cosine_5.B, cosine_2.cosine,
+        slope_1_yaw_change_sine_2, cosine_2.sine_squared, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        y_phase_fraction_cosine_2, residuals_2);
+    const float slope_1_yaw_change_sine_3 = cost_0_part_3 * estimator_slope_0;
+    const float slope_2_yaw_change_sine_3 = cost_0_part_3 * estimator_slope_2;
+    const float slope_3_yaw_change_sine_3 = cost_0_part_3 * estimator_slope_4;
+    const hall_position_three_terms_4_t terms_3_4 = hall_position_three_terms_4(cosine_6.B, cosine_3.cosine,
+        slope_1_yaw_change_sine_3, cosine_3.sine_squared, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        y_phase_fraction_cosine_3, residuals_3);
+    const hall_position_three_terms_t terms_1 = hall_position_three_terms(terms_1_4.by_axis_1_h * terms_1_4.by_axis_1_h,
+        terms_2_4.by_axis_1_h * terms_2_4.by_axis_1_h, terms_3_4.by_axis_1_h, terms_1_4.by_axis_1_g,
+        terms_2_4.by_axis_1_h, terms_2_4.by_axis_1_g, terms_1_4.by_axis_1_h, terms_3_4.by_axis_1_g);
+    const float moment_1_value_9 = hall_position_three_moment(terms_1_4.terms + terms_2_4.terms, terms_3_4.terms,
+        terms_1.value, terms_1_4.by_axis_1_g * residuals_2, terms_2_4.by_axis_1_g * residuals_1, terms_1.value_2,
+        terms_1_4.by_axis_1_g, residuals_3, terms_3_4.by_axis_1_g * residuals_1);
+    const float terms_1_yaw_change_sine = (moment_1_value_9 + (terms_1.across * ((terms_2_4.by_axis_1_g * residuals_3) -
+        (terms_3_4.by_axis_1_g * residuals_2)))) * terms_1.value_3;
+    const hall_position_three_terms_5_t terms_1_5 = hall_position_three_terms_5(cosine_4.cosine,
+        slope_1_yaw_change_sine, cosine_4.sine_squared, slope_2_yaw_change_sine, slope_3_yaw_change_sine,
+        x_phase_fraction_cosine, cosine_1.B, residuals_4);
+    const hall_position_three_terms_5_t terms_2_5 = hall_position_three_terms_5(cosine_5.cosine,
+        slope_1_yaw_change_sine_2, cosine_5.sine_squared, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        x_phase_fraction_cosine_2, cosine_2.B, residuals_5);
+    const hall_position_three_terms_5_t terms_3_5 = hall_position_three_terms_5(cosine_6.cosine,
+        slope_1_yaw_change_sine_3, cosine_6.sine_squared, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        x_phase_fraction_cosine_3, cosine_3.B, residuals_6);
+    const hall_position_three_terms_t terms_2 = hall_position_three_terms(terms_1_5.by_axis_2_h * terms_1_5.by_axis_2_h,
+        terms_2_5.by_axis_2_h * terms_2_5.by_axis_2_h, terms_3_5.by_axis_2_h, terms_1_5.by_axis_2_g,
+        terms_2_5.by_axis_2_h, terms_2_5.by_axis_2_g, terms_1_5.by_axis_2_h, terms_3_5.by_axis_2_g);
+    const float moment_2_value_9 = hall_position_three_moment(terms_1_5.terms + terms_2_5.terms, terms_3_5.terms,
+        terms_2.value, terms_1_5.by_axis_2_g * residuals_5, terms_2_5.by_axis_2_g * residuals_4, terms_2.value_2,
+        terms_1_5.by_axis_2_g, residuals_6, terms_3_5.by_axis_2_g * residuals_4);
+    const float terms_2_yaw_change_sine = (moment_2_value_9 + (terms_2.across * ((terms_2_5.by_axis_2_g * residuals_6) -
+        (terms_3_5.by_axis_2_g * residuals_5)))) * terms_2.value_3;
+    const float then_3_yaw_change_sine = hall_position_three_limit((terms_1_yaw_change_sine + terms_2_yaw_change_sine) /
+        (yaw_damping + (terms_1.terms + terms_2.terms)), max_yaw_step);
+    const float yaw_change_sine_part = then_3_yaw_change_sine * then_3_yaw_change_sine;
+    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part);
+    const float half_yaw_change_sine = then_3_yaw_change_sine * half_yaw_change_sine_polynomial(yaw_change_sine_part);
     const float versine_cost_1 = half_yaw_change_sine * half_yaw_change_sine;
     const float rotation_cosine_cost_1 = 1.0f - versine_cost_1;
-    const float then_1_cost_1 = hall_position_three_limit(((yaw_change_sine_part * residuals_1) +
-        (yaw_change_sine_part_3 * residuals_2) + (yaw_change_sine_part_5 * residuals_3) - (((yaw_change_sine_part *
-        yaw_change_sine_part_2) + (yaw_change_sine_part_3 * yaw_change_sine_part_4) + (yaw_change_sine_part_5 *
-        yaw_change_sine_part_6)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
-    const float cost_1_part = (x_phase_fraction_sine * versine_cost_1) + (y_phase_fraction_sine * yaw_change_sine);
-    const float angle_cost_1 = then_1_cost_1 - cost_1_part;
+    const float cost_1_part = (terms_1_4.by_axis_1_g * residuals_1) + (terms_2_4.by_axis_1_g * residuals_2) +
+        (terms_3_4.by_axis_1_g * residuals_3) - ((terms_1_4.terms_2 + terms_2_4.terms_2 + terms_3_4.terms_2) *
+        then_3_yaw_change_sine);
+    const float then_1_cost_1 = hall_position_three_limit(cost_1_part * terms_1.value_3, 0.5f);
+    const float cost_1_part_2 = (x_phase_fraction_cosine * versine_cost_1) + (y_phase_fraction_cosine *
+        yaw_change_sine);
+    const float angle_cost_1 = then_1_cost_1 - cost_1_part_2;
     const float f15_argument = angle_cost_1 * angle_cost_1;
     const float by_cosine_cost_1 = f15_polynomial(f15_argument);
     const float by_sine_cost_1 = angle_cost_1 * f16_polynomial(f15_argument);
-    const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
-    const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (field_2_cost_0 + (phases_1_sine_cost_1_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_1_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) - (volts_sine_cost_0 *
-        yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) + (y_phase_fraction_sine_2 *
+    const hall_position_three_terms_2_t terms_1_2 = hall_position_three_terms_2(volts_cosine_cost_0,
+        rotation_cosine_cost_1, volts_sine_cost_0, yaw_change_sine, cosine_1.sine * by_cosine_cost_1, cosine_1.cosine *
+        by_sine_cost_1, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float cost_1_part_3 = (x_phase_fraction_cosine_2 * versine_cost_1) + (y_phase_fraction_cosine_2 *
         yaw_change_sine);
-    const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
-    const float f17_argument = angle_cost_1_2 * angle_cost_1_2;
-    const float by_cosine_cost_1_2 = f17_polynomial(f17_argument);
-    const float by_sine_cost_1_2 = angle_cost_1_2 * f18_polynomial(f17_argument);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_2);
-    const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (field_2_cost_0_2 + (cost_1_part_3 * (field_3_cost_0_2 +
-        (cost_1_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) - (volts_sine_cost_0_2 *
-        yaw_change_sine) - B_1_cost_1_2;
-    const float cost_1_part_4 = (x_phase_fraction_sine_3 * versine_cost_1) + (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_1_3 = hall_position_three_cosine_2(cosine_2.cosine, then_1_cost_1 -
+        cost_1_part_3, cosine_2.sine);
+    const hall_position_three_terms_2_t terms_2_2 = hall_position_three_terms_2(volts_cosine_cost_0_2,
+        rotation_cosine_cost_1, volts_sine_cost_0_2, yaw_change_sine, cosine_2.sine * cosine_1_3.by_cosine,
+        cosine_2.cosine * cosine_1_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float cost_1_part_4 = (x_phase_fraction_cosine_3 * versine_cost_1) + (y_phase_fraction_cosine_3 *
         yaw_change_sine);
-    const float angle_cost_1_3 = then_1_cost_1 - cost_1_part_4;
-    const float f19_argument = angle_cost_1_3 * angle_cost_1_3;
-    const float by_cosine_cost_1_3 = f19_polynomial(f19_argument);
-    const float by_sine_cost_1_3 = angle_cost_1_3 * f20_polynomial(f19_argument);
-    const float phases_1_sine_cost_1_3 = (x_sine_cost_0_3 * by_cosine_cost_1_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_1_3);
-    const float cost_1_part_5 = phases_1_sine_cost_1_3 * phases_1_sine_cost_1_3;
-    const float B_1_cost_1_3 = phases_1_sine_cost_1_3 * (field_2_cost_0_3 + (cost_1_part_5 * (field_3_cost_0_3 +
-        (cost_1_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_1 = (volts_cosine_cost_0_3 * rotation_cosine_cost_1) - (volts_sine_cost_0_3 *
-        yaw_change_sine) - B_1_cost_1_3;
-    const float then_2_cost_1 = hall_position_three_limit(((yaw_change_sine_part_11 * residuals_4) +
-        (yaw_change_sine_part_13 * residuals_5) + (yaw_change_sine_part_15 * residuals_6) - (((yaw_change_sine_part_11 *
-        yaw_change_sine_part_12) + (yaw_change_sine_part_13 * yaw_change_sine_part_14) + (yaw_change_sine_part_15 *
-        yaw_change_sine_part_16)) * then_3_yaw_change_sine)) * yaw_change_sine_part_20, 0.5f);
-    const float dy_cost_1 = (x_phase_fraction_sine * yaw_change_sine) - (y_phase_fraction_sine * versine_cost_1);
-    const float angle_cost_1_4 = then_2_cost_1 + dy_cost_1;
-    const float f15_argument_2 = angle_cost_1_4 * angle_cost_1_4;
-    const float by_cosine_cost_1_4 = f15_polynomial(f15_argument_2);
-    const float by_sine_cost_1_4 = angle_cost_1_4 * f16_polynomial(f15_argument_2);
-    const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_4) + (p_cosine_yaw_change_sine * by_sine_cost_1_4);
-    const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (field_2_cost_0 + (q_cost_1 * (field_3_cost_0 + (q_cost_1 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) + (volts_cosine_cost_0 *
-        yaw_change_sine) - B_2_cost_1;
-    const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
-    const float angle_cost_1_5 = then_2_cost_1 + dy_cost_1_2;
-    const float f17_argument_2 = angle_cost_1_5 * angle_cost_1_5;
-    const float by_cosine_cost_1_5 = f17_polynomial(f17_argument_2);
-    const float by_sine_cost_1_5 = angle_cost_1_5 * f18_polynomial(f17_argument_2);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_5);
-    const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (field_2_cost_0_2 + (q_cost_1_2 * (field_3_cost_0_2 + (q_cost_1_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) + (volts_cosine_cost_0_2 *
-        yaw_change_sine) - B_2_cost_1_2;
-    const float dy_cost_1_3 = (x_phase_fraction_sine_3 * yaw_change_sine) - (y_phase_fraction_sine_3 * versine_cost_1);
-    const float angle_cost_1_6 = then_2_cost_1 + dy_cost_1_3;
-    const float f19_argument_2 = angle_cost_1_6 * angle_cost_1_6;
-    const float by_cosine_cost_1_6 = f19_polynomial(f19_argument_2);
-    const float by_sine_cost_1_6 = angle_cost_1_6 * f20_polynomial(f19_argument_2);
-    const float p_sine_cost_1_3 = (p_sine_cost_0_3 * by_cosine_cost_1_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_1_6);
-    const float q_cost_1_3 = p_sine_cost_1_3 * p_sine_cost_1_3;
-    const float B_2_cost_1_3 = p_sine_cost_1_3 * (field_2_cost_0_3 + (q_cost_1_3 * (field_3_cost_0_3 + (q_cost_1_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_1 = (volts_sine_cost_0_3 * rotation_cosine_cost_1) + (volts_cosine_cost_0_3 *
-        yaw_change_sine) - B_2_cost_1_3;
-    const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
-        (by_axis_1_3_e_cost_1 * by_axis_1_3_e_cost_1) + (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) +
-        (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (by_axis_2_3_e_cost_1 * by_axis_2_3_e_cost_1) + (damping *
-        ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) + (squared_yaw_arm *
-        yaw_change_sine_part_21)));
+    const hall_position_three_cosine_3_t cosine_1_4 = hall_position_three_cosine_3(cosine_3.cosine, then_1_cost_1 -
+        cost_1_part_4, cosine_3.sine);
+    const hall_position_three_terms_2_t terms_3_2 = hall_position_three_terms_2(volts_cosine_cost_0_3,
+        rotation_cosine_cost_1, volts_sine_cost_0_3, yaw_change_sine, cosine_3.sine * cosine_1_4.by_cosine,
+        cosine_3.cosine * cosine_1_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_1_part_5 = (terms_1_5.by_axis_2_g * residuals_4) + (terms_2_5.by_axis_2_g * residuals_5) +
+        (terms_3_5.by_axis_2_g * residuals_6) - ((terms_1_5.terms_2 + terms_2_5.terms_2 + terms_3_5.terms_2) *
+        then_3_yaw_change_sine);
+    const float then_2_cost_1 = hall_position_three_limit(cost_1_part_5 * terms_2.value_3, 0.5f);
+    const float dy_cost_1 = (x_phase_fraction_cosine * yaw_change_sine) - (y_phase_fraction_cosine * versine_cost_1);
+    const float angle_cost_1_2 = then_2_cost_1 + dy_cost_1;
+    const float f15_argument_2 = angle_cost_1_2 * angle_cost_1_2;
+    const float by_cosine_cost_1_2 = f15_polynomial(f15_argument_2);
+    const float by_sine_cost_1_2 = angle_cost_1_2 * f16_polynomial(f15_argument_2);
+    const hall_position_three_terms_3_t terms_1_3 = hall_position_three_terms_3(volts_sine_cost_0,
+        rotation_cosine_cost_1, volts_cosine_cost_0, yaw_change_sine, cosine_4.sine * by_cosine_cost_1_2,
+        cosine_4.cosine * by_sine_cost_1_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float dy_cost_1_2 = (x_phase_fraction_cosine_2 * yaw_change_sine) - (y_phase_fraction_cosine_2 *
+        versine_cost_1);
+    const hall_position_three_cosine_2_t cosine_2_3 = hall_position_three_cosine_2(cosine_5.cosine, then_2_cost_1 +
+        dy_cost_1_2, cosine_5.sine);
+    const hall_position_three_terms_3_t terms_2_3 = hall_position_three_terms_3(volts_sine_cost_0_2,
+        rotation_cosine_cost_1, volts_cosine_cost_0_2, yaw_change_sine, cosine_5.sine * cosine_2_3.by_cosine,
+        cosine_5.cosine * cosine_2_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float dy_cost_1_3 = (x_phase_fraction_cosine_3 * yaw_change_sine) - (y_phase_fraction_cosine_3 *
+        versine_cost_1);
+    const hall_position_three_cosine_3_t cosine_2_4 = hall_position_three_cosine_3(cosine_6.cosine, then_2_cost_1 +
+        dy_cost_1_3, cosine_6.sine);
+    const hall_position_three_terms_3_t terms_3_3 = hall_position_three_terms_3(volts_sine_cost_0_3,
+        rotation_cosine_cost_1, volts_cosine_cost_0_3, yaw_change_sine, cosine_6.sine * cosine_2_4.by_cosine,
+        cosine_6.cosine * cosine_2_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_1 = terms_1_2.terms + terms_2_2.terms + terms_3_2.terms + terms_1_3.terms + terms_2_3.terms +
+        terms_3_3.terms + (damping * ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) +
+        (squared_yaw_arm * yaw_change_sine_part)));
     const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_22 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) - (x_sine_cost_0 *
-        by_sine_cost_1)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_1_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_1_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_23 = B_2_cost_1 - (yaw_change_sine_part_22 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_24 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) - (x_sine_cost_0_2 *
-        by_sine_cost_1_2)) * (slope_1_yaw_change_sine_2 + (cost_1_part_3 * (slope_2_yaw_change_sine_2 + (cost_1_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_25 = B_2_cost_1_2 - (yaw_change_sine_part_24 * (y_phase_fraction_sine_2 +
-        dy_cost_1_2));
-    const float yaw_change_sine_part_26 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_1_3) - (x_sine_cost_0_3 *
-        by_sine_cost_1_3)) * (slope_1_yaw_change_sine_3 + (cost_1_part_5 * (slope_2_yaw_change_sine_3 + (cost_1_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_27 = B_2_cost_1_3 - (yaw_change_sine_part_26 * (y_phase_fraction_sine_3 +
-        dy_cost_1_3));
-    const float yaw_change_sine_part_28 = (yaw_change_sine_part_22 * yaw_change_sine_part_23) + (yaw_change_sine_part_24
-        * yaw_change_sine_part_25) + (yaw_change_sine_part_26 * yaw_change_sine_part_27);
-    const float yaw_change_sine_part_29 = (yaw_change_sine_part_22 * yaw_change_sine_part_25) - (yaw_change_sine_part_24
-        * yaw_change_sine_part_23);
-    const float yaw_change_sine_part_30 = (yaw_change_sine_part_22 * yaw_change_sine_part_27) - (yaw_change_sine_part_26
-        * yaw_change_sine_part_23);
-    const float yaw_change_sine_part_31 = (damping * ((yaw_change_sine_part_23 * by_axis_1_1_e_cost_1) +
-        (yaw_change_sine_part_25 * by_axis_1_2_e_cost_1) + (yaw_change_sine_part_27 * by_axis_1_3_e_cost_1) +
-        (then_1_cost_1 * yaw_change_sine_part_28))) + (yaw_change_sine_part_29 * ((yaw_change_sine_part_22 *
-        by_axis_1_2_e_cost_1) - (yaw_change_sine_part_24 * by_axis_1_1_e_cost_1))) + (yaw_change_sine_part_30 *
-        ((yaw_change_sine_part_22 * by_axis_1_3_e_cost_1) - (yaw_change_sine_part_26 * by_axis_1_1_e_cost_1)));
-    const float across_yaw_change_sine_3 = (yaw_change_sine_part_24 * yaw_change_sine_part_27) -
-        (yaw_change_sine_part_26 * yaw_change_sine_part_25);
-    const float yaw_change_sine_part_32 = 1.0f / (damping + ((yaw_change_sine_part_22 * yaw_change_sine_part_22) +
-        (yaw_change_sine_part_24 * yaw_change_sine_part_24) + (yaw_change_sine_part_26 * yaw_change_sine_part_26)));
-    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_4) - (p_sine_cost_0 *
-        by_sine_cost_1_4)) * (slope_1_yaw_change_sine + (q_cost_1 * (slope_2_yaw_change_sine + (q_cost_1 *
-        slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_1_part)) -
-        B_1_cost_1;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_5) - (p_sine_cost_0_2 *
-        by_sine_cost_1_5)) * (slope_1_yaw_change_sine_2 + (q_cost_1_2 * (slope_2_yaw_change_sine_2 + (q_cost_1_2 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
-        B_1_cost_1_2;
-    const float yaw_change_sine_part_37 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_1_6) - (p_sine_cost_0_3 *
-        by_sine_cost_1_6)) * (slope_1_yaw_change_sine_3 + (q_cost_1_3 * (slope_2_yaw_change_sine_3 + (q_cost_1_3 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_38 = (yaw_change_sine_part_37 * (x_phase_fraction_sine_3 - cost_1_part_4)) -
-        B_1_cost_1_3;
-    const float yaw_change_sine_part_39 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) + (yaw_change_sine_part_35
-        * yaw_change_sine_part_36) + (yaw_change_sine_part_37 * yaw_change_sine_part_38);
-    const float yaw_change_sine_part_40 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) - (yaw_change_sine_part_35
-        * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_41 = (yaw_change_sine_part_33 * yaw_change_sine_part_38) - (yaw_change_sine_part_37
-        * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_42 = (damping * ((yaw_change_sine_part_34 * by_axis_2_1_e_cost_1) +
-        (yaw_change_sine_part_36 * by_axis_2_2_e_cost_1) + (yaw_change_sine_part_38 * by_axis_2_3_e_cost_1) +
-        (then_2_cost_1 * yaw_change_sine_part_39))) + (yaw_change_sine_part_40 * ((yaw_change_sine_part_33 *
-        by_axis_2_2_e_cost_1) - (yaw_change_sine_part_35 * by_axis_2_1_e_cost_1))) + (yaw_change_sine_part_41 *
-        ((yaw_change_sine_part_33 * by_axis_2_3_e_cost_1) - (yaw_change_sine_part_37 * by_axis_2_1_e_cost_1)));
-    const float across_yaw_change_sine_4 = (yaw_change_sine_part_35 * yaw_change_sine_part_38) -
-        (yaw_change_sine_part_37 * yaw_change_sine_part_36);
-    const float yaw_change_sine_part_43 = 1.0f / (damping + ((yaw_change_sine_part_33 * yaw_change_sine_part_33) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_35) + (yaw_change_sine_part_37 * yaw_change_sine_part_37)));
-    const float right_yaw_change_sine = ((yaw_change_sine_part_31 + (across_yaw_change_sine_3 *
-        ((yaw_change_sine_part_24 * by_axis_1_3_e_cost_1) - (yaw_change_sine_part_26 * by_axis_1_2_e_cost_1)))) *
-        yaw_change_sine_part_32) + ((yaw_change_sine_part_42 + (across_yaw_change_sine_4 * ((yaw_change_sine_part_35 *
-        by_axis_2_3_e_cost_1) - (yaw_change_sine_part_37 * by_axis_2_2_e_cost_1)))) * yaw_change_sine_part_43) -
-        (yaw_damping * then_3_yaw_change_sine);
-    const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_23 * yaw_change_sine_part_23) +
-        (yaw_change_sine_part_25 * yaw_change_sine_part_25) + (yaw_change_sine_part_27 * yaw_change_sine_part_27))) +
-        (yaw_change_sine_part_29 * yaw_change_sine_part_29) + (yaw_change_sine_part_30 * yaw_change_sine_part_30) +
-        (across_yaw_change_sine_3 * across_yaw_change_sine_3)) * yaw_change_sine_part_32) + (((damping *
-        ((yaw_change_sine_part_34 * yaw_change_sine_part_34) + (yaw_change_sine_part_36 * yaw_change_sine_part_36) +
-        (yaw_change_sine_part_38 * yaw_change_sine_part_38))) + (yaw_change_sine_part_40 * yaw_change_sine_part_40) +
-        (yaw_change_sine_part_41 * yaw_change_sine_part_41) + (across_yaw_change_sine_4 * across_yaw_change_sine_4)) *
-        yaw_change_sine_part_43);
+    const hall_position_three_terms_4_t terms_4_4 = hall_position_three_terms_4(terms_1_3.B_2, (cosine_1.cosine *
+        by_cosine_cost_1) - (cosine_1.sine * by_sine_cost_1), slope_1_yaw_change_sine, terms_1_2.phases_1_sine_squared,
+        slope_2_yaw_change_sine, slope_3_yaw_change_sine, y_phase_fraction_cosine + dy_cost_1, terms_1_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_5_4 = hall_position_three_terms_4(terms_2_3.B_2, cosine_1_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_2_2.phases_1_sine_squared, slope_2_yaw_change_sine_2,
+        slope_3_yaw_change_sine_2, y_phase_fraction_cosine_2 + dy_cost_1_2, terms_2_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_6_4 = hall_position_three_terms_4(terms_3_3.B_2, cosine_1_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_3_2.phases_1_sine_squared, slope_2_yaw_change_sine_3,
+        slope_3_yaw_change_sine_3, y_phase_fraction_cosine_3 + dy_cost_1_3, terms_3_2.by_axis_1_e);
+    const float yaw_change_sine_part_2 = terms_4_4.terms_2 + terms_5_4.terms_2 + terms_6_4.terms_2;
+    const hall_position_three_terms_t terms_3 = hall_position_three_terms(terms_4_4.by_axis_1_h * terms_4_4.by_axis_1_h,
+        terms_5_4.by_axis_1_h * terms_5_4.by_axis_1_h, terms_6_4.by_axis_1_h, terms_4_4.by_axis_1_g,
+        terms_5_4.by_axis_1_h, terms_5_4.by_axis_1_g, terms_4_4.by_axis_1_h, terms_6_4.by_axis_1_g);
+    const float moment_3_value_9 = hall_position_three_moment(terms_4_4.terms + terms_5_4.terms + terms_6_4.terms,
+        then_1_cost_1 * yaw_change_sine_part_2, terms_3.value, terms_4_4.by_axis_1_g * terms_2_2.by_axis_1_e,
+        terms_5_4.by_axis_1_g * terms_1_2.by_axis_1_e, terms_3.value_2, terms_4_4.by_axis_1_g, terms_3_2.by_axis_1_e,
+        terms_6_4.by_axis_1_g * terms_1_2.by_axis_1_e);
+    const float yaw_change_sine_part_3 = terms_3.across * ((terms_5_4.by_axis_1_g * terms_3_2.by_axis_1_e) -
+        (terms_6_4.by_axis_1_g * terms_2_2.by_axis_1_e));
+    const hall_position_three_terms_5_t terms_4_5 = hall_position_three_terms_5((cosine_4.cosine * by_cosine_cost_1_2) -
+        (cosine_4.sine * by_sine_cost_1_2), slope_1_yaw_change_sine, terms_1_3.q, slope_2_yaw_change_sine,
+        slope_3_yaw_change_sine, x_phase_fraction_cosine - cost_1_part_2, terms_1_2.B_1, terms_1_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_5_5 = hall_position_three_terms_5(cosine_2_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_2_3.q, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        x_phase_fraction_cosine_2 - cost_1_part_3, terms_2_2.B_1, terms_2_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_6_5 = hall_position_three_terms_5(cosine_2_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_3_3.q, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        x_phase_fraction_cosine_3 - cost_1_part_4, terms_3_2.B_1, terms_3_3.by_axis_2_e);
+    const float yaw_change_sine_part_4 = terms_4_5.terms_2 + terms_5_5.terms_2 + terms_6_5.terms_2;
+    const hall_position_three_terms_t terms_4 = hall_position_three_terms(terms_4_5.by_axis_2_h * terms_4_5.by_axis_2_h,
+        terms_5_5.by_axis_2_h * terms_5_5.by_axis_2_h, terms_6_5.by_axis_2_h, terms_4_5.by_axis_2_g,
+        terms_5_5.by_axis_2_h, terms_5_5.by_axis_2_g, terms_4_5.by_axis_2_h, terms_6_5.by_axis_2_g);
+    const float moment_4_value_9 = hall_position_three_moment(terms_4_5.terms + terms_5_5.terms + terms_6_5.terms,
+        then_2_cost_1 * yaw_change_sine_part_4, terms_4.value, terms_4_5.by_axis_2_g * terms_2_3.by_axis_2_e,
+        terms_5_5.by_axis_2_g * terms_1_3.by_axis_2_e, terms_4.value_2, terms_4_5.by_axis_2_g, terms_3_3.by_axis_2_e,
+        terms_6_5.by_axis_2_g * terms_1_3.by_axis_2_e);
+    const float yaw_change_sine_part_5 = terms_4.across * ((terms_5_5.by_axis_2_g * terms_3_3.by_axis_2_e) -
+        (terms_6_5.by_axis_2_g * terms_2_3.by_axis_2_e));
+    const float right_yaw_change_sine = ((moment_3_value_9 + yaw_change_sine_part_3) * terms_3.value_3) +
+        ((moment_4_value_9 + yaw_change_sine_part_5) * terms_4.value_3) - (yaw_damping * then_3_yaw_change_sine);
     float other_3_yaw_change_sine = then_3_yaw_change_sine;
     float other_1_cost_2 = then_1_cost_1;
     float other_2_cost_2 = then_2_cost_1;
-    float yaw_change_sine_part_44 = cost_1;
+    float yaw_change_sine_part_6 = cost_1;
     if (!better_yaw_change_sine) {
         other_3_yaw_change_sine = 0.0f;
         other_1_cost_2 = 0.0f;
         other_2_cost_2 = 0.0f;
-        yaw_change_sine_part_44 = cost_0;
+        yaw_change_sine_part_6 = cost_0;
     }
     const float then_3_yaw_change_sine_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_3_yaw_change_sine
-        + (right_yaw_change_sine / (yaw_damping + data_yaw_change_sine_2))) : (0.5f * (then_3_yaw_change_sine +
+        + (right_yaw_change_sine / (yaw_damping + (terms_3.terms + terms_4.terms)))) : (0.5f * (then_3_yaw_change_sine +
         other_3_yaw_change_sine)), max_yaw_step);
-    const float yaw_change_sine_part_45 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
-    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_45);
+    const float yaw_change_sine_part_7 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
+    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_7);
     const float half_yaw_change_sine_2 = then_3_yaw_change_sine_2 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_45);
+        half_yaw_change_sine_polynomial(yaw_change_sine_part_7);
     const float versine_cost_2 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
     const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
+    const float cost_2_part = (terms_4_4.by_axis_1_g * terms_1_2.by_axis_1_e) + (terms_5_4.by_axis_1_g *
+        terms_2_2.by_axis_1_e) + (terms_6_4.by_axis_1_g * terms_3_2.by_axis_1_e);
     const float yaw_change_cost_2 = then_3_yaw_change_sine_2 - then_3_yaw_change_sine;
-    const float then_1_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_1_cost_1 +
-        (((yaw_change_sine_part_22 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_24 * by_axis_1_2_e_cost_1) +
-        (yaw_change_sine_part_26 * by_axis_1_3_e_cost_1) - (damping * then_1_cost_1) - (yaw_change_sine_part_28 *
-        yaw_change_cost_2)) * yaw_change_sine_part_32)) : (0.5f * (then_1_cost_1 + other_1_cost_2)), 0.5f);
-    const float cost_2_part = (x_phase_fraction_sine * versine_cost_2) + (y_phase_fraction_sine * yaw_change_sine_2);
-    const float angle_cost_2 = then_1_cost_2 - cost_2_part;
+    const float then_1_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_1_cost_1 + ((cost_2_part -
+        (damping * then_1_cost_1) - (yaw_change_sine_part_2 * yaw_change_cost_2)) * terms_3.value_3)) : (0.5f *
+        (then_1_cost_1 + other_1_cost_2)), 0.5f);
+    const float cost_2_part_2 = (x_phase_fraction_cosine * versine_cost_2) + (y_phase_fraction_cosine *
+        yaw_change_sine_2);
+    const float angle_cost_2 = then_1_cost_2 - cost_2_part_2;
     const float f15_argument_3 = angle_cost_2 * angle_cost_2;
     const float by_cosine_cost_2 = f15_polynomial(f15_argument_3);
     const float by_sine_cost_2 = angle_cost_2 * f16_polynomial(f15_argument_3);
-    const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
-    const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (field_2_cost_0 + (phases_1_sine_cost_2_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_2_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) - (volts_sine_cost_0 *
-        yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) + (y_phase_fraction_sine_2 *
+    const hall_position_three_terms_2_t terms_4_2 = hall_position_three_terms_2(volts_cosine_cost_0,
+        rotation_cosine_cost_2, volts_sine_cost_0, yaw_change_sine_2, cosine_1.sine * by_cosine_cost_2, cosine_1.cosine
+        * by_sine_cost_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float cost_2_part_3 = (x_phase_fraction_cosine_2 * versine_cost_2) + (y_phase_fraction_cosine_2 *
         yaw_change_sine_2);
-    const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
-    const float f17_argument_3 = angle_cost_2_2 * angle_cost_2_2;
-    const float by_cosine_cost_2_2 = f17_polynomial(f17_argument_3);
-    const float by_sine_cost_2_2 = angle_cost_2_2 * f18_polynomial(f17_argument_3);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_2);
-    const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (field_2_cost_0_2 + (cost_2_part_3 * (field_3_cost_0_2 +
-        (cost_2_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) - (volts_sine_cost_0_2 *
-        yaw_change_sine_2) - B_1_cost_2_2;
-    const float cost_2_part_4 = (x_phase_fraction_sine_3 * versine_cost_2) + (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_3_3 = hall_position_three_cosine_2(cosine_2.cosine, then_1_cost_2 -
+        cost_2_part_3, cosine_2.sine);
+    const hall_position_three_terms_2_t terms_5_2 = hall_position_three_terms_2(volts_cosine_cost_0_2,
+        rotation_cosine_cost_2, volts_sine_cost_0_2, yaw_change_sine_2, cosine_2.sine * cosine_3_3.by_cosine,
+        cosine_2.cosine * cosine_3_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float cost_2_part_4 = (x_phase_fraction_cosine_3 * versine_cost_2) + (y_phase_fraction_cosine_3 *
         yaw_change_sine_2);
-    const float angle_cost_2_3 = then_1_cost_2 - cost_2_part_4;
-    const float f19_argument_3 = angle_cost_2_3 * angle_cost_2_3;
-    const float by_cosine_cost_2_3 = f19_polynomial(f19_argument_3);
-    const float by_sine_cost_2_3 = angle_cost_2_3 * f20_polynomial(f19_argument_3);
-    const float phases_1_sine_cost_2_3 = (x_sine_cost_0_3 * by_cosine_cost_2_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_2_3);
-    const float cost_2_part_5 = phases_1_sine_cost_2_3 * phases_1_sine_cost_2_3;
-    const float B_1_cost_2_3 = phases_1_sine_cost_2_3 * (field_2_cost_0_3 + (cost_2_part_5 * (field_3_cost_0_3 +
-        (cost_2_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_2 = (volts_cosine_cost_0_3 * rotation_cosine_cost_2) - (volts_sine_cost_0_3 *
-        yaw_change_sine_2) - B_1_cost_2_3;
-    const float then_2_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_2_cost_1 +
-        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_1) +
-        (yaw_change_sine_part_37 * by_axis_2_3_e_cost_1) - (damping * then_2_cost_1) - (yaw_change_sine_part_39 *
-        yaw_change_cost_2)) * yaw_change_sine_part_43)) : (0.5f * (then_2_cost_1 + other_2_cost_2)), 0.5f);
-    const float dy_cost_2 = (x_phase_fraction_sine * yaw_change_sine_2) - (y_phase_fraction_sine * versine_cost_2);
-    const float angle_cost_2_4 = then_2_cost_2 + dy_cost_2;
-    const float f15_argument_4 = angle_cost_2_4 * angle_cost_2_4;
-    const float by_cosine_cost_2_4 = f15_polynomial(f15_argument_4);
-    const float by_sine_cost_2_4 = angle_cost_2_4 * f16_polynomial(f15_argument_4);
-    const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_4) + (p_cosine_yaw_change_sine * by_sine_cost_2_4);
-    const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (field_2_cost_0 + (q_cost_2 * (field_3_cost_0 + (q_cost_2 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) + (volts_cosine_cost_0 *
-        yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) - (y_phase_fraction_sine_2 *
+    const hall_position_three_cosine_3_t cosine_3_4 = hall_position_three_cosine_3(cosine_3.cosine, then_1_cost_2 -
+        cost_2_part_4, cosine_3.sine);
+    const hall_position_three_terms_2_t terms_6_2 = hall_position_three_terms_2(volts_cosine_cost_0_3,
+        rotation_cosine_cost_2, volts_sine_cost_0_3, yaw_change_sine_2, cosine_3.sine * cosine_3_4.by_cosine,
+        cosine_3.cosine * cosine_3_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_2_part_5 = (terms_4_5.by_axis_2_g * terms_1_3.by_axis_2_e) + (terms_5_5.by_axis_2_g *
+        terms_2_3.by_axis_2_e) + (terms_6_5.by_axis_2_g * terms_3_3.by_axis_2_e);
+    const float then_2_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_2_cost_1 + ((cost_2_part_5 -
+        (damping * then_2_cost_1) - (yaw_change_sine_part_4 * yaw_change_cost_2)) * terms_4.value_3)) : (0.5f *
+        (then_2_cost_1 + other_2_cost_2)), 0.5f);
+    const float dy_cost_2 = (x_phase_fraction_cosine * yaw_change_sine_2) - (y_phase_fraction_cosine * versine_cost_2);
+    const float angle_cost_2_2 = then_2_cost_2 + dy_cost_2;
+    const float f15_argument_4 = angle_cost_2_2 * angle_cost_2_2;
+    const float by_cosine_cost_2_2 = f15_polynomial(f15_argument_4);
+    const float by_sine_cost_2_2 = angle_cost_2_2 * f16_polynomial(f15_argument_4);
+    const hall_position_three_terms_3_t terms_4_3 = hall_position_three_terms_3(volts_sine_cost_0,
+        rotation_cosine_cost_2, volts_cosine_cost_0, yaw_change_sine_2, cosine_4.sine * by_cosine_cost_2_2,
+        cosine_4.cosine * by_sine_cost_2_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float dy_cost_2_2 = (x_phase_fraction_cosine_2 * yaw_change_sine_2) - (y_phase_fraction_cosine_2 *
         versine_cost_2);
-    const float angle_cost_2_5 = then_2_cost_2 + dy_cost_2_2;
-    const float f17_argument_4 = angle_cost_2_5 * angle_cost_2_5;
-    const float by_cosine_cost_2_5 = f17_polynomial(f17_argument_4);
-    const float by_sine_cost_2_5 = angle_cost_2_5 * f18_polynomial(f17_argument_4);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_5);
-    const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (field_2_cost_0_2 + (q_cost_2_2 * (field_3_cost_0_2 + (q_cost_2_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_2) - B_2_cost_2_2;
-    const float dy_cost_2_3 = (x_phase_fraction_sine_3 * yaw_change_sine_2) - (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_4_3 = hall_position_three_cosine_2(cosine_5.cosine, then_2_cost_2 +
+        dy_cost_2_2, cosine_5.sine);
+    const hall_position_three_terms_3_t terms_5_3 = hall_position_three_terms_3(volts_sine_cost_0_2,
+        rotation_cosine_cost_2, volts_cosine_cost_0_2, yaw_change_sine_2, cosine_5.sine * cosine_4_3.by_cosine,
+        cosine_5.cosine * cosine_4_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float dy_cost_2_3 = (x_phase_fraction_cosine_3 * yaw_change_sine_2) - (y_phase_fraction_cosine_3 *
         versine_cost_2);
-    const float angle_cost_2_6 = then_2_cost_2 + dy_cost_2_3;
-    const float f19_argument_4 = angle_cost_2_6 * angle_cost_2_6;
-    const float by_cosine_cost_2_6 = f19_polynomial(f19_argument_4);
-    const float by_sine_cost_2_6 = angle_cost_2_6 * f20_polynomial(f19_argument_4);
-    const float p_sine_cost_2_3 = (p_sine_cost_0_3 * by_cosine_cost_2_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_2_6);
-    const float q_cost_2_3 = p_sine_cost_2_3 * p_sine_cost_2_3;
-    const float B_2_cost_2_3 = p_sine_cost_2_3 * (field_2_cost_0_3 + (q_cost_2_3 * (field_3_cost_0_3 + (q_cost_2_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_2 = (volts_sine_cost_0_3 * rotation_cosine_cost_2) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_2) - B_2_cost_2_3;
-    const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
-        (by_axis_1_3_e_cost_2 * by_axis_1_3_e_cost_2) + (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) +
-        (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (by_axis_2_3_e_cost_2 * by_axis_2_3_e_cost_2) + (damping *
-        ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) + (squared_yaw_arm *
-        yaw_change_sine_part_45)));
-    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_44) + cost_slack);
-    const float yaw_change_sine_part_46 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) - (x_sine_cost_0 *
-        by_sine_cost_2)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_2_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_2_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_47 = B_2_cost_2 - (yaw_change_sine_part_46 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_48 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) - (x_sine_cost_0_2 *
-        by_sine_cost_2_2)) * (slope_1_yaw_change_sine_2 + (cost_2_part_3 * (slope_2_yaw_change_sine_2 + (cost_2_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_49 = B_2_cost_2_2 - (yaw_change_sine_part_48 * (y_phase_fraction_sine_2 +
-        dy_cost_2_2));
-    const float yaw_change_sine_part_50 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_2_3) - (x_sine_cost_0_3 *
-        by_sine_cost_2_3)) * (slope_1_yaw_change_sine_3 + (cost_2_part_5 * (slope_2_yaw_change_sine_3 + (cost_2_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_51 = B_2_cost_2_3 - (yaw_change_sine_part_50 * (y_phase_fraction_sine_3 +
-        dy_cost_2_3));
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_46 * yaw_change_sine_part_47) + (yaw_change_sine_part_48
-        * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_51);
-    const float yaw_change_sine_part_53 = (yaw_change_sine_part_46 * yaw_change_sine_part_49) - (yaw_change_sine_part_48
-        * yaw_change_sine_part_47);
-    const float yaw_change_sine_part_54 = (yaw_change_sine_part_46 * yaw_change_sine_part_51) - (yaw_change_sine_part_50
-        * yaw_change_sine_part_47);
-    const float yaw_change_sine_part_55 = (damping * ((yaw_change_sine_part_47 * by_axis_1_1_e_cost_2) +
-        (yaw_change_sine_part_49 * by_axis_1_2_e_cost_2) + (yaw_change_sine_part_51 * by_axis_1_3_e_cost_2) +
-        (then_1_cost_2 * yaw_change_sine_part_52))) + (yaw_change_sine_part_53 * ((yaw_change_sine_part_46 *
-        by_axis_1_2_e_cost_2) - (yaw_change_sine_part_48 * by_axis_1_1_e_cost_2))) + (yaw_change_sine_part_54 *
-        ((yaw_change_sine_part_46 * by_axis_1_3_e_cost_2) - (yaw_change_sine_part_50 * by_axis_1_1_e_cost_2)));
-    const float across_yaw_change_sine_5 = (yaw_change_sine_part_48 * yaw_change_sine_part_51) -
-        (yaw_change_sine_part_50 * yaw_change_sine_part_49);
-    const float yaw_change_sine_part_56 = 1.0f / (damping + ((yaw_change_sine_part_46 * yaw_change_sine_part_46) +
-        (yaw_change_sine_part_48 * yaw_change_sine_part_48) + (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
-    const float yaw_change_sine_part_57 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_4) - (p_sine_cost_0 *
-        by_sine_cost_2_4)) * (slope_1_yaw_change_sine + (q_cost_2 * (slope_2_yaw_change_sine + (q_cost_2 *
-        slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_58 = (yaw_change_sine_part_57 * (x_phase_fraction_sine - cost_2_part)) -
-        B_1_cost_2;
-    const float yaw_change_sine_part_59 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_5) - (p_sine_cost_0_2 *
-        by_sine_cost_2_5)) * (slope_1_yaw_change_sine_2 + (q_cost_2_2 * (slope_2_yaw_change_sine_2 + (q_cost_2_2 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_60 = (yaw_change_sine_part_59 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
-        B_1_cost_2_2;
-    const float yaw_change_sine_part_61 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_2_6) - (p_sine_cost_0_3 *
-        by_sine_cost_2_6)) * (slope_1_yaw_change_sine_3 + (q_cost_2_3 * (slope_2_yaw_change_sine_3 + (q_cost_2_3 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_62 = (yaw_change_sine_part_61 * (x_phase_fraction_sine_3 - cost_2_part_4)) -
-        B_1_cost_2_3;
-    const float yaw_change_sine_part_63 = (yaw_change_sine_part_57 * yaw_change_sine_part_58) + (yaw_change_sine_part_59
-        * yaw_change_sine_part_60) + (yaw_change_sine_part_61 * yaw_change_sine_part_62);
-    const float yaw_change_sine_part_64 = (yaw_change_sine_part_57 * yaw_change_sine_part_60) - (yaw_change_sine_part_59
-        * yaw_change_sine_part_58);
-    const float yaw_change_sine_part_65 = (yaw_change_sine_part_57 * yaw_change_sine_part_62) - (yaw_change_sine_part_61
-        * yaw_change_sine_part_58);
-    const float yaw_change_sine_part_66 = (damping * ((yaw_change_sine_part_58 * by_axis_2_1_e_cost_2) +
-        (yaw_change_sine_part_60 * by_axis_2_2_e_cost_2) + (yaw_change_sine_part_62 * by_axis_2_3_e_cost_2) +
-        (then_2_cost_2 * yaw_change_sine_part_63))) + (yaw_change_sine_part_64 * ((yaw_change_sine_part_57 *
-        by_axis_2_2_e_cost_2) - (yaw_change_sine_part_59 * by_axis_2_1_e_cost_2))) + (yaw_change_sine_part_65 *
-        ((yaw_change_sine_part_57 * by_axis_2_3_e_cost_2) - (yaw_change_sine_part_61 * by_axis_2_1_e_cost_2)));
-    const float across_yaw_change_sine_6 = (yaw_change_sine_part_59 * yaw_change_sine_part_62) -
-        (yaw_change_sine_part_61 * yaw_change_sine_part_60);
-    const float yaw_change_sine_part_67 = 1.0f / (damping + ((yaw_change_sine_part_57 * yaw_change_sine_part_57) +
-        (yaw_change_sine_part_59 * yaw_change_sine_part_59) + (yaw_change_sine_part_61 * yaw_change_sine_part_61)));
-    const float right_yaw_change_sine_2 = ((yaw_change_sine_part_55 + (across_yaw_change_sine_5 *
-        ((yaw_change_sine_part_48 * by_axis_1_3_e_cost_2) - (yaw_change_sine_part_50 * by_axis_1_2_e_cost_2)))) *
-        yaw_change_sine_part_56) + ((yaw_change_sine_part_66 + (across_yaw_change_sine_6 * ((yaw_change_sine_part_59 *
-        by_axis_2_3_e_cost_2) - (yaw_change_sine_part_61 * by_axis_2_2_e_cost_2)))) * yaw_change_sine_part_67) -
-        (yaw_damping * then_3_yaw_change_sine_2);
-    const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_47 * yaw_change_sine_part_47) +
-        (yaw_change_sine_part_49 * yaw_change_sine_part_49) + (yaw_change_sine_part_51 * yaw_change_sine_part_51))) +
-        (yaw_change_sine_part_53 * yaw_change_sine_part_53) + (yaw_change_sine_part_54 * yaw_change_sine_part_54) +
-        (across_yaw_change_sine_5 * across_yaw_change_sine_5)) * yaw_change_sine_part_56) + (((damping *
-        ((yaw_change_sine_part_58 * yaw_change_sine_part_58) + (yaw_change_sine_part_60 * yaw_change_sine_part_60) +
-        (yaw_change_sine_part_62 * yaw_change_sine_part_62))) + (yaw_change_sine_part_64 * yaw_change_sine_part_64) +
-        (yaw_change_sine_part_65 * yaw_change_sine_part_65) + (across_yaw_change_sine_6 * across_yaw_change_sine_6)) *
-        yaw_change_sine_part_67);
+    const hall_position_three_cosine_3_t cosine_4_4 = hall_position_three_cosine_3(cosine_6.cosine, then_2_cost_2 +
+        dy_cost_2_3, cosine_6.sine);
+    const hall_position_three_terms_3_t terms_6_3 = hall_position_three_terms_3(volts_sine_cost_0_3,
+        rotation_cosine_cost_2, volts_cosine_cost_0_3, yaw_change_sine_2, cosine_6.sine * cosine_4_4.by_cosine,
+        cosine_6.cosine * cosine_4_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_2 = terms_4_2.terms + terms_5_2.terms + terms_6_2.terms + terms_4_3.terms + terms_5_3.terms +
+        terms_6_3.terms + (damping * ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) +
+        (squared_yaw_arm * yaw_change_sine_part_7)));
+    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_6) + cost_slack);
+    const hall_position_three_terms_4_t terms_7_4 = hall_position_three_terms_4(terms_4_3.B_2, (cosine_1.cosine *
+        by_cosine_cost_2) - (cosine_1.sine * by_sine_cost_2), slope_1_yaw_change_sine, terms_4_2.phases_1_sine_squared,
+        slope_2_yaw_change_sine, slope_3_yaw_change_sine, y_phase_fraction_cosine + dy_cost_2, terms_4_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_8_4 = hall_position_three_terms_4(terms_5_3.B_2, cosine_3_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_5_2.phases_1_sine_squared, slope_2_yaw_change_sine_2,
+        slope_3_yaw_change_sine_2, y_phase_fraction_cosine_2 + dy_cost_2_2, terms_5_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_9_4 = hall_position_three_terms_4(terms_6_3.B_2, cosine_3_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_6_2.phases_1_sine_squared, slope_2_yaw_change_sine_3,
+        slope_3_yaw_change_sine_3, y_phase_fraction_cosine_3 + dy_cost_2_3, terms_6_2.by_axis_1_e);
+    const float yaw_change_sine_part_8 = terms_7_4.terms_2 + terms_8_4.terms_2 + terms_9_4.terms_2;
+    const hall_position_three_terms_t terms_5 = hall_position_three_terms(terms_7_4.by_axis_1_h * terms_7_4.by_axis_1_h,
+        terms_8_4.by_axis_1_h * terms_8_4.by_axis_1_h, terms_9_4.by_axis_1_h, terms_7_4.by_axis_1_g,
+        terms_8_4.by_axis_1_h, terms_8_4.by_axis_1_g, terms_7_4.by_axis_1_h, terms_9_4.by_axis_1_g);
+    const float moment_5_value_9 = hall_position_three_moment(terms_7_4.terms + terms_8_4.terms + terms_9_4.terms,
+        then_1_cost_2 * yaw_change_sine_part_8, terms_5.value, terms_7_4.by_axis_1_g * terms_5_2.by_axis_1_e,
+        terms_8_4.by_axis_1_g * terms_4_2.by_axis_1_e, terms_5.value_2, terms_7_4.by_axis_1_g, terms_6_2.by_axis_1_e,
+        terms_9_4.by_axis_1_g * terms_4_2.by_axis_1_e);
+    const float yaw_change_sine_part_9 = terms_5.across * ((terms_8_4.by_axis_1_g * terms_6_2.by_axis_1_e) -
+        (terms_9_4.by_axis_1_g * terms_5_2.by_axis_1_e));
+    const hall_position_three_terms_5_t terms_7_5 = hall_position_three_terms_5((cosine_4.cosine * by_cosine_cost_2_2) -
+        (cosine_4.sine * by_sine_cost_2_2), slope_1_yaw_change_sine, terms_4_3.q, slope_2_yaw_change_sine,
+        slope_3_yaw_change_sine, x_phase_fraction_cosine - cost_2_part_2, terms_4_2.B_1, terms_4_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_8_5 = hall_position_three_terms_5(cosine_4_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_5_3.q, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        x_phase_fraction_cosine_2 - cost_2_part_3, terms_5_2.B_1, terms_5_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_9_5 = hall_position_three_terms_5(cosine_4_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_6_3.q, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        x_phase_fraction_cosine_3 - cost_2_part_4, terms_6_2.B_1, terms_6_3.by_axis_2_e);
+    const float yaw_change_sine_part_10 = terms_7_5.terms_2 + terms_8_5.terms_2 + terms_9_5.terms_2;
+    const hall_position_three_terms_t terms_6 = hall_position_three_terms(terms_7_5.by_axis_2_h * terms_7_5.by_axis_2_h,
+        terms_8_5.by_axis_2_h * terms_8_5.by_axis_2_h, terms_9_5.by_axis_2_h, terms_7_5.by_axis_2_g,
+        terms_8_5.by_axis_2_h, terms_8_5.by_axis_2_g, terms_7_5.by_axis_2_h, terms_9_5.by_axis_2_g);
+    const float moment_6_value_9 = hall_position_three_moment(terms_7_5.terms + terms_8_5.terms + terms_9_5.terms,
+        then_2_cost_2 * yaw_change_sine_part_10, terms_6.value, terms_7_5.by_axis_2_g * terms_5_3.by_axis_2_e,
+        terms_8_5.by_axis_2_g * terms_4_3.by_axis_2_e, terms_6.value_2, terms_7_5.by_axis_2_g, terms_6_3.by_axis_2_e,
+        terms_9_5.by_axis_2_g * terms_4_3.by_axis_2_e);
+    const float yaw_change_sine_part_11 = terms_6.across * ((terms_8_5.by_axis_2_g * terms_6_3.by_axis_2_e) -
+        (terms_9_5.by_axis_2_g * terms_5_3.by_axis_2_e));
+    const float right_yaw_change_sine_2 = ((moment_5_value_9 + yaw_change_sine_part_9) * terms_5.value_3) +
+        ((moment_6_value_9 + yaw_change_sine_part_11) * terms_6.value_3) - (yaw_damping * then_3_yaw_change_sine_2);
     float other_3_yaw_change_sine_2 = then_3_yaw_change_sine_2;
     float other_1_cost_3 = then_1_cost_2;
     float other_2_cost_3 = then_2_cost_2;
-    float yaw_change_sine_part_68 = cost_2;
+    float yaw_change_sine_part_12 = cost_2;
     if (!better_yaw_change_sine_2) {
         other_3_yaw_change_sine_2 = other_3_yaw_change_sine;
         other_1_cost_3 = other_1_cost_2;
         other_2_cost_3 = other_2_cost_2;
-        yaw_change_sine_part_68 = yaw_change_sine_part_44;
+        yaw_change_sine_part_12 = yaw_change_sine_part_6;
     }
     const float then_3_yaw_change_sine_3 = hall_position_three_limit((better_yaw_change_sine_2) ?
-        (then_3_yaw_change_sine_2 + (right_yaw_change_sine_2 / (yaw_damping + data_yaw_change_sine_3))) : (0.5f *
-        (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
-    const float yaw_change_sine_part_69 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
-    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_69);
+        (then_3_yaw_change_sine_2 + (right_yaw_change_sine_2 / (yaw_damping + (terms_5.terms + terms_6.terms)))) : (0.5f
+        * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
+    const float yaw_change_sine_part_13 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
+    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_13);
     const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_69);
+        half_yaw_change_sine_polynomial(yaw_change_sine_part_13);
     const float versine_cost_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
     const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
+    const float cost_3_part = (terms_7_4.by_axis_1_g * terms_4_2.by_axis_1_e) + (terms_8_4.by_axis_1_g *
+        terms_5_2.by_axis_1_e) + (terms_9_4.by_axis_1_g * terms_6_2.by_axis_1_e);
     const float yaw_change_cost_3 = then_3_yaw_change_sine_3 - then_3_yaw_change_sine_2;
-    const float then_1_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_1_cost_2 +
-        (((yaw_change_sine_part_46 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_48 * by_axis_1_2_e_cost_2) +
-        (yaw_change_sine_part_50 * by_axis_1_3_e_cost_2) - (damping * then_1_cost_2) - (yaw_change_sine_part_52 *
-        yaw_change_cost_3)) * yaw_change_sine_part_56)) : (0.5f * (then_1_cost_2 + other_1_cost_3)), 0.5f);
-    const float cost_3_part = (x_phase_fraction_sine * versine_cost_3) + (y_phase_fraction_sine * yaw_change_sine_3);
-    const float angle_cost_3 = then_1_cost_3 - cost_3_part;
+    const float then_1_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_1_cost_2 + ((cost_3_part -
+        (damping * then_1_cost_2) - (yaw_change_sine_part_8 * yaw_change_cost_3)) * terms_5.value_3)) : (0.5f *
+        (then_1_cost_2 + other_1_cost_3)), 0.5f);
+    const float cost_3_part_2 = (x_phase_fraction_cosine * versine_cost_3) + (y_phase_fraction_cosine *
+        yaw_change_sine_3);
+    const float angle_cost_3 = then_1_cost_3 - cost_3_part_2;
     const float f15_argument_5 = angle_cost_3 * angle_cost_3;
     const float by_cosine_cost_3 = f15_polynomial(f15_argument_5);
     const float by_sine_cost_3 = angle_cost_3 * f16_polynomial(f15_argument_5);
-    const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
-    const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (field_2_cost_0 + (phases_1_sine_cost_3_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_3_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) - (volts_sine_cost_0 *
-        yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) + (y_phase_fraction_sine_2 *
+    const hall_position_three_terms_2_t terms_7_2 = hall_position_three_terms_2(volts_cosine_cost_0,
+        rotation_cosine_cost_3, volts_sine_cost_0, yaw_change_sine_3, cosine_1.sine * by_cosine_cost_3, cosine_1.cosine
+        * by_sine_cost_3, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float cost_3_part_3 = (x_phase_fraction_cosine_2 * versine_cost_3) + (y_phase_fraction_cosine_2 *
         yaw_change_sine_3);
-    const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
-    const float f17_argument_5 = angle_cost_3_2 * angle_cost_3_2;
-    const float by_cosine_cost_3_2 = f17_polynomial(f17_argument_5);
-    const float by_sine_cost_3_2 = angle_cost_3_2 * f18_polynomial(f17_argument_5);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_2);
-    const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (field_2_cost_0_2 + (cost_3_part_3 * (field_3_cost_0_2 +
-        (cost_3_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) - (volts_sine_cost_0_2 *
-        yaw_change_sine_3) - B_1_cost_3_2;
-    const float cost_3_part_4 = (x_phase_fraction_sine_3 * versine_cost_3) + (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_5_3 = hall_position_three_cosine_2(cosine_2.cosine, then_1_cost_3 -
+        cost_3_part_3, cosine_2.sine);
+    const hall_position_three_terms_2_t terms_8_2 = hall_position_three_terms_2(volts_cosine_cost_0_2,
+        rotation_cosine_cost_3, volts_sine_cost_0_2, yaw_change_sine_3, cosine_2.sine * cosine_5_3.by_cosine,
+        cosine_2.cosine * cosine_5_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float cost_3_part_4 = (x_phase_fraction_cosine_3 * versine_cost_3) + (y_phase_fraction_cosine_3 *
         yaw_change_sine_3);
-    const float angle_cost_3_3 = then_1_cost_3 - cost_3_part_4;
-    const float f19_argument_5 = angle_cost_3_3 * angle_cost_3_3;
-    const float by_cosine_cost_3_3 = f19_polynomial(f19_argument_5);
-    const float by_sine_cost_3_3 = angle_cost_3_3 * f20_polynomial(f19_argument_5);
-    const float phases_1_sine_cost_3_3 = (x_sine_cost_0_3 * by_cosine_cost_3_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_3_3);
-    const float cost_3_part_5 = phases_1_sine_cost_3_3 * phases_1_sine_cost_3_3;
-    const float B_1_cost_3_3 = phases_1_sine_cost_3_3 * (field_2_cost_0_3 + (cost_3_part_5 * (field_3_cost_0_3 +
-        (cost_3_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_3 = (volts_cosine_cost_0_3 * rotation_cosine_cost_3) - (volts_sine_cost_0_3 *
-        yaw_change_sine_3) - B_1_cost_3_3;
-    const float then_2_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
-        (((yaw_change_sine_part_57 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_59 * by_axis_2_2_e_cost_2) +
-        (yaw_change_sine_part_61 * by_axis_2_3_e_cost_2) - (damping * then_2_cost_2) - (yaw_change_sine_part_63 *
-        yaw_change_cost_3)) * yaw_change_sine_part_67)) : (0.5f * (then_2_cost_2 + other_2_cost_3)), 0.5f);
-    const float dy_cost_3 = (x_phase_fraction_sine * yaw_change_sine_3) - (y_phase_fraction_sine * versine_cost_3);
-    const float angle_cost_3_4 = then_2_cost_3 + dy_cost_3;
-    const float f15_argument_6 = angle_cost_3_4 * angle_cost_3_4;
-    const float by_cosine_cost_3_4 = f15_polynomial(f15_argument_6);
-    const float by_sine_cost_3_4 = angle_cost_3_4 * f16_polynomial(f15_argument_6);
-    const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_4) + (p_cosine_yaw_change_sine * by_sine_cost_3_4);
-    const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (field_2_cost_0 + (q_cost_3 * (field_3_cost_0 + (q_cost_3 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) + (volts_cosine_cost_0 *
-        yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) - (y_phase_fraction_sine_2 *
+    const hall_position_three_cosine_3_t cosine_5_4 = hall_position_three_cosine_3(cosine_3.cosine, then_1_cost_3 -
+        cost_3_part_4, cosine_3.sine);
+    const hall_position_three_terms_2_t terms_9_2 = hall_position_three_terms_2(volts_cosine_cost_0_3,
+        rotation_cosine_cost_3, volts_sine_cost_0_3, yaw_change_sine_3, cosine_3.sine * cosine_5_4.by_cosine,
+        cosine_3.cosine * cosine_5_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_3_part_5 = (terms_7_5.by_axis_2_g * terms_4_3.by_axis_2_e) + (terms_8_5.by_axis_2_g *
+        terms_5_3.by_axis_2_e) + (terms_9_5.by_axis_2_g * terms_6_3.by_axis_2_e);
+    const float then_2_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_2_cost_2 + ((cost_3_part_5
+        - (damping * then_2_cost_2) - (yaw_change_sine_part_10 * yaw_change_cost_3)) * terms_6.value_3)) : (0.5f *
+        (then_2_cost_2 + other_2_cost_3)), 0.5f);
+    const float dy_cost_3 = (x_phase_fraction_cosine * yaw_change_sine_3) - (y_phase_fraction_cosine * versine_cost_3);
+    const float angle_cost_3_2 = then_2_cost_3 + dy_cost_3;
+    const float f15_argument_6 = angle_cost_3_2 * angle_cost_3_2;
+    const float by_cosine_cost_3_2 = f15_polynomial(f15_argument_6);
+    const float by_sine_cost_3_2 = angle_cost_3_2 * f16_polynomial(f15_argument_6);
+    const hall_position_three_terms_3_t terms_7_3 = hall_position_three_terms_3(volts_sine_cost_0,
+        rotation_cosine_cost_3, volts_cosine_cost_0, yaw_change_sine_3, cosine_4.sine * by_cosine_cost_3_2,
+        cosine_4.cosine * by_sine_cost_3_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float dy_cost_3_2 = (x_phase_fraction_cosine_2 * yaw_change_sine_3) - (y_phase_fraction_cosine_2 *
         versine_cost_3);
-    const float angle_cost_3_5 = then_2_cost_3 + dy_cost_3_2;
-    const float f17_argument_6 = angle_cost_3_5 * angle_cost_3_5;
-    const float by_cosine_cost_3_5 = f17_polynomial(f17_argument_6);
-    const float by_sine_cost_3_5 = angle_cost_3_5 * f18_polynomial(f17_argument_6);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_5);
-    const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (field_2_cost_0_2 + (q_cost_3_2 * (field_3_cost_0_2 + (q_cost_3_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_3) - B_2_cost_3_2;
-    const float dy_cost_3_3 = (x_phase_fraction_sine_3 * yaw_change_sine_3) - (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_6_3 = hall_position_three_cosine_2(cosine_5.cosine, then_2_cost_3 +
+        dy_cost_3_2, cosine_5.sine);
+    const hall_position_three_terms_3_t terms_8_3 = hall_position_three_terms_3(volts_sine_cost_0_2,
+        rotation_cosine_cost_3, volts_cosine_cost_0_2, yaw_change_sine_3, cosine_5.sine * cosine_6_3.by_cosine,
+        cosine_5.cosine * cosine_6_3.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float dy_cost_3_3 = (x_phase_fraction_cosine_3 * yaw_change_sine_3) - (y_phase_fraction_cosine_3 *
         versine_cost_3);
-    const float angle_cost_3_6 = then_2_cost_3 + dy_cost_3_3;
-    const float f19_argument_6 = angle_cost_3_6 * angle_cost_3_6;
-    const float by_cosine_cost_3_6 = f19_polynomial(f19_argument_6);
-    const float by_sine_cost_3_6 = angle_cost_3_6 * f20_polynomial(f19_argument_6);
-    const float p_sine_cost_3_3 = (p_sine_cost_0_3 * by_cosine_cost_3_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_3_6);
-    const float q_cost_3_3 = p_sine_cost_3_3 * p_sine_cost_3_3;
-    const float B_2_cost_3_3 = p_sine_cost_3_3 * (field_2_cost_0_3 + (q_cost_3_3 * (field_3_cost_0_3 + (q_cost_3_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_3 = (volts_sine_cost_0_3 * rotation_cosine_cost_3) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_3) - B_2_cost_3_3;
-    const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
-        (by_axis_1_3_e_cost_3 * by_axis_1_3_e_cost_3) + (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) +
-        (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (by_axis_2_3_e_cost_3 * by_axis_2_3_e_cost_3) + (damping *
-        ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) + (squared_yaw_arm *
-        yaw_change_sine_part_69)));
-    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_68) + cost_slack);
-    const float yaw_change_sine_part_70 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) - (x_sine_cost_0 *
-        by_sine_cost_3)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_3_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_3_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_71 = B_2_cost_3 - (yaw_change_sine_part_70 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_72 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) - (x_sine_cost_0_2 *
-        by_sine_cost_3_2)) * (slope_1_yaw_change_sine_2 + (cost_3_part_3 * (slope_2_yaw_change_sine_2 + (cost_3_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_73 = B_2_cost_3_2 - (yaw_change_sine_part_72 * (y_phase_fraction_sine_2 +
-        dy_cost_3_2));
-    const float yaw_change_sine_part_74 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_3_3) - (x_sine_cost_0_3 *
-        by_sine_cost_3_3)) * (slope_1_yaw_change_sine_3 + (cost_3_part_5 * (slope_2_yaw_change_sine_3 + (cost_3_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_75 = B_2_cost_3_3 - (yaw_change_sine_part_74 * (y_phase_fraction_sine_3 +
-        dy_cost_3_3));
-    const float yaw_change_sine_part_76 = (yaw_change_sine_part_70 * yaw_change_sine_part_71) + (yaw_change_sine_part_72
-        * yaw_change_sine_part_73) + (yaw_change_sine_part_74 * yaw_change_sine_part_75);
-    const float yaw_change_sine_part_77 = (yaw_change_sine_part_70 * yaw_change_sine_part_73) - (yaw_change_sine_part_72
-        * yaw_change_sine_part_71);
-    const float yaw_change_sine_part_78 = (yaw_change_sine_part_70 * yaw_change_sine_part_75) - (yaw_change_sine_part_74
-        * yaw_change_sine_part_71);
-    const float yaw_change_sine_part_79 = (damping * ((yaw_change_sine_part_71 * by_axis_1_1_e_cost_3) +
-        (yaw_change_sine_part_73 * by_axis_1_2_e_cost_3) + (yaw_change_sine_part_75 * by_axis_1_3_e_cost_3) +
-        (then_1_cost_3 * yaw_change_sine_part_76))) + (yaw_change_sine_part_77 * ((yaw_change_sine_part_70 *
-        by_axis_1_2_e_cost_3) - (yaw_change_sine_part_72 * by_axis_1_1_e_cost_3))) + (yaw_change_sine_part_78 *
-        ((yaw_change_sine_part_70 * by_axis_1_3_e_cost_3) - (yaw_change_sine_part_74 * by_axis_1_1_e_cost_3)));
-    const float across_yaw_change_sine_7 = (yaw_change_sine_part_72 * yaw_change_sine_part_75) -
-        (yaw_change_sine_part_74 * yaw_change_sine_part_73);
-    const float yaw_change_sine_part_80 = 1.0f / (damping + ((yaw_change_sine_part_70 * yaw_change_sine_part_70) +
-        (yaw_change_sine_part_72 * yaw_change_sine_part_72) + (yaw_change_sine_part_74 * yaw_change_sine_part_74)));
-    const float yaw_change_sine_part_81 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_4) - (p_sine_cost_0 *
-        by_sine_cost_3_4)) * (slope_1_yaw_change_sine + (q_cost_3 * (slope_2_yaw_change_sine + (q_cost_3 *
-        slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_82 = (yaw_change_sine_part_81 * (x_phase_fraction_sine - cost_3_part)) -
-        B_1_cost_3;
-    const float yaw_change_sine_part_83 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_5) - (p_sine_cost_0_2 *
-        by_sine_cost_3_5)) * (slope_1_yaw_change_sine_2 + (q_cost_3_2 * (slope_2_yaw_change_sine_2 + (q_cost_3_2 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_84 = (yaw_change_sine_part_83 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
-        B_1_cost_3_2;
-    const float yaw_change_sine_part_85 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_3_6) - (p_sine_cost_0_3 *
-        by_sine_cost_3_6)) * (slope_1_yaw_change_sine_3 + (q_cost_3_3 * (slope_2_yaw_change_sine_3 + (q_cost_3_3 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_86 = (yaw_change_sine_part_85 * (x_phase_fraction_sine_3 - cost_3_part_4)) -
-        B_1_cost_3_3;
-    const float yaw_change_sine_part_87 = (yaw_change_sine_part_81 * yaw_change_sine_part_82) + (yaw_change_sine_part_83
-        * yaw_change_sine_part_84) + (yaw_change_sine_part_85 * yaw_change_sine_part_86);
-    const float yaw_change_sine_part_88 = (yaw_change_sine_part_81 * yaw_change_sine_part_84) - (yaw_change_sine_part_83
-        * yaw_change_sine_part_82);
-    const float yaw_change_sine_part_89 = (yaw_change_sine_part_81 * yaw_change_sine_part_86) - (yaw_change_sine_part_85
-        * yaw_change_sine_part_82);
-    const float yaw_change_sine_part_90 = (damping * ((yaw_change_sine_part_82 * by_axis_2_1_e_cost_3) +
-        (yaw_change_sine_part_84 * by_axis_2_2_e_cost_3) + (yaw_change_sine_part_86 * by_axis_2_3_e_cost_3) +
-        (then_2_cost_3 * yaw_change_sine_part_87))) + (yaw_change_sine_part_88 * ((yaw_change_sine_part_81 *
-        by_axis_2_2_e_cost_3) - (yaw_change_sine_part_83 * by_axis_2_1_e_cost_3))) + (yaw_change_sine_part_89 *
-        ((yaw_change_sine_part_81 * by_axis_2_3_e_cost_3) - (yaw_change_sine_part_85 * by_axis_2_1_e_cost_3)));
-    const float across_yaw_change_sine_8 = (yaw_change_sine_part_83 * yaw_change_sine_part_86) -
-        (yaw_change_sine_part_85 * yaw_change_sine_part_84);
-    const float yaw_change_sine_part_91 = 1.0f / (damping + ((yaw_change_sine_part_81 * yaw_change_sine_part_81) +
-        (yaw_change_sine_part_83 * yaw_change_sine_part_83) + (yaw_change_sine_part_85 * yaw_change_sine_part_85)));
-    const float right_yaw_change_sine_3 = ((yaw_change_sine_part_79 + (across_yaw_change_sine_7 *
-        ((yaw_change_sine_part_72 * by_axis_1_3_e_cost_3) - (yaw_change_sine_part_74 * by_axis_1_2_e_cost_3)))) *
-        yaw_change_sine_part_80) + ((yaw_change_sine_part_90 + (across_yaw_change_sine_8 * ((yaw_change_sine_part_83 *
-        by_axis_2_3_e_cost_3) - (yaw_change_sine_part_85 * by_axis_2_2_e_cost_3)))) * yaw_change_sine_part_91) -
-        (yaw_damping * then_3_yaw_change_sine_3);
-    const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_71 * yaw_change_sine_part_71) +
-        (yaw_change_sine_part_73 * yaw_change_sine_part_73) + (yaw_change_sine_part_75 * yaw_change_sine_part_75))) +
-        (yaw_change_sine_part_77 * yaw_change_sine_part_77) + (yaw_change_sine_part_78 * yaw_change_sine_part_78) +
-        (across_yaw_change_sine_7 * across_yaw_change_sine_7)) * yaw_change_sine_part_80) + (((damping *
-        ((yaw_change_sine_part_82 * yaw_change_sine_part_82) + (yaw_change_sine_part_84 * yaw_change_sine_part_84) +
-        (yaw_change_sine_part_86 * yaw_change_sine_part_86))) + (yaw_change_sine_part_88 * yaw_change_sine_part_88) +
-        (yaw_change_sine_part_89 * yaw_change_sine_part_89) + (across_yaw_change_sine_8 * across_yaw_change_sine_8)) *
-        yaw_change_sine_part_91);
+    const hall_position_three_cosine_3_t cosine_6_4 = hall_position_three_cosine_3(cosine_6.cosine, then_2_cost_3 +
+        dy_cost_3_3, cosine_6.sine);
+    const hall_position_three_terms_3_t terms_9_3 = hall_position_three_terms_3(volts_sine_cost_0_3,
+        rotation_cosine_cost_3, volts_cosine_cost_0_3, yaw_change_sine_3, cosine_6.sine * cosine_6_4.by_cosine,
+        cosine_6.cosine * cosine_6_4.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_3 = terms_7_2.terms + terms_8_2.terms + terms_9_2.terms + terms_7_3.terms + terms_8_3.terms +
+        terms_9_3.terms + (damping * ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) +
+        (squared_yaw_arm * yaw_change_sine_part_13)));
+    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_12) + cost_slack);
+    const hall_position_three_terms_4_t terms_10_4 = hall_position_three_terms_4(terms_7_3.B_2, (cosine_1.cosine *
+        by_cosine_cost_3) - (cosine_1.sine * by_sine_cost_3), slope_1_yaw_change_sine, terms_7_2.phases_1_sine_squared,
+        slope_2_yaw_change_sine, slope_3_yaw_change_sine, y_phase_fraction_cosine + dy_cost_3, terms_7_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_11_3 = hall_position_three_terms_4(terms_8_3.B_2, cosine_5_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_8_2.phases_1_sine_squared, slope_2_yaw_change_sine_2,
+        slope_3_yaw_change_sine_2, y_phase_fraction_cosine_2 + dy_cost_3_2, terms_8_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_12_3 = hall_position_three_terms_4(terms_9_3.B_2, cosine_5_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_9_2.phases_1_sine_squared, slope_2_yaw_change_sine_3,
+        slope_3_yaw_change_sine_3, y_phase_fraction_cosine_3 + dy_cost_3_3, terms_9_2.by_axis_1_e);
+    const float yaw_change_sine_part_14 = terms_10_4.terms_2 + terms_11_3.terms_2 + terms_12_3.terms_2;
+    const hall_position_three_terms_t terms_7 = hall_position_three_terms(terms_10_4.by_axis_1_h *
+        terms_10_4.by_axis_1_h, terms_11_3.by_axis_1_h * terms_11_3.by_axis_1_h, terms_12_3.by_axis_1_h,
+        terms_10_4.by_axis_1_g, terms_11_3.by_axis_1_h, terms_11_3.by_axis_1_g, terms_10_4.by_axis_1_h,
+        terms_12_3.by_axis_1_g);
+    const float moment_7_value_9 = hall_position_three_moment(terms_10_4.terms + terms_11_3.terms + terms_12_3.terms,
+        then_1_cost_3 * yaw_change_sine_part_14, terms_7.value, terms_10_4.by_axis_1_g * terms_8_2.by_axis_1_e,
+        terms_11_3.by_axis_1_g * terms_7_2.by_axis_1_e, terms_7.value_2, terms_10_4.by_axis_1_g, terms_9_2.by_axis_1_e,
+        terms_12_3.by_axis_1_g * terms_7_2.by_axis_1_e);
+    const float yaw_change_sine_part_15 = terms_7.across * ((terms_11_3.by_axis_1_g * terms_9_2.by_axis_1_e) -
+        (terms_12_3.by_axis_1_g * terms_8_2.by_axis_1_e));
+    const hall_position_three_terms_5_t terms_10_5 = hall_position_three_terms_5((cosine_4.cosine * by_cosine_cost_3_2)
+        - (cosine_4.sine * by_sine_cost_3_2), slope_1_yaw_change_sine, terms_7_3.q, slope_2_yaw_change_sine,
+        slope_3_yaw_change_sine, x_phase_fraction_cosine - cost_3_part_2, terms_7_2.B_1, terms_7_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_11_4 = hall_position_three_terms_5(cosine_6_3.cosine_2,
+        slope_1_yaw_change_sine_2, terms_8_3.q, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        x_phase_fraction_cosine_2 - cost_3_part_3, terms_8_2.B_1, terms_8_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_12_4 = hall_position_three_terms_5(cosine_6_4.cosine_2,
+        slope_1_yaw_change_sine_3, terms_9_3.q, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        x_phase_fraction_cosine_3 - cost_3_part_4, terms_9_2.B_1, terms_9_3.by_axis_2_e);
+    const float yaw_change_sine_part_16 = terms_10_5.terms_2 + terms_11_4.terms_2 + terms_12_4.terms_2;
+    const hall_position_three_terms_t terms_8 = hall_position_three_terms(terms_10_5.by_axis_2_h *
+        terms_10_5.by_axis_2_h, terms_11_4.by_axis_2_h * terms_11_4.by_axis_2_h, terms_12_4.by_axis_2_h,
+        terms_10_5.by_axis_2_g, terms_11_4.by_axis_2_h, terms_11_4.by_axis_2_g, terms_10_5.by_axis_2_h,
+        terms_12_4.by_axis_2_g);
+    const float moment_8_value_9 = hall_position_three_moment(terms_10_5.terms + terms_11_4.terms + terms_12_4.terms,
+        then_2_cost_3 * yaw_change_sine_part_16, terms_8.value, terms_10_5.by_axis_2_g * terms_8_3.by_axis_2_e,
+        terms_11_4.by_axis_2_g * terms_7_3.by_axis_2_e, terms_8.value_2, terms_10_5.by_axis_2_g, terms_9_3.by_axis_2_e,
+        terms_12_4.by_axis_2_g * terms_7_3.by_axis_2_e);
+    const float yaw_change_sine_part_17 = terms_8.across * ((terms_11_4.by_axis_2_g * terms_9_3.by_axis_2_e) -
+        (terms_12_4.by_axis_2_g * terms_8_3.by_axis_2_e));
+    const float right_yaw_change_sine_3 = ((moment_7_value_9 + yaw_change_sine_part_15) * terms_7.value_3) +
+        ((moment_8_value_9 + yaw_change_sine_part_17) * terms_8.value_3) - (yaw_damping * then_3_yaw_change_sine_3);
     float other_3_yaw_change_sine_3 = then_3_yaw_change_sine_3;
     float other_1_cost_4 = then_1_cost_3;
     float other_2_cost_4 = then_2_cost_3;
@@ -1069,104 +952,75 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         other_3_yaw_change_sine_3 = other_3_yaw_change_sine_2;
         other_1_cost_4 = other_1_cost_3;
         other_2_cost_4 = other_2_cost_3;
-        converged_part = yaw_change_sine_part_68;
+        converged_part = yaw_change_sine_part_12;
     }
     const float at_3_yaw_change_sine = hall_position_three_limit((better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3
-        + (right_yaw_change_sine_3 / (yaw_damping + data_yaw_change_sine_4))) : (0.5f * (then_3_yaw_change_sine_3 +
-        other_3_yaw_change_sine_3)), max_yaw_step);
+        + (right_yaw_change_sine_3 / (yaw_damping + (terms_7.terms + terms_8.terms)))) : (0.5f *
+        (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
     const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
     const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
     const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
         half_yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
     const float versine_cost_4 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
     const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
+    const float cost_4_part = (terms_10_4.by_axis_1_g * terms_7_2.by_axis_1_e) + (terms_11_3.by_axis_1_g *
+        terms_8_2.by_axis_1_e) + (terms_12_3.by_axis_1_g * terms_9_2.by_axis_1_e);
     const float yaw_change_cost_4 = at_3_yaw_change_sine - then_3_yaw_change_sine_3;
-    const float at_1_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_1_cost_3 +
-        (((yaw_change_sine_part_70 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_72 * by_axis_1_2_e_cost_3) +
-        (yaw_change_sine_part_74 * by_axis_1_3_e_cost_3) - (damping * then_1_cost_3) - (yaw_change_sine_part_76 *
-        yaw_change_cost_4)) * yaw_change_sine_part_80)) : (0.5f * (then_1_cost_3 + other_1_cost_4)), 0.5f);
-    const float cost_4_part = (x_phase_fraction_sine * versine_cost_4) + (y_phase_fraction_sine * yaw_change_sine_4);
-    const float angle_cost_4 = at_1_cost_4 - cost_4_part;
+    const float at_1_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_1_cost_3 + ((cost_4_part -
+        (damping * then_1_cost_3) - (yaw_change_sine_part_14 * yaw_change_cost_4)) * terms_7.value_3)) : (0.5f *
+        (then_1_cost_3 + other_1_cost_4)), 0.5f);
+    const float cost_4_part_2 = (x_phase_fraction_cosine * versine_cost_4) + (y_phase_fraction_cosine *
+        yaw_change_sine_4);
+    const float angle_cost_4 = at_1_cost_4 - cost_4_part_2;
     const float f15_argument_7 = angle_cost_4 * angle_cost_4;
     const float by_cosine_cost_4 = f15_polynomial(f15_argument_7);
     const float by_sine_cost_4 = angle_cost_4 * f16_polynomial(f15_argument_7);
-    const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
-    const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (field_2_cost_0 + (phases_1_sine_cost_4_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_4_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) - (volts_sine_cost_0 *
-        yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) + (y_phase_fraction_sine_2 *
+    const hall_position_three_terms_2_t terms_10_2 = hall_position_three_terms_2(volts_cosine_cost_0,
+        rotation_cosine_cost_4, volts_sine_cost_0, yaw_change_sine_4, cosine_1.sine * by_cosine_cost_4, cosine_1.cosine
+        * by_sine_cost_4, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float cost_4_part_3 = (x_phase_fraction_cosine_2 * versine_cost_4) + (y_phase_fraction_cosine_2 *
         yaw_change_sine_4);
-    const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
-    const float f17_argument_7 = angle_cost_4_2 * angle_cost_4_2;
-    const float by_cosine_cost_4_2 = f17_polynomial(f17_argument_7);
-    const float by_sine_cost_4_2 = angle_cost_4_2 * f18_polynomial(f17_argument_7);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_2);
-    const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (field_2_cost_0_2 + (cost_4_part_3 * (field_3_cost_0_2 +
-        (cost_4_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) - (volts_sine_cost_0_2 *
-        yaw_change_sine_4) - B_1_cost_4_2;
-    const float cost_4_part_4 = (x_phase_fraction_sine_3 * versine_cost_4) + (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_7_2 = hall_position_three_cosine_2(cosine_2.cosine, at_1_cost_4 -
+        cost_4_part_3, cosine_2.sine);
+    const hall_position_three_terms_2_t terms_11 = hall_position_three_terms_2(volts_cosine_cost_0_2,
+        rotation_cosine_cost_4, volts_sine_cost_0_2, yaw_change_sine_4, cosine_2.sine * cosine_7_2.by_cosine,
+        cosine_2.cosine * cosine_7_2.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float cost_4_part_4 = (x_phase_fraction_cosine_3 * versine_cost_4) + (y_phase_fraction_cosine_3 *
         yaw_change_sine_4);
-    const float angle_cost_4_3 = at_1_cost_4 - cost_4_part_4;
-    const float f19_argument_7 = angle_cost_4_3 * angle_cost_4_3;
-    const float by_cosine_cost_4_3 = f19_polynomial(f19_argument_7);
-    const float by_sine_cost_4_3 = angle_cost_4_3 * f20_polynomial(f19_argument_7);
-    const float phases_1_sine_cost_4_3 = (x_sine_cost_0_3 * by_cosine_cost_4_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_4_3);
-    const float cost_4_part_5 = phases_1_sine_cost_4_3 * phases_1_sine_cost_4_3;
-    const float B_1_cost_4_3 = phases_1_sine_cost_4_3 * (field_2_cost_0_3 + (cost_4_part_5 * (field_3_cost_0_3 +
-        (cost_4_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_4 = (volts_cosine_cost_0_3 * rotation_cosine_cost_4) - (volts_sine_cost_0_3 *
-        yaw_change_sine_4) - B_1_cost_4_3;
-    const float at_2_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
-        (((yaw_change_sine_part_81 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_83 * by_axis_2_2_e_cost_3) +
-        (yaw_change_sine_part_85 * by_axis_2_3_e_cost_3) - (damping * then_2_cost_3) - (yaw_change_sine_part_87 *
-        yaw_change_cost_4)) * yaw_change_sine_part_91)) : (0.5f * (then_2_cost_3 + other_2_cost_4)), 0.5f);
-    const float dy_cost_4 = (x_phase_fraction_sine * yaw_change_sine_4) - (y_phase_fraction_sine * versine_cost_4);
-    const float angle_cost_4_4 = at_2_cost_4 + dy_cost_4;
-    const float f15_argument_8 = angle_cost_4_4 * angle_cost_4_4;
-    const float by_cosine_cost_4_4 = f15_polynomial(f15_argument_8);
-    const float by_sine_cost_4_4 = angle_cost_4_4 * f16_polynomial(f15_argument_8);
-    const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_4) + (p_cosine_yaw_change_sine * by_sine_cost_4_4);
-    const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (field_2_cost_0 + (q_cost_4 * (field_3_cost_0 + (q_cost_4 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) + (volts_cosine_cost_0 *
-        yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) - (y_phase_fraction_sine_2 *
+    const hall_position_three_cosine_3_t cosine_7_3 = hall_position_three_cosine_3(cosine_3.cosine, at_1_cost_4 -
+        cost_4_part_4, cosine_3.sine);
+    const hall_position_three_terms_2_t terms_12 = hall_position_three_terms_2(volts_cosine_cost_0_3,
+        rotation_cosine_cost_4, volts_sine_cost_0_3, yaw_change_sine_4, cosine_3.sine * cosine_7_3.by_cosine,
+        cosine_3.cosine * cosine_7_3.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float cost_4_part_5 = (terms_10_5.by_axis_2_g * terms_7_3.by_axis_2_e) + (terms_11_4.by_axis_2_g *
+        terms_8_3.by_axis_2_e) + (terms_12_4.by_axis_2_g * terms_9_3.by_axis_2_e);
+    const float at_2_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_2_cost_3 + ((cost_4_part_5 -
+        (damping * then_2_cost_3) - (yaw_change_sine_part_16 * yaw_change_cost_4)) * terms_8.value_3)) : (0.5f *
+        (then_2_cost_3 + other_2_cost_4)), 0.5f);
+    const float dy_cost_4 = (x_phase_fraction_cosine * yaw_change_sine_4) - (y_phase_fraction_cosine * versine_cost_4);
+    const float angle_cost_4_2 = at_2_cost_4 + dy_cost_4;
+    const float f15_argument_8 = angle_cost_4_2 * angle_cost_4_2;
+    const float by_cosine_cost_4_2 = f15_polynomial(f15_argument_8);
+    const float by_sine_cost_4_2 = angle_cost_4_2 * f16_polynomial(f15_argument_8);
+    const hall_position_three_terms_3_t terms_10_3 = hall_position_three_terms_3(volts_sine_cost_0,
+        rotation_cosine_cost_4, volts_cosine_cost_0, yaw_change_sine_4, cosine_4.sine * by_cosine_cost_4_2,
+        cosine_4.cosine * by_sine_cost_4_2, field_2_cost_0, field_3_cost_0, field_4_cost_0);
+    const float dy_cost_4_2 = (x_phase_fraction_cosine_2 * yaw_change_sine_4) - (y_phase_fraction_cosine_2 *
         versine_cost_4);
-    const float angle_cost_4_5 = at_2_cost_4 + dy_cost_4_2;
-    const float f17_argument_8 = angle_cost_4_5 * angle_cost_4_5;
-    const float by_cosine_cost_4_5 = f17_polynomial(f17_argument_8);
-    const float by_sine_cost_4_5 = angle_cost_4_5 * f18_polynomial(f17_argument_8);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_5);
-    const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (field_2_cost_0_2 + (q_cost_4_2 * (field_3_cost_0_2 + (q_cost_4_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_4) - B_2_cost_4_2;
-    const float dy_cost_4_3 = (x_phase_fraction_sine_3 * yaw_change_sine_4) - (y_phase_fraction_sine_3 *
+    const hall_position_three_cosine_2_t cosine_8_2 = hall_position_three_cosine_2(cosine_5.cosine, at_2_cost_4 +
+        dy_cost_4_2, cosine_5.sine);
+    const hall_position_three_terms_3_t terms_11_2 = hall_position_three_terms_3(volts_sine_cost_0_2,
+        rotation_cosine_cost_4, volts_cosine_cost_0_2, yaw_change_sine_4, cosine_5.sine * cosine_8_2.by_cosine,
+        cosine_5.cosine * cosine_8_2.by_sine, field_2_cost_0_2, field_3_cost_0_2, field_4_cost_0_2);
+    const float dy_cost_4_3 = (x_phase_fraction_cosine_3 * yaw_change_sine_4) - (y_phase_fraction_cosine_3 *
         versine_cost_4);
-    const float angle_cost_4_6 = at_2_cost_4 + dy_cost_4_3;
-    const float f19_argument_8 = angle_cost_4_6 * angle_cost_4_6;
-    const float by_cosine_cost_4_6 = f19_polynomial(f19_argument_8);
-    const float by_sine_cost_4_6 = angle_cost_4_6 * f20_polynomial(f19_argument_8);
-    const float p_sine_cost_4_3 = (p_sine_cost_0_3 * by_cosine_cost_4_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_4_6);
-    const float q_cost_4_3 = p_sine_cost_4_3 * p_sine_cost_4_3;
-    const float B_2_cost_4_3 = p_sine_cost_4_3 * (field_2_cost_0_3 + (q_cost_4_3 * (field_3_cost_0_3 + (q_cost_4_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_4 = (volts_sine_cost_0_3 * rotation_cosine_cost_4) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_4) - B_2_cost_4_3;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) + (by_axis_1_2_e_cost_4 *
-        by_axis_1_2_e_cost_4) + (by_axis_1_3_e_cost_4 * by_axis_1_3_e_cost_4) + (by_axis_2_1_e_cost_4 *
-        by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4) + (by_axis_2_3_e_cost_4 *
-        by_axis_2_3_e_cost_4);
+    const hall_position_three_cosine_3_t cosine_8_3 = hall_position_three_cosine_3(cosine_6.cosine, at_2_cost_4 +
+        dy_cost_4_3, cosine_6.sine);
+    const hall_position_three_terms_3_t terms_12_2 = hall_position_three_terms_3(volts_sine_cost_0_3,
+        rotation_cosine_cost_4, volts_cosine_cost_0_3, yaw_change_sine_4, cosine_6.sine * cosine_8_3.by_cosine,
+        cosine_6.cosine * cosine_8_3.by_sine, field_2_cost_0_3, field_3_cost_0_3, field_4_cost_0_3);
+    const float squares_cost_4 = terms_10_2.terms + terms_11.terms + terms_12.terms + terms_10_3.terms +
+        terms_11_2.terms + terms_12_2.terms;
     const float cost_4_part_6 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
     const float cost_4 = squares_cost_4 + (damping * (cost_4_part_6 + (squared_yaw_arm *
         at_3_yaw_change_sine_squared)));
@@ -1177,95 +1031,70 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool gate_exceeded = (growing_gate * growing_gate) < (cost_4_part_6 + (squared_radius *
         at_3_yaw_change_sine_squared));
     const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) - (x_sine_cost_0 *
-        by_sine_cost_4)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_4_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_4_squared * slope_3_yaw_change_sine))));
-    const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) - (x_sine_cost_0_2 *
-        by_sine_cost_4_2)) * (slope_1_yaw_change_sine_2 + (cost_4_part_3 * (slope_2_yaw_change_sine_2 + (cost_4_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 - (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 +
-        dy_cost_4_2));
-    const float by_axis_1_3_g_converged = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_4_3) - (x_sine_cost_0_3 *
-        by_sine_cost_4_3)) * (slope_1_yaw_change_sine_3 + (cost_4_part_5 * (slope_2_yaw_change_sine_3 + (cost_4_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float by_axis_1_3_h_converged = B_2_cost_4_3 - (by_axis_1_3_g_converged * (y_phase_fraction_sine_3 +
-        dy_cost_4_3));
-    const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_h_converged) + (by_axis_1_3_g_converged * by_axis_1_3_h_converged);
-    const float converged_part_2 = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) - (by_axis_1_2_g_converged *
-        by_axis_1_1_h_converged);
-    const float converged_part_3 = (by_axis_1_1_g_converged * by_axis_1_3_h_converged) - (by_axis_1_3_g_converged *
-        by_axis_1_1_h_converged);
-    const float converged_part_4 = (damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (by_axis_1_3_h_converged * by_axis_1_3_e_cost_4) +
-        (at_1_cost_4 * axes_1_coupling_converged))) + (converged_part_2 * ((by_axis_1_1_g_converged *
-        by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged * by_axis_1_1_e_cost_4))) + (converged_part_3 *
-        ((by_axis_1_1_g_converged * by_axis_1_3_e_cost_4) - (by_axis_1_3_g_converged * by_axis_1_1_e_cost_4)));
-    const float across_converged = (by_axis_1_2_g_converged * by_axis_1_3_h_converged) - (by_axis_1_3_g_converged *
-        by_axis_1_2_h_converged);
-    const float axes_1_inverse = 1.0f / (damping + ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_g_converged) + (by_axis_1_3_g_converged * by_axis_1_3_g_converged)));
-    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_4) - (p_sine_cost_0 *
-        by_sine_cost_4_4)) * (slope_1_yaw_change_sine + (q_cost_4 * (slope_2_yaw_change_sine + (q_cost_4 *
-        slope_3_yaw_change_sine))));
-    const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
-        B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_5) - (p_sine_cost_0_2 *
-        by_sine_cost_4_5)) * (slope_1_yaw_change_sine_2 + (q_cost_4_2 * (slope_2_yaw_change_sine_2 + (q_cost_4_2 *
-        slope_3_yaw_change_sine_2))));
-    const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
-        B_1_cost_4_2;
-    const float by_axis_2_3_g_converged = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_4_6) - (p_sine_cost_0_3 *
-        by_sine_cost_4_6)) * (slope_1_yaw_change_sine_3 + (q_cost_4_3 * (slope_2_yaw_change_sine_3 + (q_cost_4_3 *
-        slope_3_yaw_change_sine_3))));
-    const float by_axis_2_3_h_converged = (by_axis_2_3_g_converged * (x_phase_fraction_sine_3 - cost_4_part_4)) -
-        B_1_cost_4_3;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) + (by_axis_2_2_g_converged *
-        by_axis_2_2_h_converged) + (by_axis_2_3_g_converged * by_axis_2_3_h_converged);
-    const float converged_part_5 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) - (by_axis_2_2_g_converged *
-        by_axis_2_1_h_converged);
-    const float converged_part_6 = (by_axis_2_1_g_converged * by_axis_2_3_h_converged) - (by_axis_2_3_g_converged *
-        by_axis_2_1_h_converged);
-    const float converged_part_7 = (damping * ((by_axis_2_1_h_converged * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_h_converged * by_axis_2_2_e_cost_4) + (by_axis_2_3_h_converged * by_axis_2_3_e_cost_4) +
-        (at_2_cost_4 * n_coupling))) + (converged_part_5 * ((by_axis_2_1_g_converged * by_axis_2_2_e_cost_4) -
-        (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4))) + (converged_part_6 * ((by_axis_2_1_g_converged *
-        by_axis_2_3_e_cost_4) - (by_axis_2_3_g_converged * by_axis_2_1_e_cost_4)));
-    const float across_converged_2 = (by_axis_2_2_g_converged * by_axis_2_3_h_converged) - (by_axis_2_3_g_converged *
-        by_axis_2_2_h_converged);
-    const float n_inverse = 1.0f / (damping + ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_g_converged) + (by_axis_2_3_g_converged * by_axis_2_3_g_converged)));
-    const float right_converged = ((converged_part_4 + (across_converged * ((by_axis_1_2_g_converged *
-        by_axis_1_3_e_cost_4) - (by_axis_1_3_g_converged * by_axis_1_2_e_cost_4)))) * axes_1_inverse) +
-        ((converged_part_7 + (across_converged_2 * ((by_axis_2_2_g_converged * by_axis_2_3_e_cost_4) -
-        (by_axis_2_3_g_converged * by_axis_2_2_e_cost_4)))) * n_inverse) - (yaw_damping * at_3_yaw_change_sine);
-    const float data_converged = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_h_converged * by_axis_1_2_h_converged) + (by_axis_1_3_h_converged * by_axis_1_3_h_converged))) +
-        (converged_part_2 * converged_part_2) + (converged_part_3 * converged_part_3) + (across_converged *
-        across_converged)) * axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) +
-        (by_axis_2_2_h_converged * by_axis_2_2_h_converged) + (by_axis_2_3_h_converged * by_axis_2_3_h_converged))) +
-        (converged_part_5 * converged_part_5) + (converged_part_6 * converged_part_6) + (across_converged_2 *
-        across_converged_2)) * n_inverse);
-    const float converged_part_8 = 1.0f / (yaw_damping + data_converged);
-    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) + (by_axis_1_2_g_converged *
-        by_axis_1_2_e_cost_4) + (by_axis_1_3_g_converged * by_axis_1_3_e_cost_4) - (damping * at_1_cost_4);
-    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) + (by_axis_2_2_g_converged *
-        by_axis_2_2_e_cost_4) + (by_axis_2_3_g_converged * by_axis_2_3_e_cost_4) - (damping * at_2_cost_4);
-    const bool converged = better_converged && (((right_converged * right_converged * converged_part_8) +
-        (axes_1_slope_converged * axes_1_slope_converged * axes_1_inverse) + (n_slope * n_slope * n_inverse)) <=
+    const hall_position_three_terms_4_t terms_13 = hall_position_three_terms_4(terms_10_3.B_2, (cosine_1.cosine *
+        by_cosine_cost_4) - (cosine_1.sine * by_sine_cost_4), slope_1_yaw_change_sine, terms_10_2.phases_1_sine_squared,
+        slope_2_yaw_change_sine, slope_3_yaw_change_sine, y_phase_fraction_cosine + dy_cost_4, terms_10_2.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_14 = hall_position_three_terms_4(terms_11_2.B_2, cosine_7_2.cosine_2,
+        slope_1_yaw_change_sine_2, terms_11.phases_1_sine_squared, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        y_phase_fraction_cosine_2 + dy_cost_4_2, terms_11.by_axis_1_e);
+    const hall_position_three_terms_4_t terms_15 = hall_position_three_terms_4(terms_12_2.B_2, cosine_7_3.cosine_2,
+        slope_1_yaw_change_sine_3, terms_12.phases_1_sine_squared, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        y_phase_fraction_cosine_3 + dy_cost_4_3, terms_12.by_axis_1_e);
+    const float axes_1_coupling_converged = terms_13.terms_2 + terms_14.terms_2 + terms_15.terms_2;
+    const hall_position_three_terms_t terms_9 = hall_position_three_terms(terms_13.by_axis_1_h * terms_13.by_axis_1_h,
+        terms_14.by_axis_1_h * terms_14.by_axis_1_h, terms_15.by_axis_1_h, terms_13.by_axis_1_g, terms_14.by_axis_1_h,
+        terms_14.by_axis_1_g, terms_13.by_axis_1_h, terms_15.by_axis_1_g);
+    const float moment_9_value_9 = hall_position_three_moment(terms_13.terms + terms_14.terms + terms_15.terms,
+        at_1_cost_4 * axes_1_coupling_converged, terms_9.value, terms_13.by_axis_1_g * terms_11.by_axis_1_e,
+        terms_14.by_axis_1_g * terms_10_2.by_axis_1_e, terms_9.value_2, terms_13.by_axis_1_g, terms_12.by_axis_1_e,
+        terms_15.by_axis_1_g * terms_10_2.by_axis_1_e);
+    const float converged_part_2 = terms_9.across * ((terms_14.by_axis_1_g * terms_12.by_axis_1_e) -
+        (terms_15.by_axis_1_g * terms_11.by_axis_1_e));
+    const hall_position_three_terms_5_t terms_13_2 = hall_position_three_terms_5((cosine_4.cosine * by_cosine_cost_4_2)
+        - (cosine_4.sine * by_sine_cost_4_2), slope_1_yaw_change_sine, terms_10_3.q, slope_2_yaw_change_sine,
+        slope_3_yaw_change_sine, x_phase_fraction_cosine - cost_4_part_2, terms_10_2.B_1, terms_10_3.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_14_2 = hall_position_three_terms_5(cosine_8_2.cosine_2,
+        slope_1_yaw_change_sine_2, terms_11_2.q, slope_2_yaw_change_sine_2, slope_3_yaw_change_sine_2,
+        x_phase_fraction_cosine_2 - cost_4_part_3, terms_11.B_1, terms_11_2.by_axis_2_e);
+    const hall_position_three_terms_5_t terms_15_2 = hall_position_three_terms_5(cosine_8_3.cosine_2,
+        slope_1_yaw_change_sine_3, terms_12_2.q, slope_2_yaw_change_sine_3, slope_3_yaw_change_sine_3,
+        x_phase_fraction_cosine_3 - cost_4_part_4, terms_12.B_1, terms_12_2.by_axis_2_e);
+    const float n_coupling = terms_13_2.terms_2 + terms_14_2.terms_2 + terms_15_2.terms_2;
+    const hall_position_three_terms_t terms_10 = hall_position_three_terms(terms_13_2.by_axis_2_h *
+        terms_13_2.by_axis_2_h, terms_14_2.by_axis_2_h * terms_14_2.by_axis_2_h, terms_15_2.by_axis_2_h,
+        terms_13_2.by_axis_2_g, terms_14_2.by_axis_2_h, terms_14_2.by_axis_2_g, terms_13_2.by_axis_2_h,
+        terms_15_2.by_axis_2_g);
+    const float moment_10_value_9 = hall_position_three_moment(terms_13_2.terms + terms_14_2.terms + terms_15_2.terms,
+        at_2_cost_4 * n_coupling, terms_10.value, terms_13_2.by_axis_2_g * terms_11_2.by_axis_2_e,
+        terms_14_2.by_axis_2_g * terms_10_3.by_axis_2_e, terms_10.value_2, terms_13_2.by_axis_2_g,
+        terms_12_2.by_axis_2_e, terms_15_2.by_axis_2_g * terms_10_3.by_axis_2_e);
+    const float converged_part_3 = terms_10.across * ((terms_14_2.by_axis_2_g * terms_12_2.by_axis_2_e) -
+        (terms_15_2.by_axis_2_g * terms_11_2.by_axis_2_e));
+    const float right_converged = ((moment_9_value_9 + converged_part_2) * terms_9.value_3) + ((moment_10_value_9 +
+        converged_part_3) * terms_10.value_3) - (yaw_damping * at_3_yaw_change_sine);
+    const float data_converged = terms_9.terms + terms_10.terms;
+    const float converged_part_4 = 1.0f / (yaw_damping + data_converged);
+    const float converged_part_5 = (terms_13.by_axis_1_g * terms_10_2.by_axis_1_e) + (terms_14.by_axis_1_g *
+        terms_11.by_axis_1_e) + (terms_15.by_axis_1_g * terms_12.by_axis_1_e);
+    const float axes_1_slope_converged = converged_part_5 - (damping * at_1_cost_4);
+    const float converged_part_6 = (terms_13_2.by_axis_2_g * terms_10_3.by_axis_2_e) + (terms_14_2.by_axis_2_g *
+        terms_11_2.by_axis_2_e) + (terms_15_2.by_axis_2_g * terms_12_2.by_axis_2_e);
+    const float n_slope = converged_part_6 - (damping * at_2_cost_4);
+    const bool converged = better_converged && (((right_converged * right_converged * converged_part_4) +
+        (axes_1_slope_converged * axes_1_slope_converged * terms_9.value_3) + (n_slope * n_slope * terms_10.value_3)) <=
         cost_slack);
     float at_3_yaw_change_sine_2;
     float at_1_X;
     float at_2_Y;
     if (converged) {
-        const float untried_3 = hall_position_three_limit(at_3_yaw_change_sine + (right_converged * converged_part_8),
+        const float untried_3 = hall_position_three_limit(at_3_yaw_change_sine + (right_converged * converged_part_4),
             max_yaw_step);
         at_3_yaw_change_sine_2 = untried_3;
         const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
         at_1_X = hall_position_three_limit(at_1_cost_4 + ((axes_1_slope_converged - (axes_1_coupling_converged *
-            yaw_change_X)) * axes_1_inverse), 0.5f);
-        at_2_Y = hall_position_three_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
+            yaw_change_X)) * terms_9.value_3), 0.5f);
+        at_2_Y = hall_position_three_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * terms_10.value_3),
+            0.5f);
     } else {
         if (better_converged) {
             at_3_yaw_change_sine_2 = at_3_yaw_change_sine;
@@ -1348,17 +1177,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     if (angle_yaw < -pi) {
         yaw = angle_yaw + two_pi;
     }
-    const float deviation_X_part = axes_1_coupling_converged * axes_1_inverse;
+    const float deviation_X_part = axes_1_coupling_converged * terms_9.value_3;
     const float by_yaw_X = deviation_X_part - (wave_number * lever_sine);
     const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
-    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X * by_yaw_X * yaw_deviation_X));
-    const float n_coupling_times_n_inverse = n_coupling * n_inverse;
-    const float by_yaw_Y = n_coupling_times_n_inverse + (wave_number * lever_cosine);
-    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y * by_yaw_Y * yaw_deviation_X));
+    const float deviation_X = deviation_over_w * sqrtf(terms_9.value_3 + (by_yaw_X * by_yaw_X * yaw_deviation_X));
+    const float n_coupling_times_value_3 = n_coupling * terms_10.value_3;
+    const float by_yaw_Y = n_coupling_times_value_3 + (wave_number * lever_cosine);
+    const float deviation_Y = deviation_over_w * sqrtf(terms_10.value_3 + (by_yaw_Y * by_yaw_Y * yaw_deviation_X));
     const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
     const float residual = sqrtf(least_square + (squares_cost_4 / freedom));
-    const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) + (n_coupling_times_n_inverse *
-        n_coupling_times_n_inverse)) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
+    const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) + (n_coupling_times_value_3 *
+        n_coupling_times_value_3)) * yaw_deviation_X) + (terms_9.value_3 + terms_10.value_3);
     const bool damped = damped_weight < weight;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
     const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);

@@ -224,7 +224,7 @@ typedef struct {
  *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
  *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
-    const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
+    const maglev_5dof_regulator_parameters_t *parameters, float e, float r)
 {
     static const float c1 = 2.2206568e-05f;                     /* 1; F(14)-(16): 2 - 2 cos(w T), w T = 0.00471239 */
 
@@ -243,8 +243,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) +
-        (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * r) + (parameters->k_sum *
+        sum) + (parameters->k_p1 * p1);
     return w_tracking_part + (parameters->k_q1 * q1);
 }
 
@@ -254,8 +254,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
  *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
  *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
  *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
-MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
-    float filter_r_next)
+MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e, float r)
 {
     static const float k_e = -525.33453f;                       /* 1/s^2; F(14)-(17): gain on e */
     static const float k_de_times_filter_h = -13345.273f;       /* 1/s^2; F(14)-(17): gain on de; times filter_x_h */
@@ -263,8 +262,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 *
-        state->q1);
+    return (k_e * e) + (k_de_times_filter_h * r) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -389,19 +387,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_ready = state->guard_ready;
 
-    /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
-     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
-     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
-     *         x_disturbance)), 0.1)
-     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    /* observer_x: predictive observer, alpha-beta-gamma */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
@@ -441,28 +427,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
     const float observer_theta_q = state->observer_theta_q;
 
-    /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
-     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
-     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
-     *         z_disturbance)), 0.1)
-     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    /* observer_z: predictive observer, alpha-beta-gamma */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 1 <= sample
-     *         or 40 <= z_unchanged, else towards */
+     *     as probe_x, with z in place of x */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = 5u <= probe_z_attempt;
 
@@ -907,21 +876,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
-        const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
-        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
-            filter_y_r_next);
+        const float r = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
+        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, r);
         const float e_x = x_held - x_ref_held;
-        const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
+        const float r_2 = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
         const float e_z = z_held - z_ref_held;
-        const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
+        const float r_3 = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
         const float e_phi = phi - phi_ref_held;
-        const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
-        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi,
-            filter_phi_r_next);
+        const float r_4 = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
+        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, r_4);
         const float e_theta = theta - theta_ref_held;
-        const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
+        const float r_5 = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
-            e_theta, filter_theta_r_next);
+            e_theta, r_5);
 
         /* landing: ramps and state feedback (continued) */
         const bool waiting = !regular && (guard_ready != 0u);
@@ -937,8 +904,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             x_held, state->delay_a_x_last, x_unchanged);
         const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
             z_held, state->delay_a_z_last, z_unchanged);
-        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
-        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
+        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, r_2);
+        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, r_3);
         float w_phi;
         float w_theta;
         float w_y;
@@ -1001,41 +968,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         } else {
-            /* regulator_y: F(14)-(16)
-             *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
+            /* regulator_y: F(14)-(16) */
             w_y = w_y_tracking;
 
-            /* regulator_x: F(14)-(17)
-             *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
+            /* regulator_x: F(14)-(17) */
             w_x_unprobed = w_x_tracking;
 
-            /* regulator_z: F(14)-(17)
-             *     w_z_tracking = k_e * e_z + k_de * de_z + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_z + sum_excess * excess_z if |sum + e_z + sum_excess * excess_z| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_z if |p1 + c1 * q1 + p1_excess * excess_z| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z| <= 600, else q1 */
+            /* regulator_z: F(14)-(17) */
             w_z_unprobed = w_z_tracking;
 
-            /* regulator_phi: F(14)-(16)
-             *     w_phi_tracking = k_e * e_phi + k_de * de_phi + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_phi if |sum + e_phi| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_phi if |q1 - (p1 + c1 * q1) + e_phi| <= 600, else q1 */
+            /* regulator_phi: F(14)-(16) */
             w_phi = w_phi_tracking;
 
-            /* regulator_theta: F(14)-(16)
-             *     w_theta_tracking = k_e * e_theta + k_de * de_theta + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_theta if |sum + e_theta| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_theta if |q1 - (p1 + c1 * q1) + e_theta| <= 600, else q1 */
+            /* regulator_theta: F(14)-(16) */
             w_theta = w_theta_tracking;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {

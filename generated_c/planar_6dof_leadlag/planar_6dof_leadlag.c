@@ -126,51 +126,88 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float e = raw - p;
     const float now = p + (parameters->k_p * e);
     const float a = state->h + (parameters->k_h * e);
-    const float angle_part = state->s + (parameters->k_s * e) + a;
-    const float prediction_p = now + angle_part;
-    const float prediction_s = angle_part + a;
-    float angle = now;
+    const float value_part = state->s + (parameters->k_s * e) + a;
+    const float prediction_p = now + value_part;
+    const float prediction_s = value_part + a;
+    float value_part_2 = now;
     if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <=
             parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
         state->p = prediction_p;
         state->s = prediction_s;
         state->h = a;
     } else {
-        angle = raw;
+        value_part_2 = raw;
         state->p = raw;
         state->s = 0.0f;
         state->h = 0.0f;
     }
-    return angle;
+    return value_part_2;
 }
 
-typedef struct {
-    float error;
-    float d;
-} planar_6dof_leadlag_loop_output_t;
-
-/* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
- * (24); lead-lag, (25)
+/* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22)
  *     d_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
-PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
-    planar_6dof_leadlag_loop_state_t *state,
-    float gain, float ref_held, float value)
-{
-    const float error = ref_held - value;
-    return (planar_6dof_leadlag_loop_output_t){.error = error, .d = (gain * error) + state->lead + state->integral};
-}
-
-/* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
 PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_loop_update(planar_6dof_leadlag_loop_state_t *state,
-    float lead_input, float achieved, float value)
+    float lead_input, float achieved, float error)
 {
     static const float integral_decay = 0.9900498f;             /* 1; (21): zero of the integral action in z */
     static const float integral_input = 0.0099502485f;          /* 1; (21): 1 - integral_decay */
     static const float lead_pole = 0.2753623f;                  /* 1; (21): pole of the lead filter in z */
 
     state->integral = (integral_decay * state->integral) + (integral_input * achieved);
-    state->lead = (lead_input * value) + (lead_pole * state->lead);
+    state->lead = (lead_input * error) + (lead_pole * state->lead);
+}
+
+typedef struct {
+    float value_2;
+    float offset;
+    float accepted;
+} planar_6dof_leadlag_accepted_t;
+
+/* accepted: 2 calls in the step */
+PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_accepted_t planar_6dof_leadlag_accepted(float s_squared, float value,
+    float c, float ratio, float s, float predicted, float sensing_offset)
+{
+    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
+    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
+    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
+    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
+    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+
+    const float ratio_squared = ratio * ratio;
+    const float f = ratio * (sensing_position_1 + (ratio_squared * (sensing_position_3 + (ratio_squared *
+        (sensing_position_5 + (ratio_squared * sensing_position_7))))));
+    float value_2_part;
+    if (s_squared <= value) {
+        if (c < 0.0f) {
+            if (0.0f < f) {
+                value_2_part = f - half_pitch;
+            } else {
+                value_2_part = f + half_pitch;
+            }
+        } else {
+            value_2_part = f;
+        }
+    } else {
+        value_2_part = ((s < 0.0f) ? -quarter_pitch : quarter_pitch) - f;
+    }
+    const float off = value_2_part - (predicted - sensing_offset);
+    float offset = sensing_offset;
+    if (half_pitch < fabsf(off)) {
+        if (0.0f < off) {
+            if (-pitch <= sensing_offset) {
+                offset = sensing_offset - pitch;
+            }
+        } else {
+            if (sensing_offset <= pitch) {
+                offset = sensing_offset + pitch;
+            }
+        }
+    }
+    return (planar_6dof_leadlag_accepted_t){.value_2 = value_2_part, .offset = offset, .accepted = value_2_part +
+        offset};
 }
 
 void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
@@ -207,9 +244,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
-    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
     static const float least_information = 0.08612997f;         /* V^2; 0.01 A^2: keeps a divisor from 0 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
@@ -226,10 +261,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
     static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
     static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
     static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
@@ -445,8 +476,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float phi_raw_part = filter_phi_p;
-        bool accepted_y = false;
+        bool accepted_phi_raw = false;
+        float raw_yaw = 0.0f;
         float sensing_within_x_next = 0.0f;
         float sensing_within_y_next = 0.0f;
         if (complete) {
@@ -495,94 +526,30 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) +
                     least_square);
                 /*@ admit -1.0f <= ratio_x <= 1.0f; */
-                const float ratio_x_squared = ratio_x * ratio_x;
-                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
-                    (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-                float within_x_2;
-                if (X_s_squared <= X_c_squared) {
-                    if (X_c < 0.0f) {
-                        if (0.0f < f_x_raw) {
-                            within_x_2 = f_x_raw - half_pitch;
-                        } else {
-                            within_x_2 = f_x_raw + half_pitch;
-                        }
-                    } else {
-                        within_x_2 = f_x_raw;
-                    }
-                } else {
-                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-                }
-                const float sensing_offset_x = state->sensing_offset_x;
-                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
-                float offset_x = sensing_offset_x;
-                if (half_pitch < fabsf(off_x_raw)) {
-                    if (0.0f < off_x_raw) {
-                        if (-pitch <= sensing_offset_x) {
-                            const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                            offset_x = sensing_offset_x_minus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_x <= pitch) {
-                            const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                            offset_x = sensing_offset_x_plus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_plus_pitch;
-                        }
-                    }
-                }
-                x_raw = within_x_2 + offset_x;
-                sensing_within_x_next = within_x_2;
+                const planar_6dof_leadlag_accepted_t accepted_1 = planar_6dof_leadlag_accepted(X_s_squared, X_c_squared,
+                    X_c, ratio_x, X_s, filter_x_p, state->sensing_offset_x);
+                x_raw = accepted_1.accepted;
+                sensing_within_x_next = accepted_1.value_2;
                 const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared,
                     ratio_y_part_squared) + least_square));
                 /*@ admit -1.0f <= ratio_y <= 1.0f; */
-                const float ratio_y_squared = ratio_y * ratio_y;
-                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
-                    (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-                float position;
-                if (Y_s_squared <= ratio_y_part_squared) {
-                    if (-ratio_y_part < 0.0f) {
-                        if (0.0f < f_y_raw) {
-                            position = f_y_raw - half_pitch;
-                        } else {
-                            position = f_y_raw + half_pitch;
-                        }
-                    } else {
-                        position = f_y_raw;
-                    }
-                } else {
-                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
-                }
-                const float sensing_offset_y = state->sensing_offset_y;
-                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
-                float offset_y = sensing_offset_y;
-                if (half_pitch < fabsf(off_y_raw)) {
-                    if (0.0f < off_y_raw) {
-                        if (-pitch <= sensing_offset_y) {
-                            const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                            offset_y = sensing_offset_y_minus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_y <= pitch) {
-                            const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                            offset_y = sensing_offset_y_plus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_plus_pitch;
-                        }
-                    }
-                }
-                y_raw = position + offset_y;
-                sensing_within_y_next = position;
+                const planar_6dof_leadlag_accepted_t accepted_2 = planar_6dof_leadlag_accepted(Y_s_squared,
+                    ratio_y_part_squared, -ratio_y_part, ratio_y, Y_s, filter_y_p, state->sensing_offset_y);
+                y_raw = accepted_2.accepted;
+                sensing_within_y_next = accepted_2.value_2;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                state->sensing_offset_x = accepted_1.offset;
+                state->sensing_offset_y = accepted_2.offset;
                 const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ?
                     sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
+                accepted_phi_raw = true;
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
                 const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
                     / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-                phi_raw_part = filter_phi_p + yaw_correction;
-                accepted_y = true;
+                raw_yaw = filter_phi_p + yaw_correction;
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -595,15 +562,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
-        const float phi_raw = planar_6dof_leadlag_limit(phi_raw_part, max_yaw);
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
-        if (accepted_y) {
+        if (accepted_phi_raw) {
             state->sensing_within_x = sensing_within_x_next;
             state->sensing_within_y = sensing_within_y_next;
         } else {
+            raw_yaw = filter_phi_p;
             sensing_within_x_next = state->sensing_within_x;
             sensing_within_y_next = state->sensing_within_y;
         }
+        const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -612,30 +580,39 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
-        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
-            loop_x_gain, x_ref_held, x);
-        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y,
-            loop_y_gain, y_ref_held, y);
-        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
-            loop_phi_gain, phi_ref_held, phi);
-        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z,
-            loop_z_gain, z_ref_held, z);
+
+        /* loop_x: lead-lag, (21) */
+        const float error_d_x = x_ref_held - x;
+        const float d_x = (loop_x_gain * error_d_x) + state->loop_x.lead + state->loop_x.integral;
+
+        /* loop_y: lead-lag, (21) */
+        const float error_d_y = y_ref_held - y;
+        const float d_y = (loop_y_gain * error_d_y) + state->loop_y.lead + state->loop_y.integral;
+
+        /* loop_phi: lead-lag, (22) */
+        const float error_d_phi = phi_ref_held - phi;
+        const float d_phi = (loop_phi_gain * error_d_phi) + state->loop_phi.lead + state->loop_phi.integral;
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
-        state->loop_z.lead = loop_z_lead_input * loop_z_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta,
-            loop_theta_gain, theta_ref_held, theta);
+        const float error_d_z = z_ref_held - z;
+        const float loop_z_integral = state->loop_z_integral;
+        const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
+        state->loop_z_lead = loop_z_lead_input * error_d_z;
 
         /* loop_theta: lead-lag, (24)
-         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
-        state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi,
-            loop_psi_gain, psi_ref_held, psi);
+         *     as loop_z, with theta in place of z */
+        const float error_d_theta = theta_ref_held - theta;
+        const float loop_theta_integral = state->loop_theta_integral;
+        const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
+        state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
 
         /* loop_psi: lead-lag, (25)
-         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
-        state->loop_psi.lead = loop_psi_lead_input * loop_psi_output.error;
+         *     as loop_z, with psi in place of z */
+        const float error_d_psi = psi_ref_held - psi;
+        const float loop_psi_integral = state->loop_psi_integral;
+        const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
+        state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
@@ -652,39 +629,39 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float cos_phi_argument = phi * phi;
         const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
         const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
-        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
-            planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
-        const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ *
-            loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y),
+            planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float yaw = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit -
+            fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
-        const float front_i_AD = loop_z_output.d - loop_theta_output.d;
-        const float i_AD = planar_6dof_leadlag_limit(front_i_AD + loop_psi_output.d, direct_limit);
-        const float i_BD = planar_6dof_leadlag_limit(front_i_AD - loop_psi_output.d, direct_limit);
-        const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), direct_limit);
+        const float front_i_AD = d_z - d_theta;
+        const float i_AD = planar_6dof_leadlag_limit(front_i_AD + d_psi, direct_limit);
+        const float i_BD = planar_6dof_leadlag_limit(front_i_AD - d_psi, direct_limit);
+        const float i_CD = planar_6dof_leadlag_limit(d_z + (2.0f * d_theta), direct_limit);
         const float achieved_x = (cos_i_CQ * i_CQ) - (2.0f * (sin_i_CQ * half));
-        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, error_d_x);
         const float achieved_y = (sin_i_CQ * i_CQ) + (2.0f * (cos_i_CQ * half));
-        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, error_d_y);
         const float achieved_phi = yaw - i_CQ;
-        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, error_d_phi);
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
         /* loop_z: lead-lag, (23) (continued) */
-        const float integral = (loop_z_integral_decay * state->loop_z.integral) +
+        const float integral = (loop_z_integral_decay * loop_z_integral) +
             (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
-        state->loop_z.integral = integral;
+        state->loop_z_integral = integral;
 
         /* loop_theta: lead-lag, (24) (continued) */
-        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
-            (loop_theta_integral_input * achieved_theta);
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input *
+            achieved_theta);
 
         /* loop_psi: lead-lag, (25) (continued) */
-        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) +
+        const float integral_3 = (loop_psi_integral_decay * loop_psi_integral) +
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
-        state->loop_psi.integral = integral_3;
+        state->loop_psi_integral = integral_3;
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi)
@@ -761,21 +738,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (diagnostics != NULL) {
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = sensing_within_x_next;
             diagnostics->within_y = sensing_within_y_next;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
             diagnostics->z = z;
             diagnostics->theta = theta;
             diagnostics->psi = psi;
-            diagnostics->d_x = loop_x_output.d;
-            diagnostics->d_y = loop_y_output.d;
-            diagnostics->d_phi = loop_phi_output.d;
-            diagnostics->d_z = loop_z_output.d;
-            diagnostics->d_theta = loop_theta_output.d;
-            diagnostics->d_psi = loop_psi_output.d;
+            diagnostics->d_x = d_x;
+            diagnostics->d_y = d_y;
+            diagnostics->d_phi = d_phi;
+            diagnostics->d_z = d_z;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_psi = d_psi;
             diagnostics->i_CQ = i_CQ;
             diagnostics->i_AQ = i_AQ;
             diagnostics->i_BQ = i_BQ;
@@ -787,8 +764,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit -
-                fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi),
+                half_quadrature_limit)) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;

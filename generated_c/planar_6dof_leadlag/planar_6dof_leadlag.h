@@ -116,9 +116,12 @@ typedef struct {
     planar_6dof_leadlag_loop_state_t loop_x;
     planar_6dof_leadlag_loop_state_t loop_y;
     planar_6dof_leadlag_loop_state_t loop_phi;
-    planar_6dof_leadlag_loop_state_t loop_z;
-    planar_6dof_leadlag_loop_state_t loop_theta;
-    planar_6dof_leadlag_loop_state_t loop_psi;
+    float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_z_lead;                  /* A, -3.1652 .. 3.1652: state of the lead filter */
+    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: integral of the error */
+    float loop_theta_lead;              /* A, -5.91031 .. 5.91031: state of the lead filter */
+    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_psi_lead;                /* A, -6.50134 .. 6.50134: state of the lead filter */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */

@@ -120,6 +120,61 @@ static inline float f6_polynomial(float t)
     return 1.5822228f + (t * -0.9236455f);
 }
 
+typedef struct {
+    float value_2;
+    float offset;
+    float accepted;
+    float innovation_squared;
+} planar_6dof_lqg_accepted_t;
+
+/* accepted: 2 calls in the step */
+PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_accepted_t planar_6dof_lqg_accepted(float s_squared, float value, float c,
+    float ratio, float s, float expected, float sensing_offset, float predicted)
+{
+    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
+    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
+    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
+    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
+    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+
+    const float ratio_squared = ratio * ratio;
+    const float f = ratio * (sensing_position_1 + (ratio_squared * (sensing_position_3 + (ratio_squared *
+        (sensing_position_5 + (ratio_squared * sensing_position_7))))));
+    float value_2_part;
+    if (s_squared <= value) {
+        if (c < 0.0f) {
+            if (0.0f < f) {
+                value_2_part = f - half_pitch;
+            } else {
+                value_2_part = f + half_pitch;
+            }
+        } else {
+            value_2_part = f;
+        }
+    } else {
+        value_2_part = ((s < 0.0f) ? -quarter_pitch : quarter_pitch) - f;
+    }
+    const float off = value_2_part - expected;
+    float offset = sensing_offset;
+    if (half_pitch < fabsf(off)) {
+        if (0.0f < off) {
+            if (-pitch <= sensing_offset) {
+                offset = sensing_offset - pitch;
+            }
+        } else {
+            if (sensing_offset <= pitch) {
+                offset = sensing_offset + pitch;
+            }
+        }
+    }
+    const float accepted = value_2_part + offset;
+    const float innovation = accepted - predicted;
+    return (planar_6dof_lqg_accepted_t){.value_2 = value_2_part, .offset = offset, .accepted = accepted,
+        .innovation_squared = innovation * innovation};
+}
+
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -155,7 +210,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
     static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
     static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
     static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
@@ -177,10 +231,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
     static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
     static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
     static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
@@ -272,7 +322,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
         &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and complete, else 0 */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
@@ -410,7 +461,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         faults |= 0x80000000u;
     } else {
         /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
+         *     x_advance = x_rate + x_rate_gain * (x_raw - (x_position if guard_ready and complete, else x_raw)) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
@@ -423,10 +474,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float expected_y = reckoning_y_position - sensing_offset_y;
         float x_raw = reckoning_x_position;
         float y_raw = reckoning_y_position;
-        float phi_raw_part = reckoning_phi_position;
-        bool accepted_y = false;
-        float within_x_part = 0.0f;
-        float within_y_part = 0.0f;
+        bool accepted_phi_raw = false;
+        float raw_yaw = 0.0f;
+        float last = 0.0f;
+        float within_x = 0.0f;
+        float within_y = 0.0f;
         if (complete) {
             const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
@@ -459,78 +511,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
                 ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
-            const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
-                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float within_x_2;
-            if (X_s_squared <= X_c_squared) {
-                if (X_c < 0.0f) {
-                    if (0.0f < f_x_raw) {
-                        within_x_2 = f_x_raw - half_pitch;
-                    } else {
-                        within_x_2 = f_x_raw + half_pitch;
-                    }
-                } else {
-                    within_x_2 = f_x_raw;
-                }
-            } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-            }
-            const float off_x_raw = within_x_2 - expected_x;
-            float offset_x = sensing_offset_x;
-            if (half_pitch < fabsf(off_x_raw)) {
-                if (0.0f < off_x_raw) {
-                    if (-pitch <= sensing_offset_x) {
-                        offset_x = sensing_offset_x - pitch;
-                    }
-                } else {
-                    if (sensing_offset_x <= pitch) {
-                        offset_x = sensing_offset_x + pitch;
-                    }
-                }
-            }
-            const float accepted_x_raw = within_x_2 + offset_x;
-            const float innovation_x = accepted_x_raw - reckoning_x_position;
-            const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
-                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float position;
-            if (Y_s_squared <= ratio_y_part_squared) {
-                if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_x_raw_2) {
-                        position = f_x_raw_2 - half_pitch;
-                    } else {
-                        position = f_x_raw_2 + half_pitch;
-                    }
-                } else {
-                    position = f_x_raw_2;
-                }
-            } else {
-                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
-            }
-            const float off_x_raw_2 = position - expected_y;
-            float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_x_raw_2)) {
-                if (0.0f < off_x_raw_2) {
-                    if (-pitch <= sensing_offset_y) {
-                        offset_y = sensing_offset_y - pitch;
-                    }
-                } else {
-                    if (sensing_offset_y <= pitch) {
-                        offset_y = sensing_offset_y + pitch;
-                    }
-                }
-            }
-            const float accepted_x_raw_2 = position + offset_y;
-            const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
+            const planar_6dof_lqg_accepted_t accepted_1 = planar_6dof_lqg_accepted(X_s_squared, X_c_squared, X_c,
+                ratio_x, X_s, expected_x, sensing_offset_x, reckoning_x_position);
+            const planar_6dof_lqg_accepted_t accepted_2 = planar_6dof_lqg_accepted(Y_s_squared, ratio_y_part_squared,
+                -ratio_y_part, ratio_y, Y_s, expected_y, sensing_offset_y, reckoning_y_position);
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
+                (innovation_weight * (accepted_1.innovation_squared + accepted_2.innovation_squared));
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
-            const float accepted_x_raw_3 = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3
-                * (m_x - m_y)))) / information);
-            const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
+            const float accepted_x_raw = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 *
+                (m_x - m_y)))) / information);
+            const float x_raw_part_2 = accepted_x_raw - reckoning_phi_position;
             const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
@@ -548,17 +540,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                x_raw = accepted_x_raw;
-                y_raw = accepted_x_raw_2;
-                phi_raw_part = accepted_x_raw_3;
-                accepted_y = true;
-                within_x_part = within_x_2;
-                within_y_part = position;
+                x_raw = accepted_1.accepted;
+                y_raw = accepted_2.accepted;
+                accepted_phi_raw = true;
+                raw_yaw = accepted_x_raw;
+                within_x = accepted_1.value_2;
+                within_y = accepted_2.value_2;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                state->sensing_offset_x = offset_x;
-                state->sensing_offset_y = offset_y;
+                state->sensing_offset_x = accepted_1.offset;
+                state->sensing_offset_y = accepted_2.offset;
                 const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale - (((guard_ready < 1u) ?
                     sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
@@ -571,34 +563,38 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 diagnostics->r_2 = r_2;
             }
 #endif
+        } else {
+            last = state->sensing_innovation_phi;
         }
-        const float phi_raw = planar_6dof_lqg_limit(phi_raw_part, max_yaw);
-        const float within_x = (accepted_y) ? within_x_part : planar_6dof_lqg_limit(expected_x, half_pitch);
-        const float within_y = (accepted_y) ? within_y_part : planar_6dof_lqg_limit(expected_y, half_pitch);
+        if (!accepted_phi_raw) {
+            raw_yaw = reckoning_phi_position + last;
+            within_x = planar_6dof_lqg_limit(expected_x, half_pitch);
+            within_y = planar_6dof_lqg_limit(expected_y, half_pitch);
+        }
+        const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
+        float start_x = reckoning_x_position;
+        float start_y = reckoning_y_position;
+        float start_phi = reckoning_phi_position;
+        if ((guard_ready != 0u) && complete) {
+            state->sensing_innovation_phi = phi_raw - reckoning_phi_position;
+        } else {
+            start_x = x_raw;
+            start_y = y_raw;
+            start_phi = phi_raw;
+            state->sensing_innovation_phi = 0.0f;
+        }
         state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float lqg_x_achieved = state->lqg_x_achieved;
-        const float e_x = x_raw - reckoning_x_position;
-        const float e_y = y_raw - reckoning_y_position;
-        const float e_phi = phi_raw - reckoning_phi_position;
         const float seen_law_x = lqg_x_L * x_raw;
         const float seen_law_y = lqg_y_L * y_raw;
         const float seen_law_phi = lqg_phi_L * phi_raw;
-        float correction_x = 0.0f;
-        float correction_y = 0.0f;
-        float correction_phi = 0.0f;
         float now_law_x;
         float now_law_y;
         float now_law_phi;
-        float position_gain_x = reckoning_x_position_gain;
-        float position_gain_y = reckoning_y_position_gain;
-        float position_gain_phi = reckoning_phi_position_gain;
         if (guard_ready != 0u) {
-            correction_x = reckoning_x_rate_gain * e_x;
-            correction_y = reckoning_y_rate_gain * e_y;
-            correction_phi = reckoning_phi_rate_gain * e_phi;
             now_law_x = state->lqg_x_x3;
             now_law_y = state->lqg_y_x3;
             now_law_phi = state->lqg_phi_x3;
@@ -606,25 +602,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_x = -seen_law_x;
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
-            position_gain_x = 1.0f;
-            position_gain_y = 1.0f;
-            position_gain_phi = 1.0f;
         }
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_x = x_raw - start_x;
         const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = state->reckoning_x_rate + correction_x + a_x;
+        const float middle_x = state->reckoning_x_rate + (reckoning_x_rate_gain * e_x) + a_x;
         const float x_advance = middle_x + a_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+         *     as lqg_x, with y in place of x */
         const float lqg_y_achieved = state->lqg_y_achieved;
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_y = y_raw - start_y;
         const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = state->reckoning_y_rate + correction_y + a_y;
+        const float middle_y = state->reckoning_y_rate + (reckoning_y_rate_gain * e_y) + a_y;
         const float y_advance = middle_y + a_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -637,16 +632,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float e_phi = phi_raw - start_phi;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = state->reckoning_phi_rate + correction_phi + a_phi;
+        const float middle_phi = state->reckoning_phi_rate + (reckoning_phi_rate_gain * e_phi) + a_phi;
         const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (position_gain_x * e_x) + middle_x,
+        state->reckoning_x_position = planar_6dof_lqg_limit(start_x + (reckoning_x_position_gain * e_x) + middle_x,
             0.2f);
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
-        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (position_gain_y * e_y) + middle_y,
+        state->reckoning_y_position = planar_6dof_lqg_limit(start_y + (reckoning_y_position_gain * e_y) + middle_y,
             0.2f);
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
-        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (position_gain_phi * e_phi) +
+        state->reckoning_phi_position = planar_6dof_lqg_limit(start_phi + (reckoning_phi_position_gain * e_phi) +
             middle_phi, 0.05f);
         state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
@@ -666,14 +662,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_z_lead = loop_z_lead_input * error_d_z;
 
         /* loop_theta: lead-lag, (24)
-         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
+         *     as loop_z, with theta in place of z */
         const float error_d_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
         const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
         state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
 
         /* loop_psi: lead-lag, (25)
-         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
+         *     as loop_z, with psi in place of z */
         const float error_d_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
@@ -862,9 +858,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (diagnostics != NULL) {
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = within_x;
             diagnostics->within_y = within_y;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
             diagnostics->phi_advance = phi_advance;

@@ -96,6 +96,7 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
+    float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
@@ -135,11 +136,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 224u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 228u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_224[(sizeof(planar_6dof_lqg_state_t) == 224u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_228[(sizeof(planar_6dof_lqg_state_t) == 228u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

@@ -14,11 +14,10 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.blocks.dead_reckoning import Axis
+from synth.blocks.safety import BRAKING
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
-
-BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
 
 
 @arguments.checked

@@ -7,9 +7,11 @@ e = q - p:
 
     q^ = p + (1 - r^2) e,   s^ = s + (1 - r)^2 e,   p+ = q^ + (s^ + a),   s+ = (s^ + a) + a
 
-The gains place both poles at z = r (critical damping). A source of q that has no measurement returns p: then e = 0, and
-f alone moves the prediction. An acceleration that differs from b f by d leads to e = d T^2 / (1 - r)^2, so e tells a
-measurement that contradicts the motion from a noisy one.
+The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
+e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
+
+In a sample that is not ``complete``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
+prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 6.5.
@@ -26,8 +28,8 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
-STARTS = {"position": 1.0, "rate": 0.0}  # gains before the first good sample
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
+COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 
 
 @arguments.checked
@@ -59,10 +61,10 @@ class Axis:
 
 @arguments.checked
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
-    """Return the Block from positions, efforts and ``ready`` to the predicted position and advance of each axis.
+    """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
-    assumed to be at rest at the measured position.
+    The flags are ``ready`` and ``complete`` of the guard. The prediction is a state, so a Block that measures the
+    position may read it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
     that is not positive, or a prediction whose unit is not that of the position.
@@ -74,15 +76,13 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         next: dict[str, ca.SX] = {}
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
-            q, f = u[axis.measured.name], u[axis.effort.name]
-            e, a = q - p, k[f"{axis.name}_half_step"] * f
-            position_gain, rate_gain = (
-                ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()
-            )
-            correction = rate_gain * e
-            middle = s + correction + a
+            q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
+            start = ca.if_else(ca.logic_and(u[READY.name], u[COMPLETE.name]), p, q)
+            e = q - start
+            middle = s + k[f"{axis.name}_rate_gain"] * e + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            next |= {f"{axis.name}_position": p + position_gain * e + middle, f"{axis.name}_rate": middle + a}
+            corrected = start + k[f"{axis.name}_position_gain"] * e
+            next |= {f"{axis.name}_position": corrected + middle, f"{axis.name}_rate": middle + a}
         return Step(output, next)
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
@@ -90,7 +90,9 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     states = [s for axis in axes for s in _states(axis, time)]
     constants = [c for axis in axes for c in _constants(axis, time)]
     tag = "alpha-beta filter, dead reckoning"
-    return build(name, time, law, inputs=[*inputs, READY], outputs=outputs, states=states, constants=constants, tag=tag)
+    return build(
+        name, time, law, inputs=[*inputs, READY, COMPLETE], outputs=outputs, states=states, constants=constants, tag=tag
+    )
 
 
 def _states(axis: Axis, time: Discrete) -> list[State]:

@@ -34,7 +34,7 @@ import casadi as ca
 from synth.block import clip
 from synth.signals import Signal
 
-UNLIMITED = 3
+UNLIMITED = 4
 
 Vector = Sequence[ca.SX]
 NamedExpressions = list[tuple[Signal, ca.SX]]

@@ -30,8 +30,9 @@ from scipy.stats import qmc
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, glsdc_solution, safety
+from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, safety
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
+from synth.blocks.glsdc_exclusion import Separation
 from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
@@ -75,10 +76,11 @@ def estimator(
 ) -> Block:
     """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
 
-    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q has cos_q and sin_q besides.
-    R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model error. `angles`
-    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too. With a
-    `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each unknown.
+    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q, and an angle, has cos_q and
+    sin_q too. R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model
+    error. `angles` are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`,
+    too. With a `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each
+    unknown.
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
@@ -98,8 +100,8 @@ def estimator(
         x = glsdc_monitor.with_rejection(monitor, u, x) if monitor else x
         weights = glsdc_monitor.weights(monitor, x) if monitor else None
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
-        solution = glsdc_solution.solve(problem, Iteration() if iteration is None else iteration)
-        return _step(Monitored(of, monitor, search), problem, solution, u, x, named)
+        solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
+        return _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
 
     return build(
         name,
@@ -154,11 +156,17 @@ class Monitored:
 
 
 def _step(
-    estimator: Monitored, problem: Problem, solution: Solution[Normal], u: Exprs, x: Exprs, named: NamedExpressions
+    estimator: Monitored,
+    problem: Problem,
+    solution: Solution[Normal],
+    about: Separation | None,
+    u: Exprs,
+    x: Exprs,
+    named: NamedExpressions,
 ) -> Step:
     of, monitor, search = estimator.model, estimator.monitor, estimator.search
     normal, unknowns = solution.last.normal, of.unknowns
-    variances = glsdc.variances(normal.factors)
+    variances = normal.variances
     roots = [of.scale * ca.sqrt(variance) for variance in variances]
     sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
     cost = ca.fmax(solution.last.cost - normal.decrease, 0)
@@ -170,9 +178,9 @@ def _step(
     pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
     next = pose | _motions(of, solution, x)
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
-    output |= {CHI_SQUARE.name: clip(cost / of.scale**2, CHI_SQUARE)}
+    output |= {CHI_SQUARE.name: ca.fmin(cost / of.scale**2, CHI_SQUARE.high)}
     if monitor:
-        judgement = glsdc_monitor.judge(monitor, solution, search is not None, cost, sigmas, x)
+        judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
         accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         if monitor.integrity.exclude:
@@ -182,7 +190,8 @@ def _step(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
             )
             output, next = output | dict(tracked[0]), next | dict(tracked[1])
-    return Step(output | {"converged": solution.converged, "weak": weak, "valid": good}, next, named)
+    output |= {"converged": solution.converged, "weak": weak, "valid": good}
+    return Step(output, next, named, problem.prediction.certified)
 
 
 def _track(
@@ -194,9 +203,9 @@ def _track(
     tracking, lost = glsdc_search.is_tracking(search, x), glsdc_search.is_lost(search, x)
     changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
     for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
-        changed[name] = tracking * ca.if_else(sample.accepted, next[name], x[name])
+        changed[name] = ca.if_else(tracking, ca.if_else(sample.accepted, next[name], x[name]), 0)
     if "excluded" in next:
-        changed["excluded"] = tracking * next["excluded"]
+        changed["excluded"] = ca.if_else(tracking, next["excluded"], 0)
     valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
     return valid, ({"tracking": tracking, "lost": lost}, changed)
 
@@ -247,7 +256,7 @@ def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:
     """Raise ModelError for a largest deviation beyond DYNAMIC_RANGE times that of an unknown with the others known."""
     low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
     points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
-    turns = np.array([2 * np.pi * p / u.width for u, p in zip(of.unknowns, points, strict=True) if u.periodic])
+    turns = np.array([u.rate * p for u, p in zip(of.unknowns, points, strict=True) if u.rate])
     turns = turns.reshape(-1, SAMPLES)
     values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
     phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()

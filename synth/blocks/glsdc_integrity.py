@@ -162,10 +162,7 @@ def hypotheses(
         slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
         forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
         units.append(LdlNormalEquations(factors, forward))
-    moves = [
-        [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(unit.step, floors, strict=True)]
-        for unit in units
-    ]
+    moves = [_limit_moves(unit.step, floors) for unit in units]
     gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
     for group in groups:
         members = _separabilities(group, units, linear)
@@ -176,6 +173,13 @@ def hypotheses(
             moves[j] = [column[k] for column in mixed]
         mixing.append(members.lower)
     return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
+
+
+def _limit_moves(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
+    """Return a move (n,) within its limits; of a few unknowns, interval arithmetic does not overflow without them."""
+    if len(move) <= glsdc.UNLIMITED:
+        return list(move)
+    return [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(move, floors, strict=True)]
 
 
 def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], linear: Linearisation) -> LdlFactors:
@@ -232,7 +236,7 @@ def _added_variance(of: Hypotheses, group: Sequence[int], i: int) -> ca.SX:
 
 def costs(of: Hypotheses, scores: Vector, cost: ca.SX) -> list[ca.SX]:
     """Return the cost c_j s^2 of each hypothesis; `scores` are u_j (m,) by `decorrelate`, `cost` is c s^2 of all."""
-    return [cost - glsdc.total(scores[j] ** 2 * of.gains[j] for j in group) for group in of.groups]
+    return [cost - glsdc.total(scores[j] * (scores[j] * of.gains[j]) for j in group) for group in of.groups]
 
 
 def most_likely(costs: Vector) -> ca.SX:
@@ -257,6 +261,7 @@ def separated_level(of: Hypotheses, i: int, full: Full, passing: Vector, reporte
     apart, added = ca.SX(0), ca.SX(0)
     for group, passes in zip(of.groups, passing, strict=True):
         separation = glsdc.total(of.moves[j][i] * (full.scores[j] * of.gains[j]) for j in group)
-        apart = ca.fmax(apart, ca.if_else(passes, ca.fabs(full.step[i] - separation - reported), 0))
-        added = ca.fmax(added, ca.if_else(passes, _added_variance(of, group, i), 0))
+        difference = ca.fabs(full.step[i] - reported - separation)
+        apart = ca.if_else(passes, ca.fmax(apart, difference), apart)
+        added = ca.if_else(passes, ca.fmax(added, _added_variance(of, group, i)), added)
     return apart + deviations * ca.sqrt(full.variances[i] + added)

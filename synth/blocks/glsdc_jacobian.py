@@ -5,8 +5,9 @@
 with W lower triangular and s = 1, or with W = I and s^2 the common variance of independent measurements, which then
 needs no multiplication.
 
-A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, and a Phase a(q) by
-its own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`). Chain rule:
+A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, an angle and a Phase
+a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`).
+Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
 
@@ -18,7 +19,7 @@ weighted least squares).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, pi
+from math import factorial, inf
 
 import casadi as ca
 import numpy as np
@@ -31,13 +32,16 @@ from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
+MOST_POWER = 6  # of a polynomial in a sine, in the Jacobian
+
 
 @dataclass(frozen=True, eq=False)
 class Model:
     """A measurement model, whitened: `whitening` W (m, m) and `scale` s of the whitened residuals.
 
     The residuals of the channels in `angles` are wrapped into half the width of their ranges, which is one turn.
-    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases; `function` maps
+    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases, and
+    `phase_changes` their changes to those of the phases, if these are affine in them; `function` maps
     these, cosines and sines of the phases, and channels, to residuals (m,), H (m, n) and the unit vectors (m, m), by
     columns, along which an error of each channel acts on the whitened residuals.
     """
@@ -49,14 +53,15 @@ class Model:
     whitening: Array
     scale: float
     phase_function: ca.Function
+    phase_changes: ca.Function | None
     function: ca.Function
     used: frozenset[str]
     is_implicit: bool
 
     @property
-    def periodic(self) -> tuple[Unknown, ...]:
-        """The periodic unknowns."""
-        return tuple(u for u in self.unknowns if u.periodic)
+    def turning(self) -> tuple[Unknown, ...]:
+        """The unknowns with a phasor."""
+        return tuple(u for u in self.unknowns if u.rate)
 
     @property
     def prior_weights(self) -> tuple[float, ...]:
@@ -114,11 +119,12 @@ def model(
     ]
     H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
     phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
+    phase_changes = _phase_changes(ca.vcat(turns), of)
     norms = ca.sparsify(ca.DM(np.diag(1 / np.linalg.norm(whitening, axis=0))))
     directions = ca.sparsify(ca.DM(whitening)) @ ca.jacobian(residuals, ca.vcat(list(of.y.values()))) @ norms
     function = ca.Function("model", of.vectors, [residuals, H, directions])
     used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
-    arrays = readonly(whitening), scale, phase_function, function
+    arrays = readonly(whitening), scale, phase_function, phase_changes, function
     return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, isinstance(h, Implicit))
 
 
@@ -153,7 +159,7 @@ def _symbols(
 
     return _Symbols(
         {n: ca.SX.sym(n) for n in signal_names([u.signal for u in unknowns])},
-        {u.name: pair(u.name) for u in unknowns if u.periodic},
+        {u.name: pair(u.name) for u in unknowns if u.rate},
         {p.name: pair(p.name) for p in phases},
         {c.name: ca.SX.sym(c.name) for c in constants},
         {n: ca.SX.sym(n) for n in signal_names(channels)},
@@ -171,19 +177,66 @@ def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> c
     return ca.vcat([ca.SX(values[n]) if isinstance(h, Implicit) else symbol - values[n] for n, symbol in of.y.items()])
 
 
+def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:
+    """Return the function of `phase_function`'s arguments with changes in place of values, None if it is not affine."""
+    moving = ca.vertcat(*of.vectors[:3])
+    slopes = ca.jacobian(turns, moving)
+    if ca.depends_on(slopes, moving):
+        return None
+    return ca.Function("changes", [*of.vectors[:3], of.vectors[5]], [slopes @ moving])
+
+
 def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
     """Return the derivative of a column by an unknown and by its cosine and sine, with the phases fixed."""
     column = ca.jacobian(of, symbols.q[u.name])
-    if u.periodic:
+    if u.rate:
         c, s = symbols.turns[u.name]
-        column += 2 * pi / u.width * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
+        column += u.rate * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
     return column
 
 
 def _by_phases(of: ca.SX, slopes: ca.SX, symbols: _Symbols) -> ca.SX:
     """Return the derivative of a column by way of the phases, whose own derivatives are the slopes."""
     pairs = enumerate(symbols.phases.values())
-    return sum(((c * ca.jacobian(of, s) - s * ca.jacobian(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+    return sum(((c * _slope(of, s) - s * _slope(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+
+
+def _slope(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return the derivative of a column by a cosine or a sine; a polynomial in its square takes half the products."""
+    column = ca.jacobian(of, by)
+    for i in column.sparsity().row():
+        column[i] = -_even_polynomial(-column[i], by)  # of y - h, as it stands in h
+    return column
+
+
+def _even_polynomial(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return a polynomial of even powers up to MOST_POWER by Horner's rule in the square, anything else as it is."""
+    coefficients, derivative = [], of
+    for power in range(MOST_POWER + 1):
+        number, product = _factors(ca.substitute(derivative, by, 0))
+        coefficients.append(number / factorial(power) * product)
+        derivative = ca.jacobian(derivative, by)
+    odd = any(not c.is_zero() for c in coefficients[1::2])
+    if odd or ca.depends_on(derivative, by) or not derivative.is_zero():
+        return of
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-2:2]):
+        value = coefficient + by**2 * value
+    return value
+
+
+def _factors(of: ca.SX) -> tuple[float, ca.SX]:
+    """Return an expression as a number times the rest; sums of multiples of one expression are one multiple."""
+    if of.is_constant():
+        return float(of), ca.SX(1)
+    parts = [_factors(of.dep(i)) for i in range(of.n_dep())]
+    if of.op() == ca.OP_MUL:
+        return parts[0][0] * parts[1][0], parts[0][1] * parts[1][1]
+    if of.op() in (ca.OP_NEG, ca.OP_TWICE):
+        return parts[0][0] * (2 if of.op() == ca.OP_TWICE else -1), parts[0][1]
+    if of.op() == ca.OP_ADD and ca.is_equal(parts[0][1], parts[1][1], 9):
+        return parts[0][0] + parts[1][0], parts[0][1]
+    return 1.0, of
 
 
 def _check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...]) -> None:

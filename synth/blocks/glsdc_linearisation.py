@@ -8,14 +8,14 @@ whose sine and cosine are polynomials of low degree.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
 
 import casadi as ca
 
-from synth.block import clip
+from synth.block import Certificate, clip
 from synth.blocks import phasor
 from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_model import Unknown
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -24,7 +24,10 @@ ANY = Phasor(ca.SX(1), ca.SX(0))  # of an angle that the model does not use
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The predicted unknowns (n,) in their ranges, the phases, the phasors of both, and the held channels."""
+    """The predicted unknowns (n,) in their ranges, the phases, the phasors of both, and the held channels.
+
+    `certified` are the certificates of the phasors' limits.
+    """
 
     values: Vector
     phases: Vector
@@ -32,24 +35,37 @@ class Prediction:
     phasors: Sequence[Phasor]
     measured: Vector
     constants: ca.SX
+    certified: Mapping[str, Certificate]
 
 
 def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
     """Return the prediction of a sample; `named` receives the parts of the phasors."""
-    turns = []
-    for u, value in ((u, v) for u, v in zip(of.unknowns, values, strict=True) if u.periodic):
-        rate = 2 * pi / u.width
-        halvings = phasor.halvings(rate * max(abs(u.signal.low), abs(u.signal.high)))
-        used = u.name in of.used
-        turns.append(phasor.by_range_reduction(rate * value, halvings, f"{u.name}_part", named) if used else ANY)
-    phases = _phases(of, values, turns, constants)
-    phasors = [
-        phasor.by_range_reduction(
-            clip(a, Signal(p.name, "rad", -p.largest, p.largest)), phasor.halvings(p.largest), f"{p.name}_part", named
-        )
-        for p, a in zip(of.phases, phases, strict=True)
+    turns = [
+        _unknown_phasor(u, value, u.name in of.used, named)
+        for u, value in zip(of.unknowns, values, strict=True)
+        if u.rate
     ]
-    return Prediction(values, phases, turns, phasors, measured, constants)
+    phases = _phases(of, values, turns, constants)
+    phasors: list[Phasor] = []
+    certified: dict[str, Certificate] = {}
+    for p, a in zip(of.phases, phases, strict=True):
+        limited = clip(a, Signal(p.name, "rad", -p.largest, p.largest))
+        one, certificates = phasor.by_certified_reduction(limited, phasor.halvings(p.largest), f"{p.name}_part", named)
+        phasors.append(one)
+        certified |= certificates
+    return Prediction(values, phases, turns, phasors, measured, constants, certified)
+
+
+def _unknown_phasor(u: Unknown, value: ca.SX, used: bool, named: NamedExpressions) -> Phasor:
+    """Return the phasor of an unknown; names keep functions of an angle's cosine from becoming functions of it."""
+    if not used:
+        return ANY
+    if u.angle:
+        turn = phasor.of(value)
+        named += [(Signal(f"cos_{u.name}", "1", -1, 1), turn.cosine), (Signal(f"sin_{u.name}", "1", -1, 1), turn.sine)]
+        return turn
+    halvings = phasor.halvings(u.rate * max(abs(u.signal.low), abs(u.signal.high)))
+    return phasor.by_range_reduction(u.rate * value, halvings, f"{u.name}_part", named)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +88,12 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
             start + d if u.periodic else clip(start + d, u.signal)
             for u, start, d in zip(of.unknowns, values, at, strict=True)
         ]
-        moved = [2 * pi / u.width * d for u, d in zip(of.unknowns, at, strict=True) if u.periodic]
-        turns = [start if start is ANY else _rotate(start, d) for start, d in zip(turns, moved, strict=True)]
-        phases = _phases(of, values, turns, prediction.constants)
+        moved = [(u, value, d) for u, value, d in zip(of.unknowns, values, at, strict=True) if u.rate]
+        turns = [start if start is ANY else _move(start, *by) for start, by in zip(turns, moved, strict=True)]
+        changes = _phase_changes(of, prediction, values, turns, at)
         phasors = [
-            _rotate(start, clip(a - before, Signal(p.name, "rad", -p.change, p.change)))
-            for p, start, a, before in zip(of.phases, phasors, phases, prediction.phases, strict=True)
+            _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
+            for p, start, change in zip(of.phases, phasors, changes, strict=True)
         ]
     pairs = [*_columns(turns), *_columns(phasors)]
     e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
@@ -92,8 +108,31 @@ def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX
     return [phases[i] for i in range(len(of.phases))]
 
 
+def _phase_changes(
+    of: Model, prediction: Prediction, values: Vector, turns: Sequence[Phasor], at: Vector
+) -> list[ca.SX]:
+    """Return how far the phases move; of affine ones from limited changes of phasors, which bound them."""
+    if of.phase_changes is None:
+        phases = _phases(of, values, turns, prediction.constants)
+        return [a - before for a, before in zip(phases, prediction.phases, strict=True)]
+    chords = []
+    for u, turn, start in zip(of.turning, turns, prediction.turns, strict=True):
+        most = Signal("chord", "1", -u.rate * u.step, u.rate * u.step)
+        chords.append(Phasor(clip(turn.cosine - start.cosine, most), clip(turn.sine - start.sine, most)))
+    moved = [
+        d if u.periodic else end - start
+        for u, d, end, start in zip(of.unknowns, at, values, prediction.values, strict=True)
+    ]
+    changes = of.phase_changes(ca.vcat(moved), *_columns(chords), prediction.constants)
+    return [changes[i] for i in range(len(of.phases))]
+
+
 def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
     return ca.vcat([p.cosine for p in phasors]), ca.vcat([p.sine for p in phasors])
+
+
+def _move(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
+    return phasor.of(value) if u.angle else _rotate(start, u.rate * by)
 
 
 def _rotate(start: Phasor, by: ca.SX) -> Phasor:

@@ -11,7 +11,7 @@ weighted least squares).
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, pi
 
 import casadi as ca
 import numpy as np
@@ -60,9 +60,10 @@ class Unknown:
     """An unknown with its range. Its deviation is resolved up to `largest_deviation`, in the unit of the signal.
 
     The sum of corrections in a sample is at most `step`. The estimate begins at `start`. The range of a `periodic`
-    unknown is one period. `prior` is the standard deviation of a prior, infinite for none, which is about `prior_value`
-    or, if this is None, about the prediction. The prediction continues the last motion if the `velocity_gain` is above
-    0: motion + velocity_gain * correction.
+    unknown is one period. h also has the cosine and the sine of an `angle`, which is not periodic and within 1.2 rad.
+    `prior` is the standard deviation of a prior, infinite for none, which is about `prior_value` or, if this is None,
+    about the prediction. The prediction continues the last motion if the `velocity_gain` is above 0: motion +
+    velocity_gain * correction.
 
     Raises ModelError for a value out of its range.
     """
@@ -72,6 +73,7 @@ class Unknown:
     step: float
     start: float = 0.0
     periodic: bool = False
+    angle: bool = False
     prior: float = inf
     prior_value: float | None = None
     velocity_gain: float = 0.0
@@ -80,6 +82,11 @@ class Unknown:
         s = self.signal
         numeric.positive(f"the largest deviation of '{s.name}'", self.largest_deviation)
         numeric.above(f"the step of '{s.name}'", self.step, 0, self.width / 2)
+        if self.angle and (self.periodic or max(abs(s.low), abs(s.high)) > phasor.MAX_ANGLE):
+            raise ModelError(
+                f"'{s.name}' is an angle, and periodic or beyond {phasor.MAX_ANGLE} rad: give angle=False, its cosine "
+                "and sine come with a period"
+            )
         if not self.prior > 0:
             raise ModelError(f"the prior of '{s.name}' has the deviation {self.prior}: give a positive one, or inf")
         if not 0 <= numeric.number(f"the velocity gain of '{s.name}'", self.velocity_gain) <= 1:
@@ -97,6 +104,11 @@ class Unknown:
     def width(self) -> float:
         """The width of the range: the period of a periodic unknown."""
         return self.signal.high - self.signal.low
+
+    @property
+    def rate(self) -> float:
+        """The angle of its phasor by the unknown, 0 for none."""
+        return 2 * pi / self.width if self.periodic else float(self.angle)
 
     def wrap(self, value: ca.SX) -> ca.SX:
         """Return a value less than a width out of range brought into the range: wrapped if periodic, else limited."""

@@ -7,23 +7,25 @@ A converged sample whose c exceeds T excludes the group of the hypothesis with t
 one whose c does not takes every channel in again. A group is a channel, or several that fail together. One that a check
 in front has refused is excluded in the same sample. The c and the hypotheses that decide on this are of all channels,
 linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
-out of the linear range, and not the prediction. Nothing is valid where a fault of some group is not detectable.
+out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
+corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from synth.block import Exprs, State, clip
-from synth.blocks import glsdc, glsdc_integrity, glsdc_solution
-from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot
-from synth.blocks.glsdc_integrity import ROUNDING, Full, Hypotheses, Integrity, Thresholds
+from synth.blocks import glsdc, glsdc_exclusion, glsdc_integrity, glsdc_solution
+from synth.blocks.glsdc import LdlFactors, Solution, Vector
+from synth.blocks.glsdc_exclusion import Separation
+from synth.blocks.glsdc_integrity import ROUNDING, Hypotheses, Integrity, Thresholds
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_linearisation import Linearisation
-from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Normal
+from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
 from synth.blocks.screening import SCREENED
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
@@ -137,19 +139,39 @@ def weights(of: Monitor, x: Exprs) -> Vector | None:
     """Return the weight of each channel (m,), 0 for the excluded one; None without exclusion."""
     if not of.integrity.exclude:
         return None
-    number = {j: k for k, group in enumerate(of.groups, 1) for j in group}
-    included = {k: x["excluded"] != k for k in range(1, len(of.groups) + 1)}
+    number = {j: k for k, group in enumerate(of.groups) for j in group}
+    groups = range(len(of.groups))
+    none = x["excluded"] < 1
+    included = [
+        ca.if_else(none, 1, glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
+        for j in groups
+    ]
     return [included[number[j]] for j in range(len(of.model.channels))]
 
 
-def judge(of: Monitor, solution: Solution[Normal], tracked: bool, cost: ca.SX, sigmas: Vector, x: Exprs) -> Judgement:
+def solve(
+    of: Monitor | None, problem: Problem, iteration: Iteration, tracked: bool, x: Exprs
+) -> tuple[Solution[Any], Separation | None]:
+    """Return the solution of a sample, and the hypotheses about its prediction where the corrections use them."""
+    if of and of.integrity.exclude and tracked and iteration.held_jacobian:
+        return glsdc_exclusion.solve(problem, iteration, of.groups, x["excluded"], _axes(of))
+    return glsdc_solution.solve(problem, iteration), None
+
+
+def judge(
+    of: Monitor, solution: Solution[Any], about: Separation | None, tracked: bool, cost: ca.SX, sigmas: Vector, x: Exprs
+) -> Judgement:
     """Return the judgement of a sample with its least cost c s^2 and its deviations (n,).
 
-    The hypotheses are linear about the prediction if it is `tracked`, else about the solution.
+    The hypotheses, unless those of `about`, are linear about the prediction if it is `tracked`, else the solution.
     """
     if of.integrity.exclude:
         decides = ca.SX(1) if tracked else solution.converged
-        return _judge_hypotheses(of, solution, solution.first if tracked else solution.last, decides, cost, sigmas, x)
+        trial = solution.first if tracked else solution.last
+        if about is None:
+            about = glsdc_exclusion.separate(of.model, of.groups, trial, _single(of, trial.normal.linear))
+        moved = [end - begin for end, begin in zip(solution.at, trial.at, strict=True)]
+        return _judge_hypotheses(of, about, moved, decides, cost, sigmas, x)
     normal = solution.last.normal
     faults = _hypotheses(of, normal.factors, normal.linear)
     levels = {
@@ -161,31 +183,23 @@ def judge(of: Monitor, solution: Solution[Normal], tracked: bool, cost: ca.SX, s
 
 
 def _judge_hypotheses(
-    of: Monitor,
-    solution: Solution[Normal],
-    about: Trial[Normal],
-    decides: ca.SX,
-    cost: ca.SX,
-    sigmas: Vector,
-    x: Exprs,
+    of: Monitor, about: Separation, moved: Vector, decides: ca.SX, cost: ca.SX, sigmas: Vector, x: Exprs
 ) -> Judgement:
-    model, normal, variance = of.model, about.normal, of.model.scale**2
-    factors, in_range = glsdc_solution.factorise(model, normal.linear.rows, normal.linear.rows)
-    faults = _hypotheses(of, factors, normal.linear)
-    full, full_cost = _full(of, factors, faults, about)
+    """Return the judgement from the hypotheses about a trial, from which the solution is `moved` (n,) away."""
+    model, variance = of.model, of.model.scale**2
+    faults, full, full_cost = about.faults, about.full, about.cost
     costs = glsdc_integrity.costs(faults, full.scores, full_cost)
     passing = [c <= limit * variance + ROUNDING * full_cost for c, limit in zip(costs, of.hypothesis, strict=True)]
     none, levels = x["excluded"] == 0, {}
     for i in _limit_indices(of):
-        reported = solution.at[i] - about.at[i]
         separated = glsdc_integrity.separated_level(
-            faults, i, full, passing, reported, of.thresholds.deviations * model.scale
+            faults, i, full, passing, moved[i], of.thresholds.deviations * model.scale
         )
         detected = glsdc_integrity.detected_level(faults, i, of.thresholds, model.scale, sigmas[i])
         levels[i] = ca.if_else(none, detected, separated)
     test = full_cost <= of.thresholds.test * variance
     limit = ca.if_else(none, of.thresholds.test, _excluded_threshold(of, x))
-    passes = ca.logic_and(in_range, cost <= limit * variance)
+    passes = ca.logic_and(about.in_range, cost <= limit * variance)
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
     excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
     return _judgement(of, passes, levels, faults, excluded)
@@ -198,23 +212,6 @@ def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
     return glsdc.total((x["excluded"] == k) * limit for k, limit in enumerate(of.hypothesis, 1))
 
 
-def _full(of: Monitor, factors: LdlFactors, faults: Hypotheses, about: Trial[Normal]) -> tuple[Full, ca.SX]:
-    """Return the solution with all channels, linear about a trial, and its cost c s^2."""
-    normal, e, model = about.normal, about.normal.linear.residuals, of.model
-    gradient = glsdc_solution.gradient_of(normal.linear.rows, e, normal.pulls)
-    forward = glsdc.substitute_forward(factors, gradient, glsdc_solution.forward_bounds(model))
-    all_channels = LdlNormalEquations(factors, forward)
-    bounds = [glsdc_solution.residual_bound(model) / sqrt(f) for f in model.floors]
-    step = [clip(d, Signal("step", "1", -b, b)) for d, b in zip(all_channels.step, bounds, strict=True)]
-    scores = [
-        glsdc_integrity.dot_sparse(w, e) - dot(slope, step)
-        for w, slope in zip(_single(of, normal.linear).directions, faults.slopes, strict=True)
-    ]
-    prior_cost = about.cost - about.squares
-    cost = ca.fmax(dot(e, e) + prior_cost - all_channels.decrease, 0)
-    return Full(step, glsdc.variances(factors), glsdc_integrity.decorrelate(faults, scores)), cost
-
-
 def _hypotheses(of: Monitor, factors: LdlFactors, linear: Linearisation) -> Hypotheses:
     return glsdc_integrity.hypotheses(of.groups, factors, _single(of, linear), of.model.floors, DYNAMIC_RANGE)
 
@@ -223,7 +220,11 @@ def _single(of: Monitor, linear: Linearisation) -> Linearisation:
     """Return a linearisation with the unit vectors of each group's own residuals, which span the same hypotheses."""
     if not _is_blockwise(of.model, of.groups):
         return linear
-    return replace(linear, directions=[{j: ca.SX(1)} for j in range(len(of.model.channels))])
+    return replace(linear, directions=_axes(of))
+
+
+def _axes(of: Monitor) -> list[dict[int, ca.SX]]:
+    return [{j: ca.SX(1)} for j in range(len(of.model.channels))]
 
 
 def _limit_indices(of: Monitor) -> list[int]:

@@ -116,7 +116,7 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
     """Return the next unknowns and the next states of the search."""
     tracking, accepted = is_tracking(of, x), sample.accepted
     solves = ca.logic_and(sample.converged, accepted)
-    searching, first = ca.logic_not(tracking), x["candidates"] == 0
+    first = x["candidates"] == 0
     agrees = reduce(ca.logic_and, [_agrees(of, u, sample.solved, x) for u in unknowns if u.name in of.agreement])
     count = ca.fmax(x["candidates"], solves * (2 - ca.logic_or(first, agrees)))
     ends = ca.logic_or(sample.converged, x["age"] >= of.dwell - 1) if of.dwell > 1 else ca.SX(1)
@@ -129,19 +129,25 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
         start = ca.SX(u.start)
         if u.name in increments:
             start = _wrap(x[f"begin_{u.name}"] + increments[u.name], u.signal)
-            next[f"begin_{u.name}"] = ca.if_else(ends, start, x[f"begin_{u.name}"])
+            begin = x[f"begin_{u.name}"]
+            next[f"begin_{u.name}"] = ca.if_else(tracking, begin, ca.if_else(ends, start, begin))
         sweep = ca.if_else(unique, candidate, ca.if_else(ends, start, sample.solved[u.name]))
         track = ca.if_else(accepted, sample.solved[u.name], predicted)
-        next |= {f"candidate_{u.name}": candidate, u.name: ca.if_else(tracking, track, sweep)}
+        next |= {
+            f"candidate_{u.name}": ca.if_else(tracking, x[f"candidate_{u.name}"], candidate),
+            u.name: ca.if_else(tracking, track, sweep),
+        }
     following = ca.if_else(last, of.starts * unique, ca.fmin(x["start_number"] + ends, of.starts - 1))
-    lost, missed = is_lost(of, x), ca.fmin(x["missed"] + 1, of.patience)
-    kept = ca.logic_and(searching, ca.logic_or(ca.logic_not(last), unique))
+    missed = ca.fmin(x["missed"] + 1, of.patience)
+    kept = ca.logic_or(ca.logic_not(last), unique)
     if of.dwell > 1:
-        next["age"] = ca.logic_and(searching, ca.logic_not(ends)) * ca.fmin(x["age"] + 1, of.dwell - 1)
+        age = ca.if_else(ends, 0, ca.fmin(x["age"] + 1, of.dwell - 1))
+        next["age"] = ca.if_else(tracking, 0, age)
+    followed = ca.logic_and(accepted, ca.logic_not(is_lost(of, x)))
     return next | {
         "start_number": ca.if_else(tracking, of.starts, following),
-        "candidates": kept * count,
-        "missed": ca.logic_and(tracking, ca.logic_or(lost, ca.logic_not(accepted))) * missed,
+        "candidates": ca.if_else(tracking, 0, ca.if_else(kept, count, 0)),
+        "missed": ca.if_else(tracking, ca.if_else(followed, 0, missed), 0),
     }
 
 

@@ -10,9 +10,10 @@ Limits that never act while the information is in the dynamic range r, N_ii <= r
     |L_ij| <= r (f_i / f_j)^(1/2),    |z_j| = |(L^-1 H'e)_j| <= r f_j^(1/2) |e|,    |d_i| <= |e| / f_i^(1/2)
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
@@ -59,6 +60,14 @@ class Normal(LdlNormalEquations):
     pulls: Vector
     in_range: ca.SX
 
+    @property
+    def variances(self) -> list[ca.SX]:
+        """The diagonal of N^-1."""
+        return glsdc.variances(self.factors)
+
+
+T = TypeVar("T", bound=Normal)
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -75,22 +84,28 @@ def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
     factors: list[tuple[LdlFactors, ca.SX]] = []
     held: list[Linearisation] = []
 
-    def trial(i: int, at: Vector) -> Trial[Normal]:
+    def evaluate(i: int, at: Vector) -> Trial[Normal]:
         linearisation = glsdc_linearisation.linearise(of.model, of.prediction, at)
         if not i or not iteration.held_jacobian:
             held.append(linearisation)
             factors.append(_factors(of, linearisation.rows))
-        return _trial(of, at, replace(held[-1], residuals=linearisation.residuals), factors[-1])
+        return trial(of, at, replace(held[-1], residuals=linearisation.residuals), factors[-1])
 
-    variance = of.model.scale**2
-    bounds = tuple(Signal(f"step_{u.name}", u.signal.unit, -u.step, u.step) for u in of.model.unknowns)
+    return iterate(of.model, iteration, evaluate)
+
+
+def iterate(of: Model, iteration: Iteration, evaluate: Callable[[int, Vector], Trial[T]]) -> Solution[T]:
+    """Return the result of the corrections, with the descent check if the iteration has it."""
+    variance = of.scale**2
+    bounds = tuple(Signal(f"step_{u.name}", u.signal.unit, -u.step, u.step) for u in of.unknowns)
     descent = Descent(iteration.corrections, bounds, SLACK * variance, iteration.convergence**2 * variance, ROUNDING)
-    return (glsdc.descend if iteration.descent_check else glsdc.iterate)(trial, descent)
+    return (glsdc.descend if iteration.descent_check else glsdc.iterate)(evaluate, descent)
 
 
-def _trial(of: Problem, at: Vector, linear: Linearisation, factors: tuple[LdlFactors, ca.SX]) -> Trial[Normal]:
+def trial(of: Problem, at: Vector, linear: Linearisation, factors: tuple[LdlFactors, ca.SX]) -> Trial[Normal]:
+    """Return the trial at a displacement, with residuals of there and rows and factors of there or of the first."""
     residuals = linear.residuals
-    used = _weighted(of, residuals)
+    used = weighted(of, residuals)
     offsets = [o + d for o, d in zip(of.offsets, at, strict=True)]
     pulls = [p * o for p, o in zip(of.model.prior_weights, offsets, strict=True)]
     squares = dot(used, residuals)
@@ -117,8 +132,11 @@ def factorise(of: Model, rows: Sequence[Vector], others: Sequence[Vector]) -> tu
     return glsdc.factorise_information(glsdc.information(rows, others, of.prior_weights), of.floors, DYNAMIC_RANGE)
 
 
-def _weighted(of: Problem, values: Vector) -> list[ca.SX]:
-    return list(values) if of.weights is None else [w * v for w, v in zip(of.weights, values, strict=True)]
+def weighted(of: Problem, values: Vector) -> list[ca.SX]:
+    """Return values of the channels times their weights."""
+    return (
+        list(values) if of.weights is None else [ca.if_else(w, v, 0) for w, v in zip(of.weights, values, strict=True)]
+    )
 
 
 def residual_bound(of: Model) -> float:

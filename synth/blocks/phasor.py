@@ -20,7 +20,9 @@ has one rounding. For a quarter q of the angle of a distance within half a perio
 have the absolute error `quarter_angle_error`, although both have zeros.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, frexp, ldexp, log2, pi
 
 import casadi as ca
@@ -33,6 +35,7 @@ from synth.signals import Signal
 MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
 HIGH_BITS = 12  # bits of the leading part of a period
 MARGIN = 2e-3  # of half a period: more than rounding may add to a distance, see `_distance_bound`
+SLACK = 1e-3  # relative, of certified limits
 UNIT, TWICE = Signal("unit", "1", -1, 1), Signal("twice", "1", -2, 2)
 
 
@@ -74,14 +77,40 @@ def halvings(limit: float) -> int:
 
 def by_range_reduction(angle: ca.SX, halvings: int, name: str, named: NamedExpressions) -> Phasor:
     """Return the phasor of an angle by range reduction; `named` receives cos(angle/2^m) and 2^m sin(angle/2^m)."""
+    return _by_doubling(angle, halvings, name, named, (TWICE, UNIT))[0]
+
+
+def by_certified_reduction(
+    angle: ca.SX, halvings: int, name: str, named: NamedExpressions
+) -> tuple[Phasor, dict[str, Certificate]]:
+    """Return the phasor as `by_range_reduction`, and certificates for `Step` of its limits, which then cost nothing.
+
+    An error e of the polynomials and u of each operation is multiplied by 2^m at most: the sine errs by less than
+    2^m 8 (e + 4 u).
+    """
+    limits = [Signal(f"{name}_{n}", "1", -h * (1 + SLACK), h * (1 + SLACK)) for n, h in (("doubled", 2), ("full", 1))]
+    result, values = _by_doubling(angle, halvings, name, named, limits)
+    named += zip(limits, values, strict=True)
+    return result, {s.name: partial(_doubled_bound, round(s.high), halvings) for s in limits}
+
+
+def _doubled_bound(size: int, halvings: int, u: float, e: float) -> float:
+    return size * (1 + 2**halvings * 8 * (e + 4 * u))
+
+
+def _by_doubling(
+    angle: ca.SX, halvings: int, name: str, named: NamedExpressions, limits: Sequence[Signal]
+) -> tuple[Phasor, list[ca.SX]]:
+    """Return the phasor, and its limited values."""
     s, c = 2**halvings * ca.sin(angle / 2**halvings), ca.cos(angle / 2**halvings)
     for function, value in (("sine", s), ("cosine", c)):
         about = f"of 1/{2**halvings} of it" + (f", times {2**halvings}" if function == "sine" else "")
         named.append((Signal(f"{name}_{function}", "1", -(2**halvings), 2**halvings, about), value))
     for left in reversed(range(halvings)):
-        s = s if left else clip(s, TWICE)
+        value = s = s if left else clip(s, limits[0])
         s, c = s * c, 1 - s**2 / 2 ** (2 * left + 1)
-    return Phasor(c, clip(s, UNIT))
+    each = clip(s, limits[1])
+    return Phasor(c, each), [value, each]
 
 
 def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> Distance:

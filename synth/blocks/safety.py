@@ -35,10 +35,11 @@ from synth.timing import Discrete
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
-    *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
+    *("BRAKING", "GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
+BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
@@ -115,7 +116,7 @@ def guard(
             every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
             if braking:
                 every = ca.if_else(x["left"] <= braking, 0, every)
-                output["braking"] = ca.if_else(every, 0, x["left"] <= braking + 1)
+                output[BRAKING.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
@@ -132,7 +133,7 @@ def guard(
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
-    outputs += [_flag("braking", "too many bad samples in a row: a latch follows")] if braking else []
+    outputs += [BRAKING] if braking else []
     block = build(
         GUARD,
         time,
@@ -150,7 +151,7 @@ def guard(
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
-    faults += [Fault(BRAKING_BIT, "braking", about="brakes, a latch follows")] if braking else []
+    faults += [Fault(BRAKING_BIT, BRAKING.name, about="brakes, a latch follows")] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None

@@ -1,12 +1,12 @@
 """Screening of grouped measurements: refused readings, and converters that repeat a code; one faulty group is rejected.
 
-    repeats_i = repeats_i + 1 while y_i(k) = y_i(k-1), else 0;    a channel is frozen when repeats_i reaches its limit
-    a group is faulty when the guard refuses one of its channels in this sample, or one is frozen
+    repeats_g = repeats_g + 1 while y_i(k) = y_i(k-1) for some i of group g, else 0;    frozen: repeats_g at its limit
+    a group is faulty when the guard refuses one of its channels in this sample, or it is frozen
     rejected = number of the only faulty group, else 0;           screened = no group or one group is faulty
 
-A converter whose noise spreads over several codes repeats one n times in a row with a probability of about p^n, where
-p = step / (2 sqrt(pi) sigma) for a normal noise sigma. Without noise, as in a simulation of ideal sensors, a body at
-rest is indistinguishable from a frozen converter.
+One count serves a group. A group of m converters whose noise spreads over several codes counts to n with a probability
+of about (m p)^n, where p = step / (2 sqrt(pi) sigma) for a normal noise sigma. Without noise, as in a simulation of
+ideal sensors, a body at rest is indistinguishable from a frozen converter.
 
 Source: Gertler, "Fault Detection and Diagnosis in Engineering Systems", section 1.3 (limit and plausibility checks).
 """
@@ -18,7 +18,7 @@ from functools import reduce
 import casadi as ca
 
 from synth import arguments, numeric
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -42,21 +42,24 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
     rejected = Signal("rejected", "1", 0, len(groups), "number of the group of channels that is refused or frozen")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        next: dict[str, ca.SX] = {}
-        faulty: dict[str, ca.SX] = {}
-        for name in names:
-            value = u[f"{name}_held"]
-            count = (value == x[f"last_{name}"]) * ca.fmin(x[f"repeats_{name}"] + 1, limit)
-            next |= {f"last_{name}": value, f"repeats_{name}": count}
-            faulty[name] = ca.logic_or(u[f"fault_{name}"], count >= limit)
-        flags = [reduce(ca.logic_or, [faulty[name] for name in group]) for group in groups]
+        next, flags = {f"last_{name}": u[f"{name}_held"] for name in names}, []
+        for index, group in enumerate(groups, 1):
+            same = reduce(ca.logic_or, [ca.fabs(u[f"{name}_held"] - x[f"last_{name}"]) <= 0 for name in group])
+            count = ca.fmin(x[f"repeats_{index}"] + 1, limit)
+            frozen = ca.if_else(same, count >= limit, 0)
+            refused = reduce(ca.logic_or, [u[f"fault_{name}"] for name in group])
+            flags.append(ca.logic_or(refused, frozen))
+            next[f"repeats_{index}"] = ca.if_else(same, count, 0)
         single = reduce(lambda total, flag: total + flag, flags) <= 1
-        number = reduce(lambda total, pair: total + pair[0] * pair[1], enumerate(flags, 1), ca.SX(0))
-        return Step({"rejected": clip(single * number, rejected), SCREENED.name: single}, next)
+        number = ca.SX(0)
+        for index, flag in reversed(list(enumerate(flags, 1))):
+            number = ca.if_else(flag, index, number)
+        return Step({"rejected": ca.if_else(single, number, 0), SCREENED.name: single}, next)
 
     held = [replace(s, name=f"{s.name}_held") for s in channels]
     faults = [Signal(f"fault_{name}", "1", 0, 1, "refused this sample") for name in names]
-    counts = [Signal(f"repeats_{name}", "1", 0, limit, "samples in a row with the same code") for name in names]
+    about = "samples in a row in which a channel of group {} has the same code"
+    counts = [Signal(f"repeats_{k}", "1", 0, limit, about.format(k)) for k in range(1, len(groups) + 1)]
     lasts = [replace(s, name=f"last_{s.name}", about="of the last sample") for s in channels]
     return build(
         "screen",

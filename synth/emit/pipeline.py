@@ -29,10 +29,22 @@ import numpy as np
 from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
-from synth.emit.c import c_text, equations, header, kinds, layout, printer
+from synth.emit.c import c_text, equations, header, kinds, layout, lines, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, flags, fold, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.passes import (
+    calls,
+    flags,
+    fold,
+    fragments,
+    guards,
+    limits,
+    numbers,
+    routine,
+    schedule,
+    slews,
+    surrogates,
+)
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
@@ -99,10 +111,11 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
 
     Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
     """
-    program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    program, polynomials = surrogates.with_shared_polynomials(reduced.program, reduced.surrogates)
+    program, block = numbers.with_numbers(slews.slewed(guards.guarded(program)), reduced.block, scalar)
     composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     program = replace(program, equations=equations.by_block(composed))
-    reduced = replace(reduced, block=block)
+    reduced = replace(reduced, block=block, surrogates=polynomials)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
@@ -111,7 +124,25 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
         returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
         if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
-    return kept.reduced, kept.memory
+    printed = _print(reduced, program, [*groups, *_shorter(reduced, program, groups, kept.lines, scalar)], scalar)
+    return printed.reduced, printed.memory
+
+
+@cache.cached
+def _shorter(
+    reduced: Reduced, program: Program, groups: Sequence[Group], without: int, scalar: type[np.floating]
+) -> list[Group]:
+    """Return the fragments beside the groups that save lines as functions; there are so many without."""
+    taken = frozenset(k for group in groups for part, _ in group for k in part.region)
+    shorter: list[Group] = []
+    constants = {c.name: c.value for c in reduced.block.constants}
+    for group in fragments.fragments(program, taken):
+        if not routine.keeps_kinds(program, group, constants):
+            continue
+        more = _print(reduced, program, [*groups, *shorter, group], scalar).lines
+        if more < without:
+            without, shorter = more, [*shorter, group]
+    return shorter
 
 
 class _Printed(NamedTuple):
@@ -127,8 +158,8 @@ def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: 
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
     text = header.header(made.block, memory, made.program)
-    lines = len(source(made, memory)) + text.count("\n") if memory.is_contiguous else sys.maxsize
-    return _Printed(made, memory, lines)
+    count = sum(1 for _ in lines.wrapped(source(made, memory))) + text.count("\n")
+    return _Printed(made, memory, count if memory.is_contiguous else sys.maxsize)
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

@@ -55,7 +55,7 @@ def emit(
     gains_only = {c.name for c in printed.block.constants}
     numbers = [c for c in outlined.block.constants if c.name not in gains_only]
     observed = diagnostics.manifest_entry(rounded, outlined.program)
-    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers, observed)
+    document = manifest.manifest(rounded, memory, texts, outlined.surrogates, source, numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))

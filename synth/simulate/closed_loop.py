@@ -168,6 +168,18 @@ def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
 
 def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
     """Return the state of the controller, and its inputs, outputs and faults over n samples."""
+    require_sources(controller, scenario)
+    inputs = np.zeros(n, controller.inputs)
+    for name, values in scenario.references.items():
+        host.fill(inputs, name, values)
+    for name, override in scenario.overrides.items():
+        host.fill(inputs, name, override.values, mask(name, override.mask, n))
+    outputs, faults = np.zeros(n, controller.outputs), np.zeros(n, np.uint32)
+    return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
+
+
+def require_sources(controller: host.Controller, scenario: Scenario) -> None:
+    """Raise SignalError for the name of an unknown input, and WiringError for an input without one source."""
     known, wired = controller.inputs.names or (), (*scenario.sensors, *scenario.references)
     _require_known("sensors and references", wired, known)
     _require_known("overrides", scenario.overrides, known)
@@ -176,13 +188,6 @@ def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -
             raise WiringError(
                 f"controller input '{name}' has {wired.count(name)} sources: name it in one of sensors and references"
             )
-    inputs = np.zeros(n, controller.inputs)
-    for name, values in scenario.references.items():
-        host.fill(inputs, name, values)
-    for name, override in scenario.overrides.items():
-        host.fill(inputs, name, override.values, _mask(name, override.mask, n))
-    outputs, faults = np.zeros(n, controller.outputs), np.zeros(n, np.uint32)
-    return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
 
 
 def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
@@ -244,8 +249,9 @@ def _offset(struct: np.dtype[np.void], name: str) -> int:
     return int(struct.fields[name][1])
 
 
-def _mask(name: str, mask: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
-    flags = np.asarray(mask)
+def mask(name: str, samples: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
+    """Return the mask of an override; raise SignalError unless it has n booleans."""
+    flags = np.asarray(samples)
     if flags.dtype != np.bool_ or flags.shape != (n,):
         raise SignalError(f"override mask of '{name}' is {flags.dtype} {flags.shape}: give {n} booleans, one a sample")
     return flags

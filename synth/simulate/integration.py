@@ -1,5 +1,6 @@
-"""Integration of loops in lanes: as few steps a sample as a measured error allows."""
+"""Integration of loops in lanes: the order and the steps a sample of the least work that a measured error allows."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,15 +12,21 @@ from synth.simulate.experiments import Runnable
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 
-TIGHT, CANDIDATES, LARGEST_ERROR = 16, (1, 2, 4, 8), 1e-8  # steps a sample; error of a state, of its range
+TIGHT, LARGEST_ERROR = 16, 1e-8  # steps a sample; error of a state, of its range
+CANDIDATES = ((1, 3), (1, 4), (1, 5), (2, 4), (2, 5), (4, 5), (8, 5))  # (steps, order), least work first: (order - 1)
+RUNGE_KUTTA = ((1, 4), (2, 4), (4, 4), (8, 4))
 
 
 @dataclass(frozen=True)
 class Integration:
-    """Steps of a sample period in lanes, and the largest error of a state, relative to its range."""
+    """Steps of a sample period in lanes, the largest error of a state, relative to its range, and the order.
+
+    The order is that of Nystroem's methods; a plant whose accelerations depend on velocities has order 4.
+    """
 
     substeps: int
     error: float
+    order: int = 5
 
 
 class _Scenario(Exception):
@@ -27,7 +34,7 @@ class _Scenario(Exception):
 
 
 def choose(rig: Rig, experiment: Runnable) -> Integration:
-    """Return the fewest steps whose error is at most LARGEST_ERROR, else the most, in the scenario of an experiment.
+    """Return the least work whose error is at most LARGEST_ERROR, else the most, in the scenario of an experiment.
 
     The error is measured against TIGHT steps of `closed_loop` with ideal sensors; the rig has the controller in double
     precision, whose rounding the loop does not magnify to the size of this error.
@@ -45,12 +52,16 @@ def choose(rig: Rig, experiment: Runnable) -> Integration:
     scenario = replace(scenario, encoders={}, noise={})
     tight = closed_loop.simulate(plant, controller, replace(scenario, substeps=TIGHT), drive=rig.drive)
     loop = lanes.compile_loop(rig.plant, controller, rig.drive, lanes=1)
-    for substeps in CANDIDATES:
-        (fast,) = loop.simulate([plant], [replace(scenario, substeps=substeps)])
+    for substeps, order in _candidates(loop):
+        (fast,) = loop.simulate([plant], [replace(scenario, substeps=substeps)], order)
         error = np.inf if fast is None else _distance(rig, fast, tight)
         if error <= LARGEST_ERROR:
             break
-    return Integration(substeps, error)
+    return Integration(substeps, error, order)
+
+
+def _candidates(loop: lanes.LaneLoop) -> Sequence[tuple[int, int]]:
+    return CANDIDATES if loop.fast.second_order else RUNGE_KUTTA
 
 
 def _distance(rig: Rig, first: Trajectory, second: Trajectory) -> float:

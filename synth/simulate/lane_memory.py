@@ -1,29 +1,73 @@
-"""Memory of loops in lanes: a row for each signal, a column for each lane, and the columns of one lane by name."""
+"""Memory of loops in lanes: what a run records, and the columns of each lane by name."""
 
 import mmap
-from collections.abc import Iterator, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-LARGE = 2**21  # bytes: of a large page
+LARGE, ALIGNMENT = 2**21, 64  # bytes: of a large page, and of a vector
+Name = tuple[str, str]  # the group of a column, as in `Trajectory`, and its name
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The columns that a run keeps, None for all, at every `every`-th sample.
+
+    A column that is read and was not kept costs one more run of its loops, which keeps all. `read` collects what is
+    read: the right choice for the next run of the same experiment.
+    """
+
+    columns: frozenset[Name] | None = None
+    every: int = 1
+    read: set[Name] = field(default_factory=set, compare=False)
+
+    def choose(self, names: Sequence[Name]) -> list[int]:
+        """Return the positions of the names that are kept."""
+        return [k for k, name in enumerate(names) if self.columns is None or name in self.columns]
+
+
+class Record:
+    """What a run kept: the column (lanes, frames) of each name. `complete` runs the loops again and keeps all."""
+
+    def __init__(self, columns: Mapping[Name, NDArray[Any]], complete: Callable[[], "Record"]) -> None:
+        self._columns, self._complete, self._lock = dict(columns), complete, threading.Lock()
+
+    def column(self, name: Name) -> NDArray[Any]:
+        """Return the column (lanes, frames)."""
+        with self._lock:
+            if name not in self._columns:
+                self._columns |= self._complete()._columns
+        return self._columns[name]
+
+    def lane(self, group: str, names: Iterable[str], lane: int, read: set[Name]) -> "LaneColumns":
+        """Return the columns of a group in one lane; the set `read` collects the names that are read."""
+        return LaneColumns(names, partial(self._of_lane, group, lane, read))
+
+    def _of_lane(self, group: str, lane: int, read: set[Name], name: str) -> NDArray[Any]:
+        read.add((group, name))
+        column = self.column((group, name))[lane]
+        column.flags.writeable = False
+        return column
 
 
 class LaneColumns(Mapping[str, NDArray[Any]]):
-    """The columns (N,) of one lane by name; each is gathered from memory when it is first read."""
+    """Columns (frames,) by name, each from a function of its name."""
 
-    def __init__(self, names: Sequence[str], rows: NDArray[Any]) -> None:
-        self._names, self._rows, self._read = tuple(names), rows, dict[str, NDArray[Any]]()
+    def __init__(self, names: Iterable[str], column: Callable[[str], NDArray[Any]]) -> None:
+        self._names, self._column = dict.fromkeys(names), column
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self._read:
-            if name not in self._names:
-                raise KeyError(name)
-            column = np.ascontiguousarray(self._rows[:, self._names.index(name)])
-            column.flags.writeable = False
-            self._read[name] = column
-        return self._read[name]
+        if name not in self._names:
+            raise KeyError(name)
+        return self._column(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
@@ -34,11 +78,15 @@ class LaneColumns(Mapping[str, NDArray[Any]]):
 
 def zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
     """Return zeros at an address that vectors need, in large pages: a record is written once, page after page."""
-    n = max(1, int(np.prod(shape)) * np.dtype(scalar).itemsize)
-    memory = mmap.mmap(-1, n)  # page-aligned
-    if n > LARGE and hasattr(memory, "madvise"):
-        memory.madvise(mmap.MADV_HUGEPAGE)
-    return np.frombuffer(memory, scalar, int(np.prod(shape))).reshape(shape)
+    items = int(np.prod(shape))
+    n = max(1, items) * np.dtype(scalar).itemsize
+    if n <= LARGE or not hasattr(mmap, "MADV_HUGEPAGE"):
+        memory = np.zeros(n + ALIGNMENT, np.uint8)
+        first = -memory.ctypes.data % ALIGNMENT
+        return memory[first : first + n].view(scalar)[:items].reshape(shape)
+    pages = mmap.mmap(-1, n, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    pages.madvise(mmap.MADV_HUGEPAGE)
+    return np.frombuffer(pages, scalar, items).reshape(shape)
 
 
 def repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArray[Any]:
@@ -47,6 +95,7 @@ def repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArr
 
 
 def align(values: NDArray[Any]) -> NDArray[Any]:
+    """Return a copy at an address that vectors need."""
     copy = zeros(values.shape, values.dtype.type)
     copy[...] = values
     return copy

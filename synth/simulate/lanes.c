@@ -1,8 +1,11 @@
 /* Sampled controllers around continuous plants, LANES loops side by side; closed_loop.c states the equations of one.
  *
  * A row of an array is one vector, the values of a signal in all lanes. lanes.h gives LANES, the numbers of rows N_...,
- * the vectors `scalar` and `counter` of the controller and its drive, and the functions plant_f, plant_h and run_blocks.
- * The caller owns every array. All members of loop_t are eight bytes wide.
+ * the vectors `scalar` and `counter` of the controller and its drive with their elements `number` and `word`, and the
+ * functions plant_f, plant_h and run_blocks. The caller owns every array. All members of loop_t are eight bytes wide.
+ *
+ * The signals of one sample stay in vectors. Those that are recorded collect in blocks of BLOCK frames, from which each
+ * lane gets a column of its own.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -12,7 +15,7 @@
 #include "lanes.h"
 
 typedef struct {
-    int64_t samples, substeps, delay;
+    int64_t samples, substeps, delay, order, every;
     double period;
     const vd *p; /* (N_P) */
     vd *x;       /* (N_X) */
@@ -32,18 +35,39 @@ typedef struct {
 
     int64_t commands;
     const int64_t *command_output; /* row of the controller's output */
-    const double *mixing;          /* (N_U, commands) */
+    int64_t weights;               /* of commands in the plant's inputs, input by input */
+    const int64_t *weight_input, *weight_command;
+    const double *weight;
     const double *forcing;         /* (samples or 1, substeps, N_U) */
     int64_t forcing_stride;        /* substeps N_U, or 0 */
     vd *waiting;                   /* (max(delay, 1), commands): computed and not yet applied */
 
     scalar *reals; /* (N_REALS) */
     counter *counters;
-    scalar *in, *out; /* (samples, N_IN), (samples, N_OUT) */
-    counter *faults;  /* (samples, N_BLOCKS) */
+    scalar *in, *out; /* (N_IN), (N_OUT): inputs that stay constant are set */
 
-    vd *states, *outputs, *applied; /* (samples, N_X), (samples, N_Y), (samples, N_U) */
+    int64_t commons, separates; /* inputs that vary, in all lanes alike and in each lane */
+    const int64_t *common_row, *separate_row;
+    const number *common;   /* (samples, commons) */
+    const scalar *separate; /* (samples, separates) */
+
+    int64_t wides, narrows; /* recorded rows of (states, outputs, applied) and of (in, out); every `every` samples */
+    const int64_t *wide_row, *narrow_row;
+    double *wide;   /* (wides, LANES, frames) */
+    number *narrow; /* (narrows, LANES, frames) */
+    word *faults;   /* (N_BLOCKS, LANES, frames): bits of all samples since the frame before */
 } loop_t;
+
+enum { BLOCK = 32 };
+
+typedef struct {
+    const vd *wide[N_X + N_Y + N_U + 1];
+    const scalar *narrow[N_IN + N_OUT];
+    vd wides[N_X + N_Y + N_U + 1][BLOCK];
+    scalar narrows[N_IN + N_OUT][BLOCK];
+    counter bits[N_BLOCKS], faults[N_BLOCKS][BLOCK];
+    int64_t frames, block; /* frames in the record, and in the block */
+} record_t;
 
 static void derivative(const loop_t *loop, const vd *x, const vd *u, vd *dx) {
     plant_f(x, u, loop->p, dx);
@@ -56,35 +80,56 @@ static void derivative(const loop_t *loop, const vd *x, const vd *u, vd *dx) {
 #if N_POSITIONS > 0
 static const int positions[N_POSITIONS] = {POSITIONS}, velocities[N_POSITIONS] = {VELOCITIES};
 
-/* Nystrom's method of order 5 for q'' = a(q, u), with four stages a period. */
-static void advance(const loop_t *loop, const vd *u, double h) {
-    static const double C[4] = {0.0, 1.0 / 5.0, 2.0 / 3.0, 1.0};
-    static const double A[4][3] = {
-        {0.0, 0.0, 0.0}, {1.0 / 50.0, 0.0, 0.0}, {-1.0 / 27.0, 7.0 / 27.0, 0.0}, {3.0 / 10.0, -2.0 / 35.0, 9.0 / 35.0}};
-    static const double POSITION[4] = {14.0 / 336.0, 100.0 / 336.0, 54.0 / 336.0, 0.0};
-    static const double VELOCITY[4] = {14.0 / 336.0, 125.0 / 336.0, 162.0 / 336.0, 35.0 / 336.0};
+typedef struct {
+    double c[4], a[4][3], position[4], velocity[4];
+} nystrom_t;
+
+static const nystrom_t ORDER_3 = {
+    {0.0, 2.0 / 3.0}, {{0.0}, {2.0 / 9.0}}, {1.0 / 4.0, 1.0 / 4.0}, {1.0 / 4.0, 3.0 / 4.0}};
+static const nystrom_t ORDER_4 = {
+    {0.0, 1.0 / 2.0, 1.0},
+    {{0.0}, {1.0 / 8.0}, {0.0, 1.0 / 2.0}},
+    {1.0 / 6.0, 1.0 / 3.0},
+    {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0}};
+static const nystrom_t ORDER_5 = {
+    {0.0, 1.0 / 5.0, 2.0 / 3.0, 1.0},
+    {{0.0}, {1.0 / 50.0}, {-1.0 / 27.0, 7.0 / 27.0}, {3.0 / 10.0, -2.0 / 35.0, 9.0 / 35.0}},
+    {14.0 / 336.0, 100.0 / 336.0, 54.0 / 336.0},
+    {14.0 / 336.0, 125.0 / 336.0, 162.0 / 336.0, 35.0 / 336.0}};
+
+/* Nystrom's methods for q'' = a(q, u): Hairer, Norsett and Wanner, Solving ODEs I, section II.14. */
+__attribute__((always_inline)) static inline void nystrom(
+    const loop_t *loop, const vd *u, double h, const nystrom_t method, const int stages) {
     vd *const x = loop->x;
     vd k[4][N_X + 1], z[N_X];
     memcpy(z, x, sizeof z);
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < stages; s++) {
         for (int i = 0; i < N_POSITIONS; i++) {
             const int q = positions[i], v = velocities[i];
             vd sum = vd_all(0.0);
-            for (int j = 0; j < s; j++) sum += vd_all(A[s][j]) * k[j][v];
-            z[q] = loop->locked[q] ? x[q] : x[q] + vd_all(C[s] * h) * x[v] + vd_all(h * h) * sum;
+            for (int j = 0; j < s; j++) sum += vd_all(method.a[s][j]) * k[j][v];
+            z[q] = loop->locked[q] ? x[q] : x[q] + vd_all(method.c[s] * h) * x[v] + vd_all(h * h) * sum;
         }
         derivative(loop, z, u, k[s]);
     }
     for (int i = 0; i < N_POSITIONS; i++) {
         const int q = positions[i], v = velocities[i];
         vd position = vd_all(0.0), velocity = vd_all(0.0);
-        for (int s = 0; s < 4; s++) {
-            position += vd_all(POSITION[s]) * k[s][v];
-            velocity += vd_all(VELOCITY[s]) * k[s][v];
+        for (int s = 0; s < stages; s++) {
+            position += vd_all(method.position[s]) * k[s][v];
+            velocity += vd_all(method.velocity[s]) * k[s][v];
         }
         if (loop->locked[q]) continue;
         x[q] += vd_all(h) * x[v] + vd_all(h * h) * position;
         x[v] += vd_all(h) * velocity;
+    }
+}
+
+static void advance(const loop_t *loop, const vd *u, double h) {
+    switch (loop->order) {
+        case 3: nystrom(loop, u, h, ORDER_3, 2); break;
+        case 4: nystrom(loop, u, h, ORDER_4, 3); break;
+        default: nystrom(loop, u, h, ORDER_5, 4);
     }
 }
 #else
@@ -122,6 +167,13 @@ static vd nearest_whole(vd a) {
     return (a + magic) - magic;
 }
 
+static void set_inputs(const loop_t *loop, int64_t k) {
+    for (int64_t i = 0; i < loop->commons; i++)
+        for (int l = 0; l < LANES; l++) loop->in[loop->common_row[i]][l] = loop->common[k * loop->commons + i];
+    for (int64_t i = 0; i < loop->separates; i++)
+        loop->in[loop->separate_row[i]] = loop->separate[k * loop->separates + i];
+}
+
 static void measure(const loop_t *loop, int64_t k, const vd *y) {
     for (int64_t i = 0; i < loop->sensors; i++) {
         if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
@@ -131,44 +183,91 @@ static void measure(const loop_t *loop, int64_t k, const vd *y) {
         const vd value = vd_choose(step > vd_all(0.0), step * nearest_whole(seen / step), seen);
         const vd held = vd_choose(value > loop->sensor_high[i], loop->sensor_high[i], value);
         const vd limited = vd_choose(held < loop->sensor_low[i], loop->sensor_low[i], held);
-        loop->in[k * N_IN + loop->sensor_input[i]] = __builtin_convertvector(limited, scalar);
+        loop->in[loop->sensor_input[i]] = __builtin_convertvector(limited, scalar);
     }
 }
 
-static void command(const loop_t *loop, int64_t k, vd *values) {
+static void command(const loop_t *loop, vd *values) {
     for (int64_t i = 0; i < loop->commands; i++)
-        values[i] = __builtin_convertvector(loop->out[k * N_OUT + loop->command_output[i]], vd);
+        values[i] = __builtin_convertvector(loop->out[loop->command_output[i]], vd);
 }
 
 static void mix(const loop_t *loop, const vd *commands, int64_t k, int64_t substep, vd *u) {
     const double *const forcing = loop->forcing + k * loop->forcing_stride + substep * N_U;
-    for (int64_t j = 0; j < N_U; j++) {
-        u[j] = vd_all(forcing[j]);
-        for (int64_t i = 0; i < loop->commands; i++) {
-            const double weight = loop->mixing[j * loop->commands + i];
-            if (weight != 0.0) u[j] += vd_all(weight) * commands[i];
-        }
+    for (int64_t j = 0; j < N_U; j++) u[j] = vd_all(forcing[j]);
+    for (int64_t i = 0; i < loop->weights; i++)
+        u[loop->weight_input[i]] += vd_all(loop->weight[i]) * commands[loop->weight_command[i]];
+}
+
+/* Append the frames of a block, a vector each, to the columns of the lanes. */
+#define APPEND(name, element, vector) \
+    static void append_##name(const vector *block, int64_t n, element *columns, int64_t length) { \
+        for (int64_t i = 0; i < n; i++) { \
+            for (int l = 0; l < LANES; l++) columns[l * length + i] = block[i][l]; \
+        } \
+    }
+APPEND(wide, double, vd)
+APPEND(narrow, number, scalar)
+APPEND(faults, word, counter)
+
+static void write_block(const loop_t *loop, record_t *record, int64_t length) {
+    const int64_t first = record->frames - record->block, n = record->block;
+    for (int64_t i = 0; i < loop->wides; i++)
+        append_wide(record->wides[i], n, loop->wide + i * LANES * length + first, length);
+    for (int64_t i = 0; i < loop->narrows; i++)
+        append_narrow(record->narrows[i], n, loop->narrow + i * LANES * length + first, length);
+    for (int64_t i = 0; i < N_BLOCKS; i++)
+        append_faults(record->faults[i], n, loop->faults + i * LANES * length + first, length);
+    record->block = 0;
+}
+
+static void keep(const loop_t *loop, record_t *record, int64_t k) {
+    if (k % loop->every) return;
+    const int64_t b = record->block++, length = (loop->samples + loop->every - 1) / loop->every;
+    for (int64_t i = 0; i < loop->wides; i++) record->wides[i][b] = *record->wide[i];
+    for (int64_t i = 0; i < loop->narrows; i++) record->narrows[i][b] = *record->narrow[i];
+    for (int64_t i = 0; i < N_BLOCKS; i++) {
+        record->faults[i][b] = record->bits[i];
+        record->bits[i] = (counter){0};
+    }
+    record->frames++;
+    if (record->block == BLOCK || record->frames == length) write_block(loop, record, length);
+}
+
+static void begin(const loop_t *loop, record_t *record, const vd *y, const vd *u) {
+    record->frames = record->block = 0;
+    memset(record->bits, 0, sizeof record->bits);
+    for (int64_t i = 0; i < loop->wides; i++) {
+        const int64_t row = loop->wide_row[i];
+        record->wide[i] = row < N_X ? loop->x + row : row < N_X + N_Y ? y + (row - N_X) : u + (row - N_X - N_Y);
+    }
+    for (int64_t i = 0; i < loop->narrows; i++) {
+        const int64_t row = loop->narrow_row[i];
+        record->narrow[i] = row < N_IN ? loop->in + row : loop->out + (row - N_IN);
     }
 }
 
 void synth_lanes(const loop_t *loop) {
     const double h = loop->period / (double)loop->substeps;
-    vd u[N_U], y[N_Y];
+    vd u[N_U + 1], y[N_Y + 1];
+    counter faults[N_BLOCKS];
+    record_t record;
+    begin(loop, &record, y, u);
     mix(loop, loop->waiting, 0, 0, u);
     for (int64_t k = 0; k < loop->samples; k++) {
         plant_h(loop->x, u, loop->p, y);
-        memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);
-        memcpy(loop->outputs + k * N_Y, y, N_Y * sizeof *y);
+        set_inputs(loop, k);
         measure(loop, k, y);
-        run_blocks(loop->in + k * N_IN, loop->out + k * N_OUT, loop->reals, loop->counters, loop->faults + k * N_BLOCKS);
+        run_blocks(loop->in, loop->out, loop->reals, loop->counters, faults);
+        for (int64_t i = 0; i < N_BLOCKS; i++) record.bits[i] |= faults[i];
         vd *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
-        if (loop->delay == 0) command(loop, k, slot);
+        if (loop->delay == 0) command(loop, slot);
         for (int64_t j = 0; j < loop->substeps; j++) {
             if (j == 0 || loop->forcing_stride) mix(loop, slot, k, j, u);
-            if (j == 0) memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
+            if (j == 0) keep(loop, &record, k);
             advance(loop, u, h);
             stop(loop);
         }
-        if (loop->delay > 0) command(loop, k, slot);
+        if (loop->delay > 0) command(loop, slot);
     }
 }

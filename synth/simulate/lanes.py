@@ -8,66 +8,32 @@ rounded one by one, so a result depends neither on the width of the processor's 
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from importlib import resources
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.emit import lanes as lane_code
-from synth.emit.lanes import Rows
 from synth.errors import WiringError
-from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.plant import Plant
-from synth.signals import signal_names
-from synth.simulate import closed_loop, interpolants, lane_blocks, lane_memory
-from synth.simulate.interpolants import OUTSIDE, FastPlant
+from synth.simulate import closed_loop, interpolants, lane_blocks, lane_inputs, lane_library, lane_memory
+from synth.simulate.interpolants import Coefficients, FastPlant
 from synth.simulate.lane_blocks import LaneBlock, output_row
+from synth.simulate.lane_memory import Name, Record, Recording
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
 
 Arrays = dict[str, NDArray[Any]]
 
 LANES = 8
+ORDERS = (3, 4, 5)  # of Nystroem's methods, with 2, 3 and 4 stages
+ALL = Recording()
 ACCURATE = 2.0  # times the error of the corners' polynomials: a plant beyond that has no result
-FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
-HEADER = """#define LANES {lanes}
-#define N_X {x}
-#define N_U {u}
-#define N_Y {y}
-#define N_IN {inputs}
-#define N_OUT {outputs}
-#define N_BLOCKS {blocks}
-#define N_POSITIONS {pairs}
-#define POSITIONS {positions}
-#define VELOCITIES {velocities}
-{functions}
-typedef {scalar} scalar;
-typedef {counter} counter;
-"""
-_COUNTS = {"samples", "substeps", "delay", "stops", "sensors", "commands", "forcing_stride"}
-_MEMBERS = (
-    *("samples", "substeps", "delay", "period", "p", "x", "left", "locked"),
-    *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
-    *("sensors", "sensor_source", "sensor_input", "sensor_gain", "sensor_bias", "sensor_resolution"),
-    *("sensor_low", "sensor_high", "noise", "overridden"),
-    *("commands", "command_output", "mixing", "forcing", "forcing_stride", "waiting"),
-    *("reals", "counters", "in", "out", "faults", "states", "outputs", "applied"),
-)
 _SHARED = (
     *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source"),
-    *("mixing", "forcing", "overridden"),
+    *("forcing", "overridden"),
 )
 _OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
-
-
-class _Loop(ctypes.Structure):
-    """`loop_t` of lanes.c, with the same members in the same order."""
-
-    _fields_ = [
-        (m, ctypes.c_int64 if m in _COUNTS else ctypes.c_double if m == "period" else ctypes.c_void_p) for m in _MEMBERS
-    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +50,18 @@ class LaneLoop:
         """The first Block."""
         return self.blocks[0].controller
 
-    def simulate(self, plants: Sequence[Plant], scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
+    def simulate(
+        self,
+        plants: Sequence[Plant],
+        scenarios: Sequence[Scenario],
+        order: int = ORDERS[-1],
+        recording: Recording = ALL,
+    ) -> list[Trajectory | None]:
         """Return the trajectory of each plant in its scenario, None where it leaves the range of the polynomials.
 
         The scenarios may differ in their initial states, references, overridden values, noise and sensor errors.
+        `order` is that of Nystroem's method, one of ORDERS. `recording` chooses the columns and their rate; faults
+        between two samples of the columns are in the later one.
 
         Raises SignalError and WiringError as `closed_loop.simulate`, and WiringError where the scenarios differ in
         anything else, or have a fault of a sensor, an actuator or a call that only `closed_loop` simulates.
@@ -95,102 +69,153 @@ class LaneLoop:
         results: list[Trajectory | None] = []
         for first in range(0, len(plants), self.lanes):
             batch = slice(first, first + self.lanes)
-            results += self._batch(list(plants[batch]), list(scenarios[batch]))
+            results += self._batch(list(plants[batch]), list(scenarios[batch]), order, recording)
         return results
 
-    def _batch(self, plants: list[Plant], scenarios: list[Scenario]) -> list[Trajectory | None]:
+    def _batch(
+        self, plants: list[Plant], scenarios: list[Scenario], order: int, recording: Recording
+    ) -> list[Trajectory | None]:
         used, spare = len(plants), self.lanes - len(plants)
         plants, scenarios = plants + plants[:1] * spare, scenarios + scenarios[:1] * spare
         time = sample_times(scenarios[0].duration_s, self.controller.period_s)
-        lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
-        _require_alike(scenarios, lanes)
-        coefficients = self.fast.coefficients(plants)
-        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": lane_memory.align(coefficients.values)}
-        self._run(arrays, scenarios[0], len(time))
-        kept = (coefficients.error <= ACCURATE * self.fast.error) & (arrays["left"][0] == 0)
-        return [self._trajectory(plants[i], scenarios[i], time, arrays, i) if kept[i] else None for i in range(used)]
+        coefficients = _coefficients(self.fast, tuple(plants))
+        kept = coefficients.error <= ACCURATE * self.fast.error
+        run = partial(self._run, plants, scenarios, order, coefficients.values)
+        arrays, record = run(recording)
+        kept &= arrays["left"][0] == 0
+        return [
+            self._trajectory(plants[i], scenarios[i], time[:: recording.every], arrays, record, recording, i)
+            if kept[i]
+            else None
+            for i in range(used)
+        ]
 
-    def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
-        n = len(time)
-        return (
-            closed_loop.plant_arrays(plant, scenario)
-            | closed_loop.controller_arrays(self.controller, scenario, n)
-            | closed_loop.sensor_arrays(plant, self.controller, scenario, n)
-            | closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time)
-        )
+    def _run(
+        self,
+        plants: Sequence[Plant],
+        scenarios: Sequence[Scenario],
+        order: int,
+        p: NDArray[np.float64],
+        recording: Recording,
+    ) -> tuple[Arrays, Record]:
+        """Return the arrays of a run, and its record."""
+        time = sample_times(scenarios[0].duration_s, self.controller.period_s)
+        arrays = self._arrays(plants, scenarios, time) | {"p": lane_memory.align(p)}
+        wide, narrow = (recording.choose(names) for names in self._signals)
+        frames, scalar = len(time[:: recording.every]), self.controller.scalar
+        width = np.uint32 if scalar is np.float32 else np.uint64
+        arrays |= {
+            "wide_row": np.array(wide, dtype=np.int64),
+            "narrow_row": np.array(narrow, dtype=np.int64),
+            "wide": lane_memory.zeros((len(wide), self.lanes, frames), np.float64),
+            "narrow": lane_memory.zeros((len(narrow), self.lanes, frames), scalar),
+            "faults": lane_memory.zeros((len(self.blocks), self.lanes, frames), width),
+        }
+        self._call(arrays, scenarios[0], len(time), order, recording.every)
+        columns = {self._signals[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
+        columns |= {self._signals[1][k]: arrays["narrow"][i] for i, k in enumerate(narrow)}
+        again = partial(self._run, plants, scenarios, order, p, Recording(None, recording.every))
+        return arrays, Record(columns, lambda: again()[1])
 
-    def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
+    @cached_property
+    def _signals(self) -> tuple[list[Name], list[Name]]:
+        """The columns that C calls wide and narrow, in the order of its rows."""
+        plant, (first, *drive) = self.fast.plant, self.blocks
+        wide = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+        narrow = [("measured", n) for n in first.rows.inputs] + [("commands", n) for n in first.rows.outputs]
+        narrow += [("driven", n) for block in drive for n in block.rows.outputs]
+        return [(group, s.name) for group, signals in wide.items() for s in signals], narrow
+
+    def _arrays(self, plants: Sequence[Plant], scenarios: Sequence[Scenario], time: NDArray[np.float64]) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
+        by_scenario = {id(s): self._lane(plants[0], s, time) for s in {id(s): s for s in scenarios}.values()}
+        lanes = [by_scenario[id(s)] for s in scenarios]
+        _require_alike(scenarios, lanes)
         arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
         arrays |= {name: lane_memory.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
         arrays |= {"locked": arrays["locked"].astype(np.int64), "left": lane_memory.zeros((1, self.lanes), np.int64)}
         if any("noise" in lane for lane in lanes):
-            silent = np.zeros((n, len(scenario.sensors)))
+            silent = np.zeros((len(time), len(scenarios[0].sensors)))
             arrays["noise"] = lane_memory.align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
-        plant = self.fast.plant
-        signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
-        records = {name: lane_memory.zeros((n, len(group), self.lanes), np.float64) for name, group in signals.items()}
-        return arrays | self._controller_arrays(scenario, lanes, n) | records
+        inputs = lane_inputs.arrays(self.controller, scenarios, len(time))
+        return arrays | inputs | self._controller_arrays(scenarios[0], lanes[0]["mixing"])
 
-    def _controller_arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
-        """Return the connections of the Blocks, their states, and their inputs, outputs and faults."""
+    def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
+        return (
+            closed_loop.plant_arrays(plant, scenario)
+            | closed_loop.sensor_arrays(plant, self.controller, scenario, len(time))
+            | closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time)
+        )
+
+    def _controller_arrays(self, scenario: Scenario, mixing: NDArray[np.float64]) -> Arrays:
+        """Return the connections of the Blocks, their states, and their outputs."""
         scalar = self.controller.scalar
         width = np.uint32 if scalar is np.float32 else np.uint64
         rows, last = self.blocks[0].rows.inputs, len(self.blocks) - 1
         commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
-        inputs = lane_memory.zeros((n, len(rows), self.lanes), scalar)
-        for i, lane in enumerate(lanes):
-            for row, name in enumerate(rows):
-                inputs[:, row, i] = lane["in"][name]
         reals, counters = ([v for b in self.blocks for v in b.initial[k]] for k in (0, 1))
         outputs = sum(len(b.rows.outputs) for b in self.blocks)
+        inputs, sources = np.nonzero(mixing)
         return {
             "sensor_input": np.array([rows.index(name) for name in scenario.sensors], dtype=np.int64),
             "command_output": np.array([output_row(self.blocks, last, name) for name in commands], dtype=np.int64),
+            "weight_input": inputs.astype(np.int64),
+            "weight_command": sources.astype(np.int64),
+            "weight": mixing[inputs, sources],
             "reals": lane_memory.repeat(reals, self.lanes, scalar),
             "counters": lane_memory.repeat(counters, self.lanes, width),
-            "in": inputs,
-            "out": lane_memory.zeros((n, outputs, self.lanes), scalar),
-            "faults": lane_memory.zeros((n, len(self.blocks), self.lanes), width),
+            "out": lane_memory.zeros((outputs, self.lanes), scalar),
         }
 
-    def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
+    def _call(self, arrays: Arrays, scenario: Scenario, n: int, order: int, every: int) -> None:
         substeps, inputs = arrays["forcing"].shape[1:]
         counts = {
             "samples": n,
             "substeps": scenario.substeps,
             "delay": scenario.delay,
+            "order": order,
+            "every": every,
             "stops": len(scenario.stops),
             "sensors": len(scenario.sensors),
             "commands": len(arrays["command_output"]),
             "forcing_stride": substeps * inputs if len(arrays["forcing"]) > 1 else 0,
+            "weights": len(arrays["weight"]),
+            "commons": len(arrays["common_row"]),
+            "separates": len(arrays["separate_row"]),
+            "wides": len(arrays["wide_row"]),
+            "narrows": len(arrays["narrow_row"]),
         }
-        addresses = {name: array.ctypes.data for name, array in arrays.items()}
-        loop = _Loop(**counts, **addresses, period=self.controller.period_s)
-        ctypes.CFUNCTYPE(None, ctypes.c_void_p)(("synth_lanes", self.library))(ctypes.byref(loop))
+        lane_library.call(self.library, counts, arrays, self.controller.period_s)
 
     def _trajectory(
-        self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], arrays: Arrays, lane: int
+        self,
+        plant: Plant,
+        scenario: Scenario,
+        time: NDArray[np.float64],
+        arrays: Arrays,
+        record: Record,
+        recording: Recording,
+        lane: int,
     ) -> Trajectory:
-        first, *drive = self.blocks
-        outputs, driven = arrays["out"][:, : len(first.rows.outputs), lane], [n for b in drive for n in b.rows.outputs]
-        groups = {
-            "measured": lane_memory.LaneColumns(first.rows.inputs, arrays["in"][:, :, lane]),
-            "commands": lane_memory.LaneColumns(first.rows.outputs, outputs),
-            "driven": lane_memory.LaneColumns(driven, arrays["out"][:, len(first.rows.outputs) :, lane]),
-            "states": lane_memory.LaneColumns(signal_names(plant.states), arrays["states"][:, :, lane]),
-            "outputs": lane_memory.LaneColumns(signal_names(plant.outputs), arrays["outputs"][:, :, lane]),
-            "applied": lane_memory.LaneColumns(signal_names(plant.inputs), arrays["applied"][:, :, lane]),
-        }
+        names: dict[str, list[str]] = {"driven": []}
+        for group, name in (*self._signals[0], *self._signals[1]):
+            names.setdefault(group, []).append(name)
+        groups = {group: record.lane(group, each, lane, recording.read) for group, each in names.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
-        words = {b.name: arrays["faults"][:, k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
-        faults = words.pop(first.name)
+        words = {b.name: arrays["faults"][k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
+        faults = words.pop(self.blocks[0].name)
         controllers = tuple(b.controller for b in self.blocks)
         trajectory = closed_loop.trajectory(plant, controllers, time, groups, faults, impacts)
         return replace(trajectory, drive_faults=words)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=4)
+def _coefficients(fast: FastPlant, plants: tuple[Plant, ...]) -> Coefficients:
+    """Return the polynomials of the plants; the experiments of a study run on the same ones, one after another."""
+    return fast.coefficients(plants)
+
+
+@lru_cache(maxsize=64)  # a study of all experiments returns to each loop with every batch
 def compile_loop(
     plant: Plant,
     controller: host.Controller,
@@ -208,38 +233,7 @@ def compile_loop(
     CompileError as `host.load`.
     """
     parts, fast = lane_blocks.blocks(controller, drive), interpolants.fast_plant(plant, error)
-    loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
-    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, parts, lanes)}
-    return LaneLoop(fast, parts, lanes, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
-
-
-def _header(fast: FastPlant, parts: Sequence[LaneBlock], lanes: int) -> str:
-    plant, scalar = fast.plant, parts[0].controller.scalar
-    states, inputs, outputs = (signal_names(s) for s in (plant.states, plant.inputs, plant.outputs))
-    functions = [
-        lane_code.SUPPORT,
-        lane_code.mathematics([(fast.f, np.float64), (fast.h, np.float64), *((p.program, scalar) for p in parts)]),
-        lane_code.function("plant_f", fast.f, Rows(inputs, states, (), fast.parameters, (*states, OUTSIDE))),
-        lane_code.function("plant_h", fast.h, Rows(inputs, states, (), fast.parameters, outputs)),
-        lane_blocks.code(parts, scalar),
-    ]
-    reals, counters, _ = lane_code.TYPES[scalar]
-    pairs = fast.second_order
-    return HEADER.format(
-        pairs=len(pairs),
-        positions=", ".join(str(states.index(q)) for q in pairs) or "0",
-        velocities=", ".join(str(states.index(v)) for v in pairs.values()) or "0",
-        lanes=lanes,
-        x=len(states),
-        u=len(inputs),
-        y=len(outputs),
-        inputs=len(parts[0].rows.inputs),
-        outputs=sum(len(p.rows.outputs) for p in parts),
-        blocks=len(parts),
-        functions="\n".join(functions),
-        scalar=reals,
-        counter=counters,
-    )
+    return LaneLoop(fast, parts, lanes, lane_library.compile_loop(fast, parts, lanes))
 
 
 def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> None:
@@ -251,7 +245,7 @@ def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> No
             raise WiringError(f"lanes simulate no {faulty[0] if faulty else 'missed'}: use closed_loop.simulate")
         scalars = ("duration_s", "delay", "substeps", "sensors", "actuators", "stops", "locked")
         differing = [name for name in scalars if getattr(scenario, name) != getattr(first, name)]
-        differing += [name for name in _SHARED if not _equal(lane.get(name), lanes[0].get(name))]
+        differing += [name for name in (*_SHARED, "mixing") if not _equal(lane.get(name), lanes[0].get(name))]
         if differing:
             raise WiringError(f"scenarios differ in {differing[0]}: lanes need it equal; simulate them in groups")
 

@@ -16,6 +16,8 @@ from synth.errors import SynthError
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate import closed_loop, lanes
+from synth.simulate.integration import Integration
+from synth.simulate.lane_memory import Name, Recording
 from synth.simulate.rig import Simulate
 from synth.simulate.scenario import Scenario, Trajectory
 
@@ -50,9 +52,12 @@ class _Call:
 class _Meeting:
     """The calls that wait for each other; `present` counts the functions that have not ended."""
 
-    def __init__(self, present: int, nominal: Plant, substeps: int) -> None:
-        self.present, self.nominal, self.substeps = present, nominal, substeps
+    def __init__(
+        self, present: int, nominals: Sequence[Plant], integration: Integration, reads: list[set[Name]]
+    ) -> None:
+        self.present, self.nominals, self.integration, self.reads = present, nominals, integration, reads
         self.calls: list[_Call] = []
+        self.number = 0
         self.changed = threading.Condition()
 
     def simulate(
@@ -83,17 +88,36 @@ class _Meeting:
     def _serve_if_complete(self) -> None:
         if self.calls and len(self.calls) == self.present:
             calls, self.calls = self.calls, []
-            _serve(calls, self.nominal, self.substeps)
+            try:
+                _serve(calls, self.nominals, self.integration, self._recording())
+            except Exception as error:
+                for call in calls:
+                    call.error = error
             self.changed.notify_all()
 
+    def _recording(self) -> Recording:
+        """Return what the loops of this meeting record: what was read of it before, or else all."""
+        self.number += 1
+        if self.number > len(self.reads):
+            self.reads.append(set())
+            return Recording(read=self.reads[-1])
+        read = self.reads[self.number - 1]
+        return Recording(frozenset(read), read=read)
 
-def run(functions: Sequence[Callable[[Simulate], T]], nominal: Plant, substeps: int) -> list[Result[T]]:
+
+def run(
+    functions: Sequence[Callable[[Simulate], T]],
+    nominals: Sequence[Plant],
+    integration: Integration,
+    reads: list[set[Name]] | None = None,
+) -> list[Result[T]]:
     """Run the functions, each with a `simulate`, and return their results in order.
 
-    Loops of plants that differ from the `nominal` one in their parameters run in lanes, with `substeps` in a period.
-    Other loops run alone, with the substeps of their scenario.
+    Loops of plants that differ from one of the `nominals` in their parameters run in lanes, with the steps of the
+    `integration`. Other loops run alone, with the substeps of their scenario. `reads` has the columns that the
+    functions read of each of their runs, one after another; the next functions of the same kind record only these.
     """
-    meeting = _Meeting(len(functions), nominal, substeps)
+    meeting = _Meeting(len(functions), nominals, integration, [] if reads is None else reads)
     results: list[Result[T]] = [Result() for _ in functions]
 
     def work(k: int) -> None:
@@ -112,15 +136,16 @@ def run(functions: Sequence[Callable[[Simulate], T]], nominal: Plant, substeps: 
     return results
 
 
-def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
+def _serve(calls: Sequence[_Call], nominals: Sequence[Plant], integration: Integration, recording: Recording) -> None:
     """Simulate the scenario of every call, in lanes where that is possible."""
-    groups: dict[tuple[object, ...], list[_Call]] = {}
+    groups: dict[tuple[Plant, host.Controller, tuple[host.Controller, ...], float], list[_Call]] = {}
     for call in calls:
-        if call.plant.f is nominal.f and call.disturbance is None:
-            groups.setdefault((call.controller, call.drive, call.scenario.duration_s), []).append(call)
-    for group in groups.values():
+        kind = next((n for n in nominals if n.f is call.plant.f), None)
+        if kind is not None and call.disturbance is None:
+            groups.setdefault((kind, call.controller, call.drive, call.scenario.duration_s), []).append(call)
+    for (nominal, *_), group in groups.items():
         try:
-            _serve_in_lanes(group, nominal, substeps)
+            _serve_in_lanes(group, nominal, integration, recording)
         except SynthError:
             pass  # a scenario that only `closed_loop` simulates, or an error, which it raises for the call alone
         except Exception as error:
@@ -131,11 +156,14 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
             _serve_alone(call)
 
 
-def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, substeps: int) -> None:
+def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, integration: Integration, recording: Recording) -> None:
     number = 1 if len(group) == 1 else lanes.LANES
     loop = lanes.compile_loop(nominal, group[0].controller, group[0].drive, lanes=number)
-    scenarios = [replace(call.scenario, substeps=substeps) for call in group]
-    for call, trajectory in zip(group, loop.simulate([call.plant for call in group], scenarios), strict=True):
+    plants, scenarios = (
+        [call.plant for call in group],
+        [replace(c.scenario, substeps=integration.substeps) for c in group],
+    )
+    for call, trajectory in zip(group, loop.simulate(plants, scenarios, integration.order, recording), strict=True):
         call.trajectory = trajectory
 
 

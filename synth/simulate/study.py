@@ -7,14 +7,11 @@ A table has one row for each machine, which its number and the seed determine. T
 bound of the worst case.
 """
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +22,7 @@ from synth.errors import DesignError
 from synth.simulate import lockstep, sampling
 from synth.simulate.experiments import Runnable
 from synth.simulate.integration import Integration
+from synth.simulate.lane_memory import Name
 from synth.simulate.lanes import LANES
 from synth.simulate.rig import Rig, Simulate
 from synth.simulate.sampling import Sampling
@@ -97,16 +95,24 @@ def run(
     rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequence[int], integration: Integration
 ) -> StudyTable:
     """Run the experiments on the machines of the rows, side by side."""
-    names = sampling.quantities(rig)
-    z = sampling.draw(drawn, len(names), rows)
-    tables = []
+    z = sampling.draw(drawn, len(sampling.quantities(rig)), rows)
+    return run_machines(rig, experiments, z, drawn.seed, rows, integration)
+
+
+def run_machines(
+    rig: Rig, experiments: Sequence[Runnable], z: Array, seed: int, rows: Sequence[int], integration: Integration
+) -> StudyTable:
+    """Run the experiments on machines with the deviations z (rows, quantities) and the sensor noise of their rows."""
+    names, tables = sampling.quantities(rig), []
+    reads: dict[str, list[set[Name]]] = {e.name: [] for e in experiments}
     for first in range(0, len(rows), LANES):
         batch = slice(first, first + LANES)
         machines = [
-            sampling.machine(rig, dict(zip(names, values, strict=True)), drawn.seed, row)
+            sampling.machine(rig, dict(zip(names, values, strict=True)), seed, row)
             for row, values in zip(rows[batch], z[batch], strict=True)
         ]
-        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, integration.substeps) for e in experiments}
+        nominals = (rig.plant, rig.stage.plant)
+        results = {e.name: lockstep.run(_runs(e, machines), nominals, integration, reads[e.name]) for e in experiments}
         tables.append(_table(rows[batch], names, z[batch], results, integration))
     return join(tables)
 
@@ -237,31 +243,9 @@ def notes(table: StudyTable) -> list[str]:
     return [
         f"{int(table.passed.sum())} of {len(table.rows)} machines keep every limit: yield {share.share:.2%}, "
         f"{share.low:.2%} to {share.high:.2%} with {CONFIDENCE:.0%} confidence.",
-        f"{table.integration.substeps} steps a sample in lanes, with an error of a state of at most "
-        f"{table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
+        f"{table.integration.substeps} steps of order {table.integration.order} a sample in lanes, with an error of a "
+        f"state of at most {table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
         "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
         "rank correlation.",
         *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
     ]
-
-
-def csv_text(table: StudyTable) -> str:
-    """Return the table as comma-separated values: row, deviations z in tolerances, checks and figures."""
-    columns = {"row": table.rows, **{f"z {n}": z for n, z in table.z.items()}, **table.checks, **table.figures}
-    lines = io.StringIO()
-    writer = csv.writer(lines, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
-    return lines.getvalue()
-
-
-def document(table: StudyTable) -> dict[str, Any]:
-    """Return the summary for JSON."""
-    share = estimate_yield(table)
-    return {
-        "rows": len(table.rows),
-        "yield": {"share": share.share, "low": share.low, "high": share.high, "confidence": CONFIDENCE},
-        "integration": vars(table.integration),
-        "summaries": [vars(summary) for summary in summarise(table)],
-        "errors": [list(error) for error in table.errors],
-    }

@@ -88,9 +88,9 @@ def interpolate(program: Program, fit: Fit, known: Mapping[int, Array]) -> Array
     n = fit.degree + 1
     angle = np.pi * (np.arange(n) + 0.5) / n
     values = _values(program, fit, np.cos(angle), known)
-    series = [_weighted_sum(np.cos(j * angle), values) * (2.0 if j else 1.0) / n for j in range(n)]
-    powers = _powers(n)
-    return np.array([_weighted_sum(powers[:, j], np.array(series)) for j in range(n)])
+    series = _weighted_sums(np.array([np.cos(j * angle) for j in range(n)]), values)
+    series = series * np.where(np.arange(n), 2.0, 1.0)[:, np.newaxis] / n
+    return _weighted_sums(_powers(n).T, series)
 
 
 @cache
@@ -99,11 +99,11 @@ def _powers(n: int) -> Array:
     return np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
 
 
-def _weighted_sum(weights: Array, rows: Array) -> Array:
-    """Return the weighted sum of rows (n, plants) in a fixed order: a matrix product rounds as its library decides."""
-    total = np.zeros(rows.shape[1:])
-    for weight, row in zip(weights.tolist(), rows, strict=True):
-        total = total + weight * row
+def _weighted_sums(weights: Array, rows: Array) -> Array:
+    """Return weights (m, n) times rows (n, plants) in a fixed order: a matrix product rounds as its library decides."""
+    total = np.zeros((len(weights), *rows.shape[1:]))
+    for weight, row in zip(weights.T, rows, strict=True):
+        total = total + weight[:, np.newaxis] * row
     return total
 
 

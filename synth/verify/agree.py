@@ -15,7 +15,6 @@ samples are generated once, in the scalar type of the less precise witness.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -176,65 +175,6 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
         return StepResults(outputs, after, np.asarray(faults, dtype=np.uint32))
 
     return witness
-
-
-def run(witness: Witness, states: Mapping[str, float], inputs: Columns) -> StepResults:
-    """Run a witness from one state over N consecutive recorded inputs, (N,) or (N, copies), step by step."""
-    n, *copies = shape = next(iter(inputs.values())).shape
-    current: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
-    if isinstance(witness, CasadiWitness) and not copies:
-        return witness.run(current, inputs)
-    columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
-    rows: list[StepResults] = []
-    for k in range(n):
-        stepped = witness(current, {name: values[k] for name, values in columns.items()})
-        current = stepped.states
-        rows.append(StepResults(stepped.outputs, {}, stepped.faults))
-    outputs = {name: np.reshape([row.outputs[name] for row in rows], shape) for name in rows[0].outputs}
-    return StepResults(outputs, current, np.reshape([row.faults for row in rows], shape))
-
-
-def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[StepResults]:
-    """Run a witness over recorded inputs (N,) of several runs, each from the same state.
-
-    A witness that takes single steps advances all unfinished runs side by side.
-    """
-    if isinstance(witness, CasadiWitness):
-        return [run(witness, states, inputs) for inputs in runs]
-    lengths = [len(next(iter(inputs.values()))) for inputs in runs]
-    order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
-    parts: list[list[StepResults]] = [[] for _ in runs]
-    current: Mapping[str, Any] = states
-    for first, last in pairwise(ends):
-        active = [j for j in order if lengths[j] >= last]
-        inputs = {name: np.stack([runs[j][name][first:last] for j in active], axis=1) for name in runs[0]}
-        start = {name: value if first == 0 else value[: len(active)] for name, value in current.items()}
-        combined = run(witness, start, inputs)
-        current = combined.states
-        for k, j in enumerate(active):
-            parts[j].append(_select_run(combined, k))
-    return [_concatenate(of_run) for of_run in parts]
-
-
-def _select_run(combined: StepResults, k: int) -> StepResults:
-    """Return one of several runs side by side."""
-    outputs = {name: value[:, k] for name, value in combined.outputs.items()}
-    return StepResults(
-        outputs, {name: value[k : k + 1] for name, value in combined.states.items()}, combined.faults[:, k]
-    )
-
-
-def _concatenate(parts: Sequence[StepResults]) -> StepResults:
-    """Concatenate consecutive parts of a run."""
-    outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
-    return StepResults(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
-
-
-def replay(controller: host.Controller, inputs: Columns) -> StepResults:
-    """Run emitted C from `init` over N consecutive recorded inputs."""
-    replay = controller.replay(inputs)
-    state = {name: np.atleast_1d(replay.state[name]) for name in replay.state.dtype.names or ()}
-    return StepResults(replay.outputs, state, replay.faults)
 
 
 def _with_fault_word(block: Block) -> ca.Function:

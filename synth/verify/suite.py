@@ -16,7 +16,7 @@ from synth.block import Block
 from synth.check import Check
 from synth.declaration import Reference
 from synth.execute import build, host
-from synth.verify import agree
+from synth.verify import agree, replays
 from synth.verify.agree import Agreement, Columns, StepResults
 
 # Of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double.
@@ -56,17 +56,13 @@ def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns,
 
 
 def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
-    """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
-    start = {s.name: s.initial for s in witness_set.block.states}
-    others = {
-        name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.oracles.items()
-    }
+    """Compare each other witness with the C in double precision over the N recorded inputs of each run."""
+    c64 = [replays.replay_in_parts(witness_set.c64, inputs) for inputs in runs.values()]
+    others = {name: replays.repeat(witness, c64) for name, witness in witness_set.oracles.items()}
     return [
-        agree.compare(
-            what, (name, stepped[k]), ("c64", agree.replay(witness_set.c64, inputs)), floor, witness_set.block
-        )
-        for k, (what, inputs) in enumerate(runs.items())
-        for name, stepped in others.items()
+        agree.compare(what, (name, pairs[k][0]), ("c64", pairs[k][1]), floor, witness_set.block)
+        for k, what in enumerate(runs)
+        for name, pairs in others.items()
     ]
 
 

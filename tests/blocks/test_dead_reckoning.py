@@ -39,7 +39,7 @@ def run(block: Block, q: Array, f: Array, bad: Sequence[int] = ()) -> tuple[Arra
     step, x, rows = block.function(), block.initial, []
     for k in range(len(q)):
         at = float(x[0]) if k in bad else q[k]
-        x, y = (np.asarray(v).ravel() for v in step(x, [at, f[k], float(k > 0)]))
+        x, y = (np.asarray(v).ravel() for v in step(x, [at, f[k], float(k > 0), float(k not in bad)]))
         rows.append(y)
     return np.array(rows).T[0], np.array(rows).T[1]
 
@@ -68,6 +68,29 @@ def test_an_unknown_acceleration_is_the_innovation() -> None:
     assert (q - predicted)[-1] == pytest.approx(d * T**2 / (1 - R) ** 2, rel=1e-6)
 
 
+def bridge(repeated: bool) -> float:
+    """Return the largest jump of q over 20 bad samples under an unknown acceleration.
+
+    They take the prediction, plus the last innovation if it is `repeated`.
+    """
+    q, block = motion(np.full(400, 2.0 / B), v=0.0), dead_reckoning.block("reckoning", TIME, [AXIS])
+    step, x, last, jumps = block.function(), block.initial, 0.0, [0.0]
+    for k in range(len(q)):
+        good = not 350 <= k < 370
+        e = q[k] - float(x[0]) if good else last * repeated
+        jumps.append(0.0 if good else abs(float(x[0]) + e - q[k]))
+        x = np.asarray(step(x, [float(x[0]) + e, 0.0, float(k > 0), float(good)])[0]).ravel()
+        last = e if good else 0.0
+    return max(jumps)
+
+
+def test_the_last_innovation_removes_the_offset_of_an_unknown_acceleration() -> None:
+    """The offset d T^2 / (1 - r)^2 is gone; what remains is d t^2 / 2 and an error of the rate."""
+    d, offset = 2.0, 2.0 * T**2 / (1 - R) ** 2
+    assert bridge(repeated=False) > offset
+    assert bridge(repeated=True) < d * (20 * T) ** 2 + d * 20 * T**2 / (1 - R)
+
+
 @pytest.mark.parametrize("defect", ["position_gain", "rate_gain", "half_step"])
 def test_a_planted_constant_is_detected(defect: str) -> None:
     block = dead_reckoning.block("reckoning", TIME, [AXIS])
@@ -84,7 +107,8 @@ def loop(share: float = 0.5, change: float = 1.0) -> Block:
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["q", "acting", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
+                   inputs=["q", "acting", "ready", "complete", "law_f", "braking"],
+                   outputs=["d_f", "q_predicted"])  # fmt: skip
 
 
 def brake(block: Block, v: float, samples: int = 60) -> Array:
@@ -92,7 +116,7 @@ def brake(block: Block, v: float, samples: int = 60) -> Array:
     step, x, q, acting, rates, predicted = block.function(), block.initial, 0.0, 0.0, [], 0.0
     for k in range(200 + samples):
         blind = k >= 200
-        inputs = [predicted if blind else q, acting, float(k > 0), 0.0, float(blind)]
+        inputs = [predicted if blind else q, acting, float(k > 0), float(not blind), 0.0, float(blind)]
         x, y = (np.asarray(v).ravel() for v in step(x, inputs))
         f = float(np.clip(y[0], -1, 1))
         predicted = float(x[0])
@@ -117,7 +141,7 @@ def test_a_planted_gain_does_not_stop_it() -> None:
 
 def test_the_law_passes_unchanged_while_nothing_brakes() -> None:
     step = loop().function()
-    y = np.asarray(step(loop().initial, [0.01, 0.3, 1.0, 17.3, 0.0])[1]).ravel()
+    y = np.asarray(step(loop().initial, [0.01, 0.3, 1.0, 1.0, 17.3, 0.0])[1]).ravel()
     assert y[0] == 17.3
 
 

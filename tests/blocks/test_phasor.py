@@ -110,3 +110,29 @@ def test_doublings_give_the_phasor_of_the_whole_angle() -> None:
     for a in np.linspace(-pi, pi, 17):
         assert [float(v) for v in f(a)] == pytest.approx([np.cos(a), np.sin(a)], abs=1e-14)
     assert [float(v) for v in f(pi / 2)] == pytest.approx([0.0, 1.0], abs=1e-14)
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_a_certified_reduction_has_no_limits_and_one_for_coarser_polynomials_has(scalar: type[np.floating]) -> None:
+    angle = Signal("a", "rad", -7.0, 7.0)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        named: list[tuple[Signal, ca.SX]] = []
+        wave, certified = phasor.by_certified_reduction(u["a"], phasor.halvings(7.0), "a", named)
+        return Step({"c": wave.cosine, "s": wave.sine}, named=named, certified=certified)
+
+    outputs = [Signal(n, "1", -2, 2) for n in "cs"]
+    block = build("reduced", Discrete(1e-3), law, inputs=[angle], outputs=outputs)
+    limits = {}
+    for error in (EPS[scalar], 1e-4):
+        made = write.emit(block, scalar, error=error)
+        limits[error] = without_comments(made.files["reduced.c"]).count("_limit(")
+    made = write.emit(block, scalar, error=EPS[scalar])
+    a = np.linspace(-7, 7, 4001)
+    out = (
+        host.load(made.files, made.manifest)
+        .batch(np.repeat(host.load(made.files, made.manifest).init()[None], len(a)), {"a": a.astype(scalar)})
+        .outputs
+    )
+    assert np.abs(out["s"] - np.sin(a.astype(scalar))).max() < 64 * EPS[scalar]
+    assert limits[EPS[scalar]] < limits[1e-4]

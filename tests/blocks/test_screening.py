@@ -77,3 +77,11 @@ def test_groups_that_are_no_partition_are_refused(groups: Any) -> None:
 def test_no_repeats_are_refused() -> None:
     with pytest.raises(ModelError, match="number of repeats is 0"):
         screening.screen(TIME, CHANNELS, GROUPS, 0)
+
+
+def test_channels_of_a_group_that_repeat_in_turn_count_together() -> None:
+    y = noise()
+    for first, channel in ((20, 0), (21, 1), (22, 0), (23, 1)):
+        y[first + 1, channel] = y[first, channel]  # the last repetition is in sample 24
+    rejected = outputs(screen(), y)["rejected"]
+    assert set(np.flatnonzero(rejected)) == {24} and rejected[24] == 1

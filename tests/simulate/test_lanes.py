@@ -13,6 +13,7 @@ from synth import standard_tasks
 from synth.errors import WiringError
 from synth.plant import Plant
 from synth.simulate import closed_loop, lanes, sampling
+from synth.simulate.lane_memory import Recording
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import InputFault, Scenario, Trajectory
 from synth.simulate.sensors import Encoder, Override
@@ -131,6 +132,37 @@ def test_a_lane_does_not_depend_on_its_neighbours(single: Rig) -> None:
         both = (together[k], alone)
         assert all(t is not None for t in both)
         assert all(both[0].states[s].tobytes() == both[1].states[s].tobytes() for s in both[0].states)  # type: ignore[union-attr]
+
+
+def test_a_recording_has_the_bits_of_the_whole_one(single: Rig) -> None:
+    lost = {"x": Override(np.arange(500) == 333, np.nan)}
+    scenario, plants = replace(course(single, 0.5), substeps=1, overrides=lost), wrong_plants(single, 3)
+    loop = lanes.compile_loop(STAGE.plant, single.controller)
+    chosen = frozenset({("states", "x"), ("commands", "i_d1"), ("applied", "i_d2")})
+    whole, some = (loop.simulate(plants, [scenario] * 3, 5, Recording(c)) for c in (None, chosen))
+    rare = loop.simulate(plants, [scenario] * 3, 5, Recording(chosen, every=7))
+    for every, few, coarse in zip(whole, some, rare, strict=True):
+        assert every is not None and few is not None and coarse is not None
+        for group, name in (*chosen, ("outputs", "g1"), ("measured", "theta_ref")):
+            column = getattr(every, group)[name]
+            assert getattr(few, group)[name].tobytes() == column.tobytes(), "also where it was not recorded"
+            assert getattr(coarse, group)[name].tobytes() == column[::7].tobytes()
+        assert coarse.time.tolist() == every.time[::7].tolist()
+        assert np.bitwise_or.reduce(every.faults[330:337]) == coarse.faults[48] != 0, "no fault between samples is lost"
+
+
+@pytest.mark.parametrize("order", lanes.ORDERS)
+def test_the_error_falls_with_the_order(double: Rig, order: int) -> None:
+    scenario = replace(course(double), encoders={})
+    loop = lanes.compile_loop(STAGE.plant, double.controller, error=1e-13)
+    tight = closed_loop.simulate(STAGE.plant, double.controller, replace(scenario, substeps=16))
+    errors = []
+    for substeps in (1, 2):
+        (fast,) = loop.simulate([STAGE.plant], [replace(scenario, substeps=substeps)], order)
+        assert fast is not None
+        errors.append(distance(fast, tight))
+    assert errors[0] < {3: 3e-7, 4: ERROR, 5: ERROR / 10}[order]
+    assert order == 5 or errors[1] < 0.8 * errors[0] / 2 ** (order - 1)
 
 
 def test_stops_locks_delays_forcing_noise_and_sensor_errors() -> None:

@@ -1,6 +1,7 @@
 """A study: its rows, what drives a figure, the yield, and machines without a result."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from synth import standard_tasks
 from synth.check import Check
 from synth.errors import DesignError, SignalError
-from synth.simulate import integration, study
+from synth.report import study as report
+from synth.simulate import integration, study, study_table, worst_case
 from synth.simulate.experiment import Experiment
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
@@ -109,17 +111,17 @@ def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     assert 0 < heavy.sum() < 10 and not table.passed[heavy].any() and table.passed[~heavy].all()
     assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
     assert study.notes(table)[-1] == f"No result of fall on {heavy.sum()} machines: planted"
-    assert study.csv_text(table).count("nan") == 2 * heavy.sum()
+    assert study_table.csv_text(table).count("nan") == 2 * heavy.sum()
 
 
 def test_the_steps_are_the_fewest_within_the_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = integration.choose(rig, Fall())
-    assert plain.substeps in integration.CANDIDATES and 0 < plain.error <= integration.LARGEST_ERROR
+    assert plain.substeps in (1, 2, 4, 8) and 0 < plain.error <= integration.LARGEST_ERROR
     monkeypatch.setattr(integration, "LARGEST_ERROR", plain.error / 2)
     finer = integration.choose(rig, Fall())
-    assert finer.substeps > plain.substeps or finer.error > plain.error / 2
+    assert (finer.substeps, finer.order) > (plain.substeps, plain.order) or finer.error > plain.error / 2
     monkeypatch.setattr(integration, "LARGEST_ERROR", 0.0)
-    assert integration.choose(rig, Fall()).substeps == integration.CANDIDATES[-1]
+    assert integration.choose(rig, Fall()).substeps == integration.CANDIDATES[-1][0]
 
 
 def test_experiments_are_chosen_by_patterns() -> None:
@@ -128,3 +130,52 @@ def test_experiments_are_chosen_by_patterns() -> None:
     assert study.select(experiments, []) == experiments
     with pytest.raises(DesignError, match="no experiment is called 'stp': choose from step_x, step_z, hold"):
         study.select(experiments, ["stp"])
+
+
+def test_the_search_climbs_beyond_the_sample_and_says_so(rig: Rig, table: StudyTable) -> None:
+    worst = worst_case.search(rig, [Fall()], 1, table, "fall: mass, kg")
+    mass = rig.plant.parameter("M")
+    assert worst.converged and worst.z["M"] == 1.0
+    assert worst.value == mass.value * (1 + mass.tolerance) > worst.sampled == table.figures["fall: mass, kg"].max()
+    assert worst == worst_case.search(rig, [Fall()], 1, table, "fall: mass, kg"), "reproducible"
+    assert "lower bound" in worst_case.notes(worst)[0]
+    peak = worst_case.search(rig, [Fall()], 1, table, "fall: peak")
+    z = np.array([[peak.z[name] for name in table.z]])
+    again = study.run_machines(rig, [Fall()], z, 1, [peak.row], EXACT)
+    assert again.checks["fall: peak"][0] == peak.value >= peak.sampled
+    with pytest.raises(DesignError, match="no value is called 'fall: pek'"):
+        worst_case.search(rig, [Fall()], 1, table, "fall: pek")
+
+
+def test_the_search_that_is_stopped_has_not_converged(
+    rig: Rig, table: StudyTable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worst_case, "ROUNDS", 1)
+    assert not worst_case.search(rig, [Fall()], 1, table, "fall: mass, kg").converged
+
+
+def test_the_report_has_the_worst_row_and_the_yield(rig: Rig, table: StudyTable) -> None:
+    tight = study.run(rig, [Fall(limit=1e-9)], Sampling(20, 1), range(20), EXACT)
+    summary = study.summarise(table)[0]
+    text = report.page_text("levitator", table)
+    assert f"<td>{summary.worst_row}</td>" in text.replace(' class="text"', "") or str(summary.worst_row) in text
+    assert "20 of 20 machines keep every limit: yield 100.00%" in text and "lower bound" in text
+    assert "0 of 20 machines keep every limit" in report.page_text("levitator", tight)
+
+
+def test_parquet_without_pyarrow_is_refused_with_a_mend(monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setattr(study_table, "import_module", absent)
+    with pytest.raises(DesignError, match="needs pyarrow, which is not installed: run `pip install"):
+        study_table.require_parquet()
+
+
+def test_parquet_has_the_columns_of_csv(table: StudyTable, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    study_table.write_parquet(table, tmp_path / "table.parquet")
+    again = parquet.read_table(tmp_path / "table.parquet")
+    columns = study_table.columns(table)
+    assert again.column_names == list(columns)
+    assert all(again[name].to_numpy().tobytes() == values.tobytes() for name, values in columns.items())

@@ -30,7 +30,7 @@ USUAL = Tuning()
 CALIBRATED = Tuning(model_error=5e-3, position_limit=5e-4, yaw_limit=0.022)
 PRECONDITIONS = (
     "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
-    "rests until the first valid sample. Protection levels hold for voltages within 60 mV rms of the model, and a "
+    "rests until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a "
     "fault of one sensor. A lost track needs init."
 )
 VECTORS, SEED = 1000, 2011

@@ -94,7 +94,11 @@ def _unknowns(tuning: Tuning) -> list[Unknown]:
     ]
     turn, spread = tuning.yaw_range, tuning.amplitude_range
     yaw = Unknown(
-        Signal("yaw", "rad", -turn, turn), tuning.largest_yaw, tuning.yaw_step, velocity_gain=tuning.velocity_gain
+        Signal("yaw", "rad", -turn, turn),
+        tuning.largest_yaw,
+        tuning.yaw_step,
+        angle=True,
+        velocity_gain=tuning.velocity_gain,
     )
     amplitude = Signal("amplitude", "1", 1 - spread, 1 + spread, "field over that of the model")
     size = Unknown(amplitude, tuning.largest_amplitude, spread / 2, 1.0, prior=tuning.amplitude_prior, prior_value=1.0)
@@ -108,24 +112,24 @@ def _phases(array: PlanarArray, tuning: Tuning) -> list[Phase]:
         rx, ry = (array.wave_number * v for v in place)
         reach = hypot(rx, ry)
         for axis, arm in (("x", (rx, -ry)), ("y", (ry, rx))):
-            change = tuning.phase_step + reach * tuning.yaw_step
+            change = tuning.phase_step + (abs(rx) + abs(ry)) * tuning.yaw_step
             phases.append(Phase(f"{letter}{axis}", _phase(axis, arm), pi + reach, change))
     return phases
 
 
 def _phase(axis: str, arm: tuple[float, float]) -> Callable[[Exprs, Exprs], ca.SX]:
     def phase(q: Exprs, k: Exprs) -> ca.SX:
-        return q[f"phase_{axis}"] + arm[0] * ca.cos(q["yaw"]) + arm[1] * ca.sin(q["yaw"])
+        return q[f"phase_{axis}"] + arm[0] * q["cos_yaw"] + arm[1] * q["sin_yaw"]
 
     return phase
 
 
 def _residuals(array: PlanarArray, q: Exprs, y: Exprs, k: Exprs) -> Exprs:
     """Return R(yaw) V - a B of each sensor, V, in the axes of the field."""
-    residuals, c, s = {}, ca.cos(q["yaw"]), ca.sin(q["yaw"])
+    residuals, c, s = {}, q["cos_yaw"], q["sin_yaw"]
     for letter in ascii_lowercase[: len(array.positions)]:
         vx, vy = y[f"V_{letter}x"], y[f"V_{letter}y"]
-        for axis, v in (("x", c * vx - s * vy), ("y", s * vx + c * vy)):
+        for axis, v in (("x", c * vx - s * vy), ("y", c * vy + s * vx)):
             p = q[f"sin_{letter}{axis}"]
             field = p * (k["field_1"] + p**2 * (k["field_3"] + p**2 * k["field_5"]))
             residuals[f"V_{letter}{axis}"] = v - q["amplitude"] * field

@@ -36,9 +36,10 @@ def metres(array: PlanarArray, time: Discrete, pitches: int, phases: Block) -> B
         valid = u["phases_valid"]
         for a, axis in AXES.items():
             change = u[f"phase_{a}"] - x[f"last_{a}"]
-            inside = ca.fabs(x[f"pitch_{a}"]) <= pitches
-            wraps = ca.logic_and(inside, ca.logic_and(u["tracking"], x["counting"])) * ((change < -pi) - (change > pi))
-            count = clip((x[f"pitch_{a}"] + wraps) * u["tracking"], counts[a])
+            before = x[f"pitch_{a}"]
+            counted = ca.logic_and(ca.fabs(before) <= pitches, x["counting"])
+            turned = ca.if_else(change < -pi, before + 1, ca.if_else(change > pi, before - 1, before))
+            count = ca.if_else(u["tracking"], ca.if_else(counted, clip(turned, counts[a]), before), 0)
             output[axis] = u[f"phase_{a}"] / array.wave_number + array.pitch * count
             valid = ca.logic_and(valid, ca.fabs(count) <= pitches)
             next |= {f"last_{a}": u[f"phase_{a}"], f"pitch_{a}": count}

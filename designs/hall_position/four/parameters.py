@@ -17,7 +17,7 @@ class Tuning:
     Raises ModelError for a value out of its range.
     """
 
-    model_error: float = between(0, 0.06, inf)  # V rms of a voltage, left by the calibration of field and sensors
+    model_error: float = between(0, 0.055, inf)  # V rms of a voltage, left by the calibration of field and sensors
     corrections: int = between(1, 2, 20)  # a sample, all with the Jacobian at the prediction
     phase_step: float = between(0, 0.5, 1)  # largest correction in a sample
     yaw_step: float = between(0, 0.1, 1)

@@ -76,6 +76,33 @@ class World:
     read: Callable[[Pose], Numbers]
 
 
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Samples (k, N) that are `valid`, with errors, deviations and protection levels (k, N, 3) of X, Y, m, and yaw."""
+
+    valid: Numbers
+    errors: Numbers
+    deviations: Numbers
+    levels: Numbers
+
+    @property
+    def error(self) -> Numbers:
+        """The distances (k, N) from the true position, m."""
+        return np.hypot(self.errors[..., 0], self.errors[..., 1])
+
+    def outcome(self) -> Outcome:
+        """Return the shares of the samples and of the bodies."""
+        wrong = self.valid & ((self.error > WRONG) | (np.abs(self.errors[..., 2]) > WRONG_YAW))
+        squares = ((self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2).mean(axis=-1)
+        return Outcome(
+            valid=float(self.valid.mean()),
+            wrong=float(wrong.mean()),
+            wrong_bodies=float(wrong.any(axis=0).mean()),
+            ratio=float(np.sqrt(squares.mean())) if squares.size else 0.0,
+            error=float(self.error[self.valid].max(initial=0.0)),
+        )
+
+
 @cache
 def compile_estimator(tuning: Tuning) -> host.Controller:
     """Return the estimator's C in single precision."""
@@ -116,14 +143,32 @@ def _bench(field: str, seed: int) -> hall_bench.Bench:
 
 def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Outcome:
     """Simulate a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
+    return samples(tuning, field, fault, bodies, speed, seed).outcome()
+
+
+def samples(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Samples:
+    """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
+    rng = np.random.default_rng(seed)
+    return simulate(compile_estimator(tuning), tuning, world(field, bodies, rng), fault, bodies, speed, rng)
+
+
+def simulate(
+    controller: host.Controller,
+    tuning: Tuning,
+    of: World,
+    fault: str,
+    bodies: int,
+    speed: float,
+    rng: np.random.Generator,
+) -> Samples:
+    """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown fault."""
     if fault not in FAULTS:
         raise ModelError(f"'{fault}' is not a known fault: give one of {', '.join(FAULTS)}")
-    rng = np.random.default_rng(seed)
-    of, heading, sensor = world(field, bodies, rng), rng.uniform(0, 2 * np.pi, bodies), rng.integers(4, size=bodies)
+    heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(4, size=bodies)
     start, other = (_draw(REACH, bodies, rng) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
-    states, outcomes = _tracking_states(tuning, start, speed, heading), []
+    states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
         V = of.read(pose) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
@@ -131,11 +176,11 @@ def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0,
             pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
             failed = FAULTS[fault](pair, before, k - BEFORE)
             V[each, sensor] = np.where(flip[:, None], failed[:, ::-1], failed)
-        batch = compile_estimator(tuning).batch(states, motions.by_input(np.clip(V, -END, END)))
+        batch = controller.batch(states, motions.by_input(np.clip(V, -END, END)))
         states = batch.states
         if k >= BEFORE:
-            outcomes.append(_errors(batch.outputs, pose))
-    return _outcome(*(np.array(each) for each in zip(*outcomes, strict=True)))
+            outcomes.append(_sample(batch.outputs, pose))
+    return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
 def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
@@ -143,35 +188,34 @@ def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
     return Pose(X, Y, rng.uniform(-YAW, YAW, bodies))
 
 
-def _tracking_states(tuning: Tuning, at: Pose, speed: float, heading: Array) -> host.Records:
+def _tracking_states(
+    controller: host.Controller, tuning: Tuning, at: Pose, speed: float, heading: Array
+) -> host.Records:
     """Return the states of estimators that have tracked bodies up to poses."""
-    array, states = config.array(), np.repeat(compile_estimator(tuning).init()[None], len(at.X))
-    step = array.wave_number * speed * TIME.period_s
-    for a, place, moved in (("x", at.X, np.cos(heading)), ("y", at.Y, np.sin(heading))):
+    array, states = config.array(), np.repeat(controller.init()[None], len(at.X))
+    moved = speed * TIME.period_s * np.array([np.cos(heading), np.sin(heading)])
+    for a, place, step in (("x", at.X, moved[0]), ("y", at.Y, moved[1])):
         turns = np.round(place / array.pitch)
         states[f"estimator_phase_{a}"] = states[f"metres_last_{a}"] = array.wave_number * (place - turns * array.pitch)
-        states[f"metres_pitch_{a}"], states[f"estimator_motion_phase_{a}"] = turns, step * moved
+        states[f"metres_pitch_{a}"], states[f"estimator_motion_phase_{a}"] = turns, array.wave_number * step
     states["estimator_yaw"], states["estimator_start_number"], states["metres_counting"] = at.yaw, tuning.starts, 1
+    names = states.dtype.names or ()
+    tables = {"last_X": at.X, "last_Y": at.Y, "last_yaw": at.yaw, "motion_X": moved[0], "motion_Y": moved[1]}
+    tables["aligned"] = np.ones(len(at.X))
+    for name, value in tables.items():
+        if f"calibration_{name}" in names:
+            states[f"calibration_{name}"] = value
     return states
 
 
-def _errors(outputs: Mapping[str, Numbers], pose: Pose) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-    """Return validity, error in m and in rad, and squared error over variance, (N,) each."""
-    along = [outputs[axis].astype(float) - getattr(pose, axis) for axis in "XY"]
-    squares = sum((e / outputs[f"deviation_{axis}"]) ** 2 for e, axis in zip(along, "XY", strict=True))
-    return outputs["valid"] > 0, np.hypot(*along), np.abs(outputs["yaw"] - pose.yaw), np.asarray(squares) / 2
-
-
-def _outcome(valid: Numbers, error: Numbers, turn: Numbers, squares: Numbers) -> Outcome:
-    wrong = valid & ((error > WRONG) | (turn > WRONG_YAW))
-    good = valid.any()
-    return Outcome(
-        valid=float(valid.mean()),
-        wrong=float(wrong.mean()),
-        wrong_bodies=float(wrong.any(axis=0).mean()),
-        ratio=float(np.sqrt(squares[valid].mean())) if good else 0.0,
-        error=float(error[valid].max(initial=0.0)),
+def _sample(outputs: Mapping[str, Numbers], pose: Pose) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+    """Return the fields of `Samples` for one sample."""
+    axes = "X", "Y", "yaw"
+    errors, deviations, levels = (
+        np.stack([outputs[f"{prefix}{a}"].astype(float) - by * getattr(pose, a) for a in axes], axis=-1)
+        for prefix, by in (("", 1), ("deviation_", 0), ("protection_", 0))
     )
+    return outputs["valid"] > 0, errors, deviations, levels
 
 
 @dataclass(frozen=True)
@@ -187,17 +231,24 @@ class ColdStart:
 
 def cold_start(tuning: Tuning, field: str, bodies: int, samples: int = 120, seed: int = 1) -> ColdStart:
     """Return the result from init of bodies at rest anywhere in the pitch, less MARGIN; wrong is a pitch or more."""
-    rng, array = np.random.default_rng(seed), config.array()
-    half = array.pitch / 2 - MARGIN
-    pose = _draw(half, bodies, rng)
-    exact = world(field, bodies, rng).read(pose)
-    states, first = np.repeat(compile_estimator(tuning).init()[None], bodies), np.zeros(bodies, int)
+    rng = np.random.default_rng(seed)
+    pose = _draw(config.array().pitch / 2 - MARGIN, bodies, rng)
+    return start_from_init(compile_estimator(tuning), world(field, bodies, rng), pose, samples, rng)
+
+
+def start_from_init(
+    controller: host.Controller, of: World, pose: Pose, samples: int, rng: np.random.Generator
+) -> ColdStart:
+    """Return the result from init of bodies at rest at poses; wrong is a pitch or more."""
+    exact, array, bodies = of.read(pose), config.array(), len(pose.X)
+    states, first = np.repeat(controller.init()[None], bodies), np.zeros(bodies, int)
     wrong = np.zeros(bodies, bool)
     for k in range(1, samples + 1):
         V = exact + array.deviation * rng.standard_normal(exact.shape)
-        batch = compile_estimator(tuning).batch(states, motions.by_input(V))
+        batch = controller.batch(states, motions.by_input(V))
         states = batch.states
-        valid, error, _, _ = _errors(batch.outputs, pose)
+        valid, errors, _, _ = _sample(batch.outputs, pose)
+        error = np.hypot(errors[:, 0], errors[:, 1])
         first = np.where(valid & (first == 0), k, first)
         wrong |= valid & (error > array.pitch / 4)
     ever = first[first > 0]

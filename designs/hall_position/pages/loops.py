@@ -28,7 +28,7 @@ from synth.block import Block
 from synth.report import page, sections, standard
 from synth.report.figures import SYMBOLS
 from synth.statespace import Array
-from synth.verify import agree
+from synth.verify import agree, replays
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
 PLACES = 3  # positions over a pitch, at each of which the loops are linearised
@@ -73,7 +73,7 @@ def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     inputs = dict(zip(SENSED, [*volts.tolist(), *distances.tolist()], strict=True))
     inputs |= {f"{axis}_ref": pose[axis] for axis in AXES}
     constant_inputs = {name: np.full(SETTLING_SAMPLES, value) for name, value in inputs.items()}
-    steady_states = agree.run(agree.casadi(block), initial_states(block, source.array, pose), constant_inputs).states
+    steady_states = replays.run(agree.casadi(block), initial_states(block, source.array, pose), constant_inputs).states
     K = loop.linearise_block(block, {name: float(value[0]) for name, value in steady_states.items()}, inputs)
     return loops.in_motor_coordinates(hall_chain.with_filter(motors, HORIZONTAL, Chain()), K, measurement, E)
 

@@ -45,6 +45,11 @@ class Polynomial:
     checked_values: int = 0
 
     @property
+    def evaluation(self) -> tuple[object, ...]:
+        """Return what determines the values that C computes."""
+        return self.centre, self.scale, self.parity, self.coefficients
+
+    @property
     def degree(self) -> int:
         """Return the degree in x."""
         n = len(self.coefficients) - 1

@@ -44,8 +44,8 @@ def source(
     parts += _equal(block.name, layout) if compares else []
     parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
     parts += _guards(block, program, layout)
-    for surrogate in surrogates:
-        parts += [*_polynomial(surrogate, layout), ""]
+    for name in dict.fromkeys(s.name for s in surrogates):
+        parts += [*_polynomial([s for s in surrogates if s.name == name], layout), ""]
     head = diagnostics.definition_head(block, step_head(block.name), program)
     step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
     step += diagnostics.entry_statements(block, program)
@@ -130,26 +130,31 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
     return lines
 
 
-def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
-    """Return the C function that evaluates a surrogate by Horner's rule in t; in t^2 for an odd or even polynomial."""
-    p, t = s.polynomial, "t"
+def _polynomial(of_name: Sequence[Surrogate], layout: Layout) -> list[str]:
+    """Return the C function that evaluates surrogates by Horner's rule in t; in t^2 for an odd or even polynomial."""
+    p, t = of_name[0].polynomial, "t"
     about = f"x {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else "x"
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
-    value, argument = " / x" if p.parity == "odd" else "", about if p.parity == "none" else "x^2"
+    argument = about if p.parity == "none" else "x^2"
     text = literal(p.coefficients[-1], layout.scalar).c
     for c in p.coefficients[-2::-1]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
-        *routines.comment(
-            f"{prose(s.tag)}{value}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
-            f"relative error at most {p.max_relative_error:.2g}."
-        ),
-        f"static inline {layout.ctype} {s.name}({layout.ctype} {t})",
+        *(row for s in of_name for row in routines.comment(_approximation(s, argument))),
+        f"static inline {layout.ctype} {of_name[0].name}({layout.ctype} {t})",
         "{",
         f"    return {text};",
         "}",
     ]
+
+
+def _approximation(s: Surrogate, argument: str) -> str:
+    p = s.polynomial
+    return (
+        f"{prose(s.tag)}{' / x' if p.parity == 'odd' else ''}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, "
+        f"t = {argument}; relative error at most {p.max_relative_error:.2g}."
+    )
 
 
 def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:

@@ -4,9 +4,11 @@
     integral_next = ...            of a next state
 
 Signals whose equations differ in names alone are listed with the first one. A signal whose equation is longer than
-LONGEST has none, nor has one that the code repeats as it is; a section without any other shows its first one.
+LONGEST has none, nor has one that the code repeats as it is; a section without any other shows its first one. A Block
+whose equations are those of an earlier one but for one word of the names refers to it.
 """
 
+import itertools
 import re
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
@@ -55,8 +57,23 @@ def by_block(p: Program) -> dict[str, tuple[str, ...]]:
         following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
     names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
     texts = {block: _Text(p, block, following[block], names) for block in p.titles if block not in SILENT}
-    rows = {block: _rows(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    shown = {block: _shown(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
+
+
+def _like_another(block: str, shown: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return that a Block's equations are those of an earlier one, where one word of the names makes the difference."""
+    for other in itertools.takewhile(lambda name: name != block, shown):
+        pairs = list(zip(other.split("_"), block.split("_"), strict=False))
+        words = [(a, b) for a, b in pairs if a != b]
+        if len(words) != 1 or other.count("_") != block.count("_") or not shown[block]:
+            continue
+        (before, after), equations = words[0], set(shown[block])
+        word = re.compile(rf"(?<![A-Za-z0-9]){re.escape(before)}(?![A-Za-z0-9])")
+        if {word.sub(after, text) for text in shown[other]} == equations:
+            return [f"as {other}, with {after} in place of {before}"]
+    return []
 
 
 def _equations(text: "_Text", ends: Mapping[str, int], following: Mapping[str, int]) -> list[Equation]:
@@ -79,18 +96,21 @@ def _local(name: str, block: str) -> str:
     return name.removeprefix(f"{block}_")
 
 
-def _rows(equations: Sequence[Equation]) -> tuple[str, ...]:
-    """Return the lines of a section's equations, those of one form together."""
+def _shown(equations: Sequence[Equation]) -> list[str]:
+    """Return a section's equations, those of one form together."""
     forms: dict[str, list[Equation]] = {}
     for e in equations:
         forms.setdefault(e.form, []).append(e)
     shown = [group for group in forms.values() if group[0].is_hidden] or list(forms.values())[:1]
-    rows: list[str] = []
-    for first, *others in shown:
-        also = f"; likewise {', '.join(e.name for e in others)}" if others else ""
-        text = f"{first.name} = {first.text}{also}"
-        rows += wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False)
-    return tuple(rows)
+    others = [f"; likewise {', '.join(e.name for e in group[1:])}" if group[1:] else "" for group in shown]
+    return [f"{first.name} = {first.text}{also}" for (first, *_), also in zip(shown, others, strict=True)]
+
+
+def _wrapped(texts: Sequence[str]) -> tuple[str, ...]:
+    rows = (
+        wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False) for text in texts
+    )
+    return tuple(itertools.chain.from_iterable(rows))
 
 
 class _Text:

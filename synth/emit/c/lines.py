@@ -24,7 +24,14 @@ def wrapped(lines: Iterable[Line]) -> Iterator[Line]:
             continue
         indent = " " * (len(line.text) - len(text))
         further = indent + " " * (8 if text.endswith("{") else 4)
-        rows = wrap(text, WIDTH, initial_indent=indent, subsequent_indent=further, break_on_hyphens=False)
+        rows = wrap(
+            text,
+            WIDTH,
+            initial_indent=indent,
+            subsequent_indent=further,
+            break_on_hyphens=False,
+            break_long_words=False,  # nested calls have no blank, and a name must not be cut
+        )
         yield from (replace(line, text=row) for row in rows)
 
 

@@ -50,6 +50,11 @@ class Naming:
             made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
         return made
 
+    def made_name(self, k: int) -> str:
+        """Return a name made from the operation of node k and its operands, "" where it is long or none."""
+        made = self._function(k) or self._made(self.p.nodes[k])
+        return made if len(made) <= LONGEST else ""
+
     def _label(self, k: int) -> str:
         label = self.p.labels.get(k, "")
         several = self.labels[label] > 1 and self.served[k] and not label.startswith(self.served[k])

@@ -63,7 +63,9 @@ class _Printer:
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
+        explained = {prose(program.titles.get(c.block, "")) for c in program.calls.values()}  # at their functions
         self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
+        self.equations |= dict.fromkeys(explained, ())
         self.printed, self.opened = list[Line](), set[str]()  # lines, and titles of the sections so far
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
@@ -276,9 +278,7 @@ class _Printer:
     def _with_title(self, depth: int) -> list[Line]:
         """Return the lines printed so far, with the title of the section where it is a new one."""
         if self.tag not in ("", self.shown):
-            opened = (
-                not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
-            )
+            opened = not self.printed or not (last := self.printed[-1].text.strip()) or last.endswith("{")
             self.printed += [] if opened else [Line("")]
             title = f"{self.tag} (continued)" if self.tag in self.opened else self.tag
             self.opened.add(self.tag)

@@ -89,9 +89,8 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         if len(routine.results) > 1:
             rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
-        titles = [p.titles.get(c.block, c.block) for c in used]
-        tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
-        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
+        titles = [p.titles.get(c.block, routine.name) for c in used]
+        about = wrap(prose(_about(routine, used, p)), WIDTH - 2)
         equations = p.equations.get(used[0].block, ()) if used[0].block not in explained else ()
         explained |= {c.block for c in used}
         lines += [Line(row) for row in opening(about, equations)]
@@ -99,6 +98,14 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
     return lines
+
+
+def _about(routine: Routine, used: Sequence[Call], p: Program) -> str:
+    """Return what a function is: its Blocks and their description, or how often a law computes it."""
+    if used[0].block not in p.titles:
+        return f"{routine.name}: {len(used)} calls in the step"
+    tags = dict.fromkeys(p.titles[c.block].removeprefix(f"{c.block}: ") for c in used)
+    return f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"
 
 
 def _ctype(kind: str, layout: Layout) -> str:

@@ -42,12 +42,16 @@ class Part:
 
 @dataclass(frozen=True)
 class Form:
-    """A Part in canonical form: `shape` is equal for equal parts; the lists hold what may differ, in one order."""
+    """A Part in canonical form: `shape` is equal for equal parts; the lists hold what may differ, in one order.
+
+    `nodes` are those of the Part's region.
+    """
 
     shape: tuple[object, ...]
     arguments: tuple[int, ...]
     numbers: tuple[int, ...]
     results: tuple[int, ...]
+    nodes: tuple[int, ...]
 
 
 def parts(p: Program) -> list[Part]:
@@ -207,7 +211,8 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
     ends = [visit(k) for k in (*roots, *(k for k in part.results if k not in roots))]
     stores = [(part.local[state], visit(k)) for state, k in part.next.items()]
     results = tuple(k for k in places if k in part.results)
-    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
+    nodes = tuple(k for k in places if k in part.region)
+    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results, nodes)
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:

@@ -88,12 +88,20 @@ def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[
     return [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
 
 
+def keeps_kinds(p: Program, group: Group, constants: Mapping[str, float]) -> bool:
+    """Tell whether each value has the same C type in the function that the Parts of a group have in common."""
+    builder = _Builder(p, group, constants)
+    inside = kinds(builder.routine(Names(set())).program)
+    return all(inside[builder.index[k]] == builder.kind[k] for k in group[0][0].region if k in builder.index)
+
+
 def name(p: Program, k: int) -> str:
-    """Return what a node is called in the program: its signal, what it loads, or the state that it becomes."""
+    """Return what a node is called: its signal, its load, the variable of its law, or the state that it becomes."""
     node = p.nodes[k]
     named = next((n.signal.name for n, at in p.marks if at == k), "")
     state = next((f"{s}_next" for s, at in p.next.items() if at == k or k in p.nodes[at].args[1:]), "")
-    return named or node.name or state
+    loaded = "" if node.op == "polynomial" else node.name
+    return named or loaded or p.labels.get(k, "") or state
 
 
 def _value(node: Node, constants: Mapping[str, float]) -> float:
@@ -106,6 +114,8 @@ class _Builder:
     def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
         self.p, self.group, self.kind = p, group, kinds(p)
         self.part, self.form = group[0]
+        named = {k: signal.signal.name for signal, k in reversed(p.marks)}
+        self.naming = Naming(p, {**p.labels, **named}, {})
         self.part_name = words.common([part.block for part, _ in group]) or self.part.block
         self.names = Names({*RESERVED, "state", "parameters"})
         self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
@@ -122,16 +132,21 @@ class _Builder:
         places = [self._place(k) for k in self.form.results]
         next = {part.local[state]: self._place(k) for state, k in part.next.items()}
         made = self._program(next)
-        naming = Naming(made, {}, {})
-        results = [
-            Argument(self.names.free(self._common(column) or naming.name(at)), self.kind[column[0]])
-            for at, (_, column) in zip(places, self._columns("results"), strict=True)
-        ]
+        results = self._results(Naming(made, {}, {}), places)
         made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
         states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
         parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
         free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
         return Routine(free, made, arguments, parameters, tuple(results), tuple(states), self.constants)
+
+    def _results(self, naming: Naming, places: Sequence[int]) -> list[Argument]:
+        """Return the results; one without a name has one made from those before it."""
+        pairs = list(zip(places, self._columns("results"), strict=True))
+        named = {at: self.names.free(name) for at, (_, column) in pairs if (name := self._common(column))}
+        naming.named |= named
+        for at, _ in pairs:
+            naming.named[at] = named.get(at) or self.names.free(naming.name(at))
+        return [Argument(naming.named[at], self.kind[column[0]]) for at, (_, column) in pairs]
 
     def _program(self, next: dict[str, int]) -> Program:
         part, p = self.part, self.p
@@ -148,8 +163,14 @@ class _Builder:
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},
-            labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
+            labels=self._labels(),
         )
+
+    def _labels(self) -> dict[int, str]:
+        """Return the names of the laws' variables: what the Parts' variables have in common."""
+        columns = zip(*(form.nodes for _, form in self.group), strict=True)
+        names = {column[0]: words.common([self.p.labels.get(k, "") for k in column]) for column in columns}
+        return {self.index[k]: name for k, name in names.items() if name and k in self.index}
 
     def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:
         """Return for each argument or result the node in the first Part and those in all Parts."""
@@ -185,7 +206,10 @@ class _Builder:
         return Argument(self.names.free(self._common(column) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
-        return words.common([name(self.p, k) for k in column])
+        """Return what the nodes of a column are called, else what is made of their operands' names, "" for neither."""
+        names = [name(self.p, k) for k in column]
+        made = words.common(names) if all(names) else words.common([self.naming.made_name(k) for k in column])
+        return made if made[:1].isalpha() else ""
 
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""

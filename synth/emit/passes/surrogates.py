@@ -43,6 +43,14 @@ class _Reciprocal:
     d: float
 
 
+def with_shared_polynomials(program: Program, surrogates: Sequence[Surrogate]) -> tuple[Program, tuple[Surrogate, ...]]:
+    """Return the program in which polynomials that compute the same are one function, and the surrogates so named."""
+    first: dict[object, str] = {}
+    names = {s.name: first.setdefault(s.polynomial.evaluation, s.name) for s in surrogates}
+    nodes = tuple(replace(n, name=names[n.name]) if n.op == "polynomial" else n for n in program.nodes)
+    return replace(program, nodes=nodes), tuple(replace(s, name=names[s.name]) for s in surrogates)
+
+
 def replace_functions(
     program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
 ) -> tuple[Program, tuple[Surrogate, ...]]:

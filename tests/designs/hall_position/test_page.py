@@ -8,7 +8,7 @@ import pytest
 
 from designs.hall_position import config, costs, page
 from designs.hall_position.costs import Row
-from designs.hall_position.pages import accuracy, field, six, trust
+from designs.hall_position.pages import accuracy, field, integrity, six, trust
 from designs.hall_position.paper import rows
 from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
@@ -34,6 +34,8 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "BASIN_STARTS", 5)
     absent = dict.fromkeys(set(re.findall(r"(?:trust|failures)\.\w+", REPORT)), 0.0)
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
+    measured = dict.fromkeys(set(re.findall(r"integrity\.\w+", REPORT)), 0.0)
+    monkeypatch.setattr(integrity, "blocks", lambda: measured)  # which calibrates: see calibrated/test_calibrated
 
 
 def rows_of(block: Content) -> Rows:

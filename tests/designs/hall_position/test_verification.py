@@ -19,7 +19,7 @@ from synth.blocks import safety
 from synth.check import Check
 from synth.emit import write
 from synth.execute import build, host
-from synth.verify import agree, suite
+from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
 from synth.verify.suite import Witnesses
 
@@ -229,7 +229,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
     start = {s.name: s.initial for s in of.block.states}
-    outputs = agree.run(sound().by_name["c64"], start, inputs).outputs
+    outputs = replays.run(sound().by_name["c64"], start, inputs).outputs
     valid = outputs["valid"] > 0
     known = np.where(valid, outputs["X"], -np.inf).max(axis=0) - np.where(valid, outputs["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2

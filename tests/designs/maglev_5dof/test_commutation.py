@@ -19,7 +19,7 @@ from synth.simulate import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.verify import agree, sampling, suite
+from synth.verify import replays, sampling, suite
 
 ERROR = platen.SURROGATE_ERROR
 STOP = 0.031  # m, the gap at the lower stop
@@ -146,7 +146,7 @@ def test_direct_currents_go_to_the_motors_whose_position_is_known(lost: float) -
     inputs |= {"x_commutation": np.zeros(n), "z_commutation": np.zeros(n)}
     inputs["x_commutation"][10:60] = lost
     c64 = build.compile_block(PHASES, np.float64, error=ERROR[np.float64])
-    out = agree.replay(c64, inputs).outputs
+    out = replays.replay(c64, inputs).outputs
     sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in platen.MOTORS}
     for j, before, during in ((1, 1.0, 2.0), (2, 1.0, 0.0), (3, 1.0, 2.0), (4, 1.0, 0.0)):
         assert sizes[j][9] == pytest.approx(before) and sizes[j][59] == pytest.approx(during, abs=1e-12)

@@ -48,7 +48,7 @@ def emitted(block: Block) -> write.EmittedCode:
 def is_detected(at: WitnessSteps, witness: agree.Witness) -> bool:
     """Tell whether a witness fails one of the checks against the sound C."""
     pair = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
-    ((_, checks),) = verification.compare_witnesses("planted", at.subject, pair)
+    ((_, checks),) = verification.compare_witnesses("planted", at.subject, verification.pair_with_c64(pair))
     return not all(c.passed for c in checks)
 
 

@@ -21,3 +21,12 @@ def test_a_condition_is_continued_beyond_its_block() -> None:
 def test_short_lines_comments_and_directives_stay() -> None:
     rows = [Line("x = 1;"), Line("/* " + "word " * 40 + "*/"), Line('#error "' + "word " * 40 + '"')]
     assert list(wrapped(rows)) == rows
+
+
+def test_no_name_is_cut_where_nested_calls_have_no_blank() -> None:
+    name = "a_design_with_a_long_name_max"
+    nested = (
+        f"x = {name}({name}({name}({name}({name}(0.0f, first_part), second_part), third_part), fourth_part), more);"
+    )
+    rows = [row.text for row in wrapped([Line("    " + nested)])]
+    assert len(rows) > 1 and sum(row.count(f"{name}(") for row in rows) == 5

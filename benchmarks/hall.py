@@ -1,0 +1,78 @@
+"""Instructions of a sample of the Hall estimators on a Cortex-M4F: generic beside specialised, and four sensors.
+
+    python -m benchmarks.hall
+
+The specialised estimator, the generic one with the same five corrections and descent check, and the generic one with
+two corrections, as in tracking, run over the same samples of two sensors; four sensors over their test vectors. The
+largest of the samples each; not cycles, and no bound of the worst case.
+"""
+
+import sys
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from designs.hall_position import config, generic
+from designs.hall_position.four import config as four
+from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
+from synth.block import Block
+from synth.blocks.glsdc_solution import Iteration
+from synth.emit import write
+from synth.execute import cross
+from synth.execute.target import load
+
+SAMPLES, SEED = 400, 0
+
+
+class Cost(NamedTuple):
+    """The largest instructions of a sample of an estimator, over some samples."""
+
+    estimator: str
+    samples: int
+    instructions: int
+
+
+def count_instructions(block: Block, inputs: dict[str, Numbers]) -> list[int]:
+    """Return the instructions of each sample of the float C."""
+    emitted = write.emit(block, np.float32, error=SURROGATE_ERROR[np.float32])
+    target = load(emitted.files, emitted.manifest, compiler="gcc" if "gcc" in cross.available() else "zig")
+    return [int(n) for n in target.measure(inputs).cost.instructions]
+
+
+def voltages() -> dict[str, Numbers]:
+    """Return the voltages of two sensors in a small motion about the origin."""
+    angle = 2 * np.pi * np.arange(SAMPLES) * config.TIME.period_s
+    pose = Pose(0.004 * np.sin(2 * angle), 0.003 * np.cos(3 * angle) - 0.003, 0.02 * np.sin(angle))
+    return motions.by_input(motions.noisy(config.array(), pose, SEED))
+
+
+def costs() -> Iterator[Cost]:
+    """Yield the cost of each estimator."""
+    read, array = voltages(), config.array()
+    blocks = {"specialised, 5 corrections": config.block()}
+    for name, iteration in (("5", generic.USUAL_ITERATION), ("2", Iteration(2)), ("2", Iteration(2, True))):
+        title = f"generic, {name} corrections" + (", held Jacobian" if iteration.held_jacobian else "")
+        blocks[title] = generic.guarded_estimator(array, config.TIME, iteration=iteration)
+    for title, block in blocks.items():
+        yield Cost(title, SAMPLES, max(count_instructions(block, read)))
+    vectors = four.vectors({"V_ax": np.zeros(1, np.float32)}, {})
+    counts = count_instructions(four.block(), vectors)
+    tracking = counts[four.REST : four.REFUSED.start]
+    yield Cost("four sensors, tracking without a fault", len(tracking), max(tracking))
+    yield Cost("four sensors, sweep, tracking, and faults", len(counts), max(counts))
+
+
+def lines() -> Iterator[str]:
+    """Yield the costs as text."""
+    yield "instructions of a sample, Cortex-M4F, the largest"
+    for cost in costs():
+        yield f"{cost.estimator:45} {cost.samples:5} samples {cost.instructions:6}"
+
+
+if __name__ == "__main__":
+    for line in lines():
+        sys.stdout.write(f"{line}\n")
+        sys.stdout.flush()

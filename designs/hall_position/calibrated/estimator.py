@@ -1,0 +1,64 @@
+"""The estimator of four sensors with a unit's calibration: corrected voltages, and R from held-out residuals."""
+
+from dataclasses import replace
+from functools import cache
+
+from designs.hall_position import config as hall
+from designs.hall_position.calibrated import corrections, stages
+from designs.hall_position.calibrated.stages import UnitCalibration
+from designs.hall_position.four import config, estimator, metres, trust
+from designs.hall_position.four.parameters import Tuning
+from designs.hall_position.glsdc import channels
+from models.hall_two_waves import PlanarArray
+from synth.block import Block
+from synth.blocks import glsdc_estimator, safety, screening
+from synth.composition import compose
+from synth.signals import signal_names
+
+NAME = "hall_position_calibrated"
+GAIN_DRIFT = 3e-3  # relative, to either side, of gains since the calibration
+UNIFORM = 3**-0.5  # rms of a uniform distribution over its half width
+POSE = ("X", "Y", "yaw", "amplitude", "tracking", "excluded", "valid")
+ALERT = {"position_limit": trust.WRONG, "yaw_limit": trust.WRONG_YAW}  # m, rad
+RISK = 1e-5  # of a sample: less than usual, since over half a millimetre hypotheses are linear to about R only
+
+
+def tuning(of: UnitCalibration, gain_drift: float = GAIN_DRIFT) -> Tuning:
+    """Return the tuning with the model error of a calibration, and limits in proportion to it, from ALERT on."""
+    error = of.model_error(UNIFORM * gain_drift)
+    usual, scale = config.USUAL, error / config.USUAL.model_error
+    limits = {n: max(least, scale * getattr(usual, n)) for n, least in ALERT.items()}
+    return replace(usual, model_error=error, risk=RISK, **limits)
+
+
+def array(of: UnitCalibration) -> PlanarArray:
+    """Return the array with the calibrated places and amplitudes."""
+    places = tuple((float(x), float(y)) for x, y in of.places())
+    return replace(config.array(), positions=places, beta=of.fit.values["wave_5"])
+
+
+def block(of: UnitCalibration, tuned: Tuning) -> Block:
+    """Return the guarded estimator of a calibrated unit."""
+    sensors, time = array(of), hall.TIME
+    volts = channels.voltages(len(sensors.positions))
+    inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
+    guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
+    names = {f"{s.name}_held": f"{s.name}_calibrated" for s in volts} | {"valid": "phases_valid"}
+    phases = estimator.phase_estimator(sensors, time, tuned).renamed(names)
+    position = metres.metres(sensors, time, tuned.pitches, phases)
+    screen = screening.screen(time, volts, estimator.groups(sensors), tuned.repeats)
+    outputs = {s.name: s for s in (*position.outputs, *phases.outputs)}
+    blocks = [guard, screen, phases, position]
+    blocks.insert(2, corrections.corrections(of, time, {n: outputs[n] for n in POSE}))
+    lengths = [s.name for s in position.outputs if s.unit == "m"]
+    return compose(NAME, blocks, inputs=signal_names(volts), outputs=[*lengths, *estimator.DIRECT])
+
+
+@cache
+def of_unit(
+    field: str, seed: int, stage: str = stages.STAGES[-1], gain_drift: float = GAIN_DRIFT
+) -> tuple[Block, Tuning]:
+    """Return the estimator of a unit, calibrated up to a stage, and its tuning."""
+    of = stages.of_unit(field, seed, stage)
+    tuned = tuning(of, gain_drift)
+    return block(of, tuned), tuned

@@ -1,0 +1,90 @@
+"""`synth study`: the machines of a study, their table at the terminal and in files, and the search for the worst."""
+
+import sys
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from synth import store, strict_json, study_jobs, tables, workspace
+from synth.command_results import run_jobs
+from synth.jobs import Job
+from synth.report import study as report
+from synth.simulate import sampling, study_table, worst_case
+from synth.simulate.study import StudyTable
+from synth.simulate.worst_case import WorstCase
+from synth.study_jobs import Plan
+from synth.workspace import Design
+
+
+@dataclass(frozen=True)
+class StudyFiles:
+    """Where the table of a study is written: CSV, Parquet, and a page."""
+
+    csv: Path | None = None
+    parquet: Path | None = None
+    report: Path | None = None
+
+
+@dataclass(frozen=True)
+class StudyChoice:
+    """The options of `synth study`."""
+
+    plants: int
+    experiments: tuple[str, ...]
+    seed: int
+    method: str
+    row: int | None
+    files: StudyFiles
+    search: str | None
+    scheduler: str | None
+
+
+def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
+    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    if chosen.files.parquet is not None:
+        study_table.require_parquet()
+    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
+    plan = study_jobs.Plan(drawn, chosen.experiments)
+    outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
+    worst = None
+    if chosen.search is not None:
+        climb = partial(study_jobs.search, design, plan, table, chosen.search)
+        outcome = run_jobs([Job(name, name, climb)], as_json, fresh)[name]
+        if outcome.error:
+            return 2
+        worst = outcome.value
+    _write(name, table, worst, chosen.files)
+    _show(name, table, worst, as_json, chosen.row is not None)
+    return int(not table.passed.all())
+
+
+def _jobs(design: Design, plan: Plan, chosen: StudyChoice) -> list[Job]:
+    jobs = study_jobs.jobs(design, plan)
+    if chosen.row is not None:
+        return [Job(design.name, design.name, partial(study_jobs.row, design, plan, chosen.row))]
+    if chosen.scheduler is not None:
+        return [Job(design.name, design.name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+    return jobs
+
+
+def _write(name: str, table: StudyTable, worst: WorstCase | None, files: StudyFiles) -> None:
+    if files.csv is not None:
+        store.replace_text(files.csv, study_table.csv_text(table))
+    if files.parquet is not None:
+        study_table.write_parquet(table, files.parquet)
+    if files.report is not None:
+        store.replace_text(files.report, report.page_text(name, table, worst))
+
+
+def _show(name: str, table: StudyTable, worst: WorstCase | None, as_json: bool, alone: bool) -> None:
+    if as_json:
+        searched = {"search": vars(worst)} if worst else {}
+        sys.stdout.write(strict_json.dumps(study_table.document(table) | searched) + "\n")
+        return
+    (tables.print_machine if alone else tables.print_study)(name, table)
+    if worst:
+        sys.stdout.write("\n".join(worst_case.notes(worst)) + "\n")

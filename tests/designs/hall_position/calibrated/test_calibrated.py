@@ -1,0 +1,120 @@
+"""Calibrated units: what each stage leaves, the faults that they then withstand, and planted defects."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from designs.hall_position.calibrated import estimator, stages, survey
+from designs.hall_position.calibrated import unit as units
+from designs.hall_position.calibrated.stages import UnitCalibration
+from designs.hall_position.calibrated.survey import Case
+from designs.hall_position.four import config, trust
+from designs.hall_position.four.trust import Samples
+from designs.hall_position.pages import integrity
+from synth.errors import ModelError
+
+SEED, OTHER, BODIES = 12, 13, 1500
+CASE = Case("built", SEED)
+BAR = 2e-3  # of samples that are valid and wrong
+
+
+def of(stage: str, seed: int = SEED) -> UnitCalibration:
+    return stages.of_unit("built", seed, stage)
+
+
+@cache
+def samples(fault: str, speed: float = 0.0, bodies: int = BODIES) -> Samples:
+    return survey.run(CASE, fault, bodies, speed)
+
+
+def test_each_stage_leaves_less() -> None:
+    residuals = [of(stage).residual for stage in stages.STAGES]
+    errors = [of(stage).position_error for stage in stages.STAGES]
+    assert residuals == sorted(residuals, reverse=True) and errors == sorted(errors, reverse=True)
+    assert residuals[0] > 0.045 and 0.02 < residuals[2] < 0.03 and residuals[3] < 4.5e-3
+    assert errors[0] > 90e-6 and errors[3] < 11e-6
+
+
+def test_the_parameters_are_those_of_the_unit() -> None:
+    unit, last = units.draw("built", SEED), of("map")
+    assert np.abs(last.places() - np.array(unit.bench.places)).max() < 4e-5 < trust.PLACE
+    turn = np.arctan2(last.gains()[:, 1, 0], last.gains()[:, 0, 0])
+    assert np.abs(np.abs(turn) - np.abs(unit.angles)).max() < 3e-3 < trust.ANGLE
+
+
+def test_r_covers_what_was_held_out_and_the_drift_of_gains() -> None:
+    last = of("map")
+    assert 0.98 * last.residual < last.model_error(0) < 1.1 * last.residual  # less the noise, at its upper bound
+    tuning = estimator.tuning(last)
+    assert tuning.model_error == pytest.approx(np.hypot(last.model_error(0), 0.003 / 3**0.5 * 2.25), rel=0.03)
+    assert 1 <= tuning.position_limit / trust.WRONG < 1.05 and 1 <= tuning.yaw_limit / trust.WRONG_YAW < 1.15
+
+
+def test_an_unknown_stage_is_refused() -> None:
+    with pytest.raises(ModelError, match="'polish' is not a stage"):
+        stages.calibrate(units.draw("built", SEED), "polish")
+
+
+@pytest.mark.parametrize("speed", [0.0, trust.SPEED])
+def test_without_a_fault_the_deviations_hold(speed: float) -> None:
+    outcome = samples("none", speed).outcome()
+    assert outcome.valid > 0.99 and outcome.wrong == 0 and 0.8 < outcome.ratio < 1.2
+
+
+@pytest.mark.parametrize("speed", [0.0, trust.SPEED])
+@pytest.mark.parametrize("fault", [f for f in trust.FAULTS if f != "none"])
+def test_no_fault_of_a_sensor_misleads(fault: str, speed: float) -> None:
+    outcome = samples(fault, speed).outcome()
+    assert outcome.wrong < BAR and outcome.valid > 0.75
+
+
+def test_waves_alone_do_not_meet_the_bar() -> None:
+    """The planted defect of the same survey: an R of 27 mV hides an offset of 0.3 V."""
+    assert survey.run(Case("built", SEED, "waves"), "offset", 500).outcome().wrong > 5 * BAR
+
+
+def test_the_calibration_of_another_unit_shows() -> None:
+    """The planted defect: a table of another matrix is worse than none."""
+    controller, tuning = survey.compile_unit("built", SEED, "map", estimator.GAIN_DRIFT)
+    rng = np.random.default_rng(0)
+    of = survey.world(Case("built", OTHER), 500, rng)
+    outcome = trust.simulate(controller, tuning, of, "none", 500, 0.0, rng).outcome()
+    assert outcome.valid < 0.5 and outcome.ratio > 1.5
+
+
+def test_gains_that_drift_beyond_their_budget_show() -> None:
+    """The planted defect: three times the drift that R covers."""
+    outcome = survey.run(Case("built", SEED, drift=0.01), "none", 500).outcome()
+    assert outcome.ratio > 1.5 and outcome.valid < 0.98
+
+
+def test_no_cold_start_is_wrong_by_pitches() -> None:
+    start = survey.cold_start(CASE, BODIES)
+    assert start.wrong == 0 and start.valid > 0.985 and start.longest <= 120
+
+
+def test_every_subset_of_sensors_is_protected_or_not_valid() -> None:
+    for refused in survey.subsets():
+        each = survey.diagram(survey.run(CASE, "none", 100, refused=refused), trust.WRONG)
+        assert each.misleading == each.hazardous == 0
+        assert each.availability > 0.9 if len(refused) < 2 else each.availability == 0
+
+
+def test_the_diagram_counts_what_misleads() -> None:
+    """The planted defect: errors of 1 mm where the levels say less."""
+    sound = samples("none")
+    errors = sound.errors + np.array([1e-3, 0, 0])
+    wrong = Samples(sound.valid, errors, sound.deviations, sound.levels)
+    good, bad = (survey.diagram(s, trust.WRONG) for s in (sound, wrong))
+    assert good.hazardous == 0 and bad.hazardous == bad.samples - bad.unavailable > 0
+
+
+def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(integrity, "UNITS", {"as built": CASE})
+    monkeypatch.setattr(integrity, "BODIES", 40)
+    blocks = integrity.blocks()
+    rows = {row[1]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
+    assert rows["none"][2] == 1e3 * config.USUAL.model_error and rows["none"][6] > rows["map"][6]
+    assert [row[1] for row in blocks["integrity.stages"]] == list(stages.STAGES)  # type: ignore[union-attr,index,misc]
+    assert len(blocks["integrity.subsets"]) == 16  # type: ignore[arg-type]
