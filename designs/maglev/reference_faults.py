@@ -6,7 +6,7 @@
                  q + alpha nu, v + beta nu, d + gamma nu; triple pole p = exp(-w T), alpha = 1 - p^3,
                  beta = 3/2 (1 - p)^2 (1 + p) / T, gamma = (1 - p)^3 / T^2
     isolation    of a gap encoder for |y1 - y2 + y3 - y4| > 48 um, by codes that stand still and by innovations
-    probe        pairs of doublets of a (k + 1), k = 0 .. 4, at a code of x or z that stands still
+    probe        pairs of doublets of a (k + 1), k = 0, 1 .., at a code of x or z that stands still
     landing      w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, down to the stop at 31 mm
 
 `step` is that of the shipped controller, columns (n,) by name as in `reference`.
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev import reference_phase, reference_stage
+from designs.maglev import reference_phase, reference_probe, reference_stage
 from designs.maglev.reference_stage import AXES, HIGH, LAST, LIMITS, LOW, OUTPUTS, SAFE, SENSORS, SLEW
 
 Array = NDArray[np.float64]
@@ -37,8 +37,7 @@ THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encod
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
-QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m; by default
-PAIR = 4 * QUARTER + 3  # samples
+LIFTED, LONGEST = 0.0305, 40  # m, of the probe; samples counted without a change
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -50,7 +49,6 @@ END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e
 DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
 WIDE, REACH = 10.0, 0.5  # m/s, m: bounds of the ramps
-MEMORY_OF_PROBE = ("sample", "attempt", "towards")
 MISSED_CALLS = 40
 
 
@@ -70,7 +68,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array, attempts: int) -> 
     expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
     same = y == reference_stage.rows(state, [f"redundancy_code_{n}" for n in NAMES])
     excluded = flags(state, [f"redundancy_excluded_{n}" for n in NAMES])
-    usable, longest = good & ~excluded, by_row([STILL] * 4 + [QUIET] * 2, y)
+    usable, longest = good & ~excluded, by_row([STILL] * 4 + [LONGEST] * 2, y)
     count = reference_stage.rows(state, [f"redundancy_still_{n}" for n in NAMES])
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
@@ -204,29 +202,6 @@ def land(
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
 
 
-def probe(
-    w: Array, e: Array, state: Columns, still: Array, free: Flags, step: float, attempts: int
-) -> tuple[Array, dict[str, Array]]:
-    """Return the demands of x and z (2, n) with the pairs of the probe, and its next states."""
-    sample, attempt, towards = (reference_stage.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
-    runs, waits, acceleration = sample > 0, still >= QUIET, step / (QUARTER * T) ** 2
-    ends, failures = sample >= PAIR, np.minimum(attempt + 1, attempts)
-    starts = waits & free
-    after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
-    new = (
-        np.where(runs, np.where(ends, 0, sample + 1), starts),
-        np.where(runs, after, attempt),
-        np.where(runs, towards, np.where(e > 0, -acceleration, acceleration)),
-    )
-    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), dict[str, Array]()
-    for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
-        rows = np.where(runs | waits, value, other)
-        next |= {f"probe_{s}_{n}": row for s, row in zip("xz", rows, strict=True)}
-    push, inner = towards * (attempt + 1), (sample > QUARTER) & (sample <= 3 * QUARTER)
-    pulse = np.where(sample <= 4 * QUARTER, np.where(inner, -push, push), 0.0)
-    return np.where(runs, np.clip(w + pulse, -1e4, 1e4), w), next
-
-
 def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[Array, Array]:
     """Return the next transfer and the currents (6, n), as the commutation hands over direct currents."""
     i_d, (u_x, u_z), lost = computed[:4], computed[4:], ~trusted
@@ -247,14 +222,14 @@ def exceeds_limit(count: Any) -> Flags:
 
 
 def step(
-    state: Columns, inputs: Columns, law: Law, probe_step: float = STEP, attempts: int = ATTEMPTS
+    state: Columns, inputs: Columns, law: Law, at_rest: reference_probe.Probe = reference_probe.PROBE
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of a law with its fault handling, columns by name."""
     values, after, word = reference_stage.guard(state, inputs)
     good = np.array([(word & bit) == 0 for bit in reference_stage.BITS[:SENSORS]])
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
     q = reference_stage.rows(state, [f"observer_{s}_q" for s in AXES])
-    used, suspects, after_readings = readings(state, values[:SENSORS], good, q, attempts)
+    used, suspects, after_readings = readings(state, values[:SENSORS], good, q, at_rest.attempts)
     flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
@@ -263,7 +238,7 @@ def step(
     w, finish = law(state, pose, values[SENSORS:], ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])
     free = flag["regular"] & (state["observer_y_q"] < LIFTED)
-    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, free, probe_step, attempts)
+    w[1:3], after_probe = reference_probe.probe(w[1:3], e[1:3], state, still, free, at_rest)
     computed, thrust, after_law = finish(w, used[:4], last)
     transfer, computed = without_positions(state, computed, flag["trusted"])
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))

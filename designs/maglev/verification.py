@@ -129,7 +129,9 @@ def _in_operation(block: Block, law_states: LawStates, n: int) -> tuple[Columns,
         inputs[f"{name}_ref"] = np.clip(pose[name] - error, *ends)
         states |= law_states(rng, name, pose[name], error)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
-    states |= _fault_handling(rng, n, inputs)
+    states |= _fault_handling(
+        rng, n, inputs, {s.signal.name: round(s.signal.high) for s in block.states if s.integer}
+    )
     inputs["y1"] = inputs["y1"] + np.where(rng.uniform(size=n) < RARE, rng.uniform(-1e-3, 1e-3, n), 0.0)
     for s in platen.CURRENTS:
         held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
@@ -138,7 +140,7 @@ def _in_operation(block: Block, law_states: LawStates, n: int) -> tuple[Columns,
     return states, inputs
 
 
-def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Columns:
+def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns, most: Mapping[str, int]) -> Columns:
     """Return states of the fault handling near the readings: few encoders are excluded, few platens land."""
     states: Columns = {}
     readings: Any = np.array([inputs[name] for name in reference_faults.NAMES])
@@ -152,8 +154,10 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
     for name in "xz":
         states[f"redundancy_doubts_{name}"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
         states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
-        states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
-        attempts = reference_faults.ATTEMPTS
+        states[f"probe_{name}_sample"] = np.where(
+            rng.uniform(size=n) < 0.5, 0, rng.integers(0, most[f"probe_{name}_sample"] + 1, n)
+        )
+        attempts = most[f"probe_{name}_attempt"]
         states[f"probe_{name}_attempt"] = np.where(rng.uniform(size=n) < RARE, attempts, rng.integers(0, attempts, n))
     states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
     for flag in ("undecided", "stuck"):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev import reference_faults
+from designs.maglev import reference_faults, reference_probe
 from designs.maglev.reference_faults import T, by_row
 from designs.maglev.reference_stage import (
     AXES,
@@ -38,7 +38,7 @@ SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2, 2, 2), (6, 4, 4, 4)) 
 BANDWIDTH = (400.0, 400.0, 400.0, 400.0, 250.0)  # rad/s
 ERROR, FASTEST = (3e-4, 1e-3, 1e-3, 1e-4, 3e-4), (0.1, 0.3, 0.3, 0.1, 0.1)  # m, rad; m/s, rad/s
 CANCELLED, MEMORY, DEMAND = 0.8, 10.0, 1e4
-PROBE_STEP, ATTEMPTS = 2.4e-6, 9  # m, pairs
+PROBE = reference_probe.Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, both_sides=True)
 ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")
 
 
@@ -130,4 +130,4 @@ def with_fault_handling(
     state: Columns, inputs: Columns, k: Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of the shipped controller, columns by name."""
-    return reference_faults.step(state, inputs, partial(law, k=k or constants()), PROBE_STEP, ATTEMPTS)
+    return reference_faults.step(state, inputs, partial(law, k=k or constants()), PROBE)
