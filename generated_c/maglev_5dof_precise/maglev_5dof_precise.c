@@ -355,15 +355,15 @@ typedef struct {
  *     x_fast_rate_ahead = limit(x_fast_rate + 0.001 * (delay_a_x_last + x_fast_disturbance), 2) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_fast_state_t *state,
-    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float value, float value_2,
-    float value_3, float before)
+    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float nu, float value,
+    float value_2, float before)
 {
-    float x_fast_estimate = value_2;
+    float x_fast_estimate = value;
     float x_fast_rate = 0.0f;
-    float x_fast_disturbance = value_3;
+    float x_fast_disturbance = value_2;
     if (ready != 0u) {
-        x_fast_estimate = state->q + (parameters->alpha * value);
-        x_fast_rate = state->v + (parameters->beta * value);
+        x_fast_estimate = state->q + (parameters->alpha * nu);
+        x_fast_rate = state->v + (parameters->beta * nu);
     } else {
         x_fast_disturbance = 0.0f;
     }
@@ -396,8 +396,8 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .probe_x_towards = 0.26666668f,
-        .probe_z_towards = 0.26666668f,
+        .probe_x_towards = 2.2f,
+        .probe_z_towards = 2.2f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -516,30 +516,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_ready = state->guard_ready;
 
-    /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
-     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
-     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
-     *         x_disturbance)), 0.1)
-     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    /* observer_x: predictive observer, alpha-beta-gamma */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
+     *     sample_next = ((0 if 7 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 12
      *         <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= x_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-0.266667 if 0 < e_x, else 0.266667)) if 1 <= sample
-     *         or 40 <= x_unchanged, else towards */
+     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 7 <= x_unchanged, else 0) if 7 <=
+     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= x_unchanged, else 0
+     *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
+     *         attempt, else (-2.2 if 0 < e_x, else 2.2))) if 1 <= sample or 12 <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = 9u <= probe_x_attempt;
+    const bool x_unanswered = 8u <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -568,30 +556,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
     const float observer_theta_q = state->observer_theta_q;
 
-    /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
-     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
-     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
-     *         z_disturbance)), 0.1)
-     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    /* observer_z: predictive observer, alpha-beta-gamma */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-0.266667 if 0 < e_z, else 0.266667)) if 1 <= sample
-     *         or 40 <= z_unchanged, else towards */
+     *     as probe_x, with z in place of x */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = 9u <= probe_z_attempt;
+    const bool z_unanswered = 8u <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
      *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
@@ -760,7 +731,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     maglev_5dof_precise_flag(candidate_y4);
                 const uint32_t suspect_y1_part_4 = maglev_5dof_precise_flag(still_y1 < 3u) +
                     maglev_5dof_precise_flag(still_y2 < 3u) + maglev_5dof_precise_flag(still_y3 < 3u);
-                const bool first = candidates != 0u;
+                const bool first_suspect_y1 = candidates != 0u;
                 uint32_t suspect_y1_part_5 = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
@@ -775,24 +746,24 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                         maglev_5dof_precise_flag(flag_suspect_y1_2) + maglev_5dof_precise_flag(flag_suspect_y1_3) +
                         maglev_5dof_precise_flag(flag_suspect_y1_4);
                     suspect_y1_part_5 = suspect_y1_part_6;
-                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
+                    const float second_rule = 1.0f - (first_suspect_y1 ? 1.0f : 0.0f);
                     preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
                     preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
                     preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
                     preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_5) != 0u;
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y1));
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y1));
                 const float best_y1 = maglev_5dof_precise_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y2));
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y2));
                 const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y3));
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y3));
                 const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y4));
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y4));
                 const float best = maglev_5dof_precise_max(best_y3, score_y4);
                 const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-10.0f,
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
@@ -1251,25 +1222,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         } else {
-            /* servo_y_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_y, 0.0003) if |sum + limit(e_y, 0.0003)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_y, 0.0003) if |q1 - (p1 + c1 * q1) + limit(e_y, 0.0003)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+            /* servo_y_fast: predictive servo with internal models */
             w_y = w_y_tracking;
 
-            /* servo_x_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_x, 0.001) if |sum + limit(e_x, 0.001)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_x, 0.001) if |q1 - (p1 + c1 * q1) + limit(e_x, 0.001)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+            /* servo_x_fast: predictive servo with internal models */
             w_x_unprobed = w_x_tracking;
 
-            /* servo_z_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_z, 0.001) if |sum + limit(e_z, 0.001)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_z, 0.001) if |q1 - (p1 + c1 * q1) + limit(e_z, 0.001)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+            /* servo_z_fast: predictive servo with internal models */
             w_z_unprobed = w_z_tracking;
 
             /* servo_phi_fast: predictive servo with internal models (continued) */
@@ -1289,11 +1248,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 w_phi_tracking_part;
             w_phi = w_phi_tracking;
 
-            /* servo_theta_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_theta, 0.0003) if |sum + limit(e_theta, 0.0003)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_theta, 0.0003) if |q1 - (p1 + c1 * q1) + limit(e_theta,
-             *         0.0003)| <= 10, else q1; likewise q2_next, q3_next */
+            /* servo_theta_fast: predictive servo with internal models */
             w_theta = w_theta_tracking;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -1313,24 +1268,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
-        if (runs_w_x || (40u <= x_unchanged)) {
+        if (runs_w_x || (12u <= x_unchanged)) {
+            const float probe_x_towards = state->probe_x_towards;
             if (runs_w_x) {
-                const uint32_t w_x_part = probe_x_attempt + 1u;
                 float pulse_w_x = 0.0f;
-                if (probe_x_sample <= 12u) {
-                    const float push_w_x = state->probe_x_towards * (float)w_x_part;
-                    pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
+                if (probe_x_sample <= 4u) {
+                    const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
+                    pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
                 }
                 w_x_unprobed = w_x_unprobed + pulse_w_x;
-                if (15u <= probe_x_sample) {
+                if (7u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
+                    state->probe_x_attempt = (7u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : (probe_x_attempt
+                        + 1u)) : 0u;
+                    state->probe_x_towards = -probe_x_towards;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
             } else {
                 state->probe_x_sample = maglev_5dof_precise_flag(free);
-                state->probe_x_towards = (0.0f < e_x) ? -0.26666668f : 0.26666668f;
+                if (probe_x_attempt < 1u) {
+                    state->probe_x_towards = (0.0f < e_x) ? -2.2f : 2.2f;
+                }
             }
         } else {
             state->probe_x_sample = 0u;
@@ -1344,24 +1303,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
-        if (runs_w_z || (40u <= z_unchanged)) {
+        if (runs_w_z || (12u <= z_unchanged)) {
+            const float probe_z_towards = state->probe_z_towards;
             if (runs_w_z) {
-                const uint32_t w_z_part = probe_z_attempt + 1u;
                 float pulse_w_z = 0.0f;
-                if (probe_z_sample <= 12u) {
-                    const float push_w_z = state->probe_z_towards * (float)w_z_part;
-                    pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
+                if (probe_z_sample <= 4u) {
+                    const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
+                    pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
                 }
                 w_z_unprobed = w_z_unprobed + pulse_w_z;
-                if (15u <= probe_z_sample) {
+                if (7u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
+                    state->probe_z_attempt = (7u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : (probe_z_attempt
+                        + 1u)) : 0u;
+                    state->probe_z_towards = -probe_z_towards;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
                 }
             } else {
                 state->probe_z_sample = maglev_5dof_precise_flag(free);
-                state->probe_z_towards = (0.0f < e_z) ? -0.26666668f : 0.26666668f;
+                if (probe_z_attempt < 1u) {
+                    state->probe_z_towards = (0.0f < e_z) ? -2.2f : 2.2f;
+                }
             }
         } else {
             state->probe_z_sample = 0u;
