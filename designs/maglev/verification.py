@@ -129,9 +129,7 @@ def _in_operation(block: Block, law_states: LawStates, n: int) -> tuple[Columns,
         inputs[f"{name}_ref"] = np.clip(pose[name] - error, *ends)
         states |= law_states(rng, name, pose[name], error)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
-    states |= _fault_handling(
-        rng, n, inputs, {s.signal.name: round(s.signal.high) for s in block.states if s.integer}
-    )
+    states |= _fault_handling(rng, n, inputs, {s.signal.name: round(s.signal.high) for s in block.states if s.integer})
     inputs["y1"] = inputs["y1"] + np.where(rng.uniform(size=n) < RARE, rng.uniform(-1e-3, 1e-3, n), 0.0)
     for s in platen.CURRENTS:
         held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0

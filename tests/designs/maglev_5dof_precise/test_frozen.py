@@ -3,8 +3,6 @@
 from dataclasses import replace
 from functools import partial
 
-import pytest
-
 from designs.maglev import fault_handling
 from designs.maglev_5dof_precise import control
 from designs.maglev_5dof_precise.design import DESIGN, PLANT
@@ -34,6 +32,5 @@ def test_an_encoder_that_freezes_at_rest_is_named_in_time() -> None:
     assert travel < 1e-3 and notice < 1e-3 * control.PROBE.samples
 
 
-@pytest.mark.parametrize("slower", [{"quarter": 2}])
-def test_a_slower_probe_lets_the_platen_run_away(slower: dict[str, int]) -> None:
-    assert travel_and_time_to_notice(replace(control.PROBE, **slower))[0] > TRAVEL
+def test_a_slower_probe_lets_the_platen_run_away() -> None:
+    assert travel_and_time_to_notice(replace(control.PROBE, quarter=2))[0] > TRAVEL
