@@ -601,7 +601,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
                 const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
                     maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
-                const bool first = candidates != 0u;
+                const bool first_suspect_y1 = candidates != 0u;
                 uint32_t suspect_y1_part_4 = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
@@ -614,24 +614,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const bool flag_suspect_y1_4 = 8u <= still_y4;
                     suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) +
                         maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
-                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
+                    const float second_rule = 1.0f - (first_suspect_y1 ? 1.0f : 0.0f);
                     preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
                     preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
                     preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
                     preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y1));
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y1));
                 const float best_y1 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y2));
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y2));
                 const float best_y2 = maglev_5dof_max(best_y1, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y3));
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y3));
                 const float best_y3 = maglev_5dof_max(best_y2, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y4));
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first_suspect_y1 ? 1.0f : 0.0f)
+                    + preferred_y4));
                 const float best = maglev_5dof_max(best_y3, score_y4);
                 const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(best_y1,
                     score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
