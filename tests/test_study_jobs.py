@@ -67,8 +67,8 @@ def one_row(table: StudyTable, row: int) -> StudyTable:
 
 
 def stored_chunks() -> set[Path]:
-    """Return the stored chunks of a study: pickles of an object of its class."""
-    results = (Path(os.environ["SYNTH_CACHE"]) / "results").glob("??/*")
+    """Return the stored chunks of a study: pickles of an object of its class. A file being written begins with a dot."""
+    results = (Path(os.environ["SYNTH_CACHE"]) / "results").glob("??/[!.]*")
     return {path for path in results if b"synth.simulate.study\x94\x8c\nStudyTable" in path.read_bytes()}
 
 
