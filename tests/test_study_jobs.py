@@ -67,7 +67,7 @@ def one_row(table: StudyTable, row: int) -> StudyTable:
 
 
 def stored_chunks() -> set[Path]:
-    """Return the stored chunks of a study: pickles of an object of its class. A file being written begins with a dot."""
+    """Return the stored chunks of a study: pickles of an object of its class, and no file that is being written."""
     results = (Path(os.environ["SYNTH_CACHE"]) / "results").glob("??/[!.]*")
     return {path for path in results if b"synth.simulate.study\x94\x8c\nStudyTable" in path.read_bytes()}
 
