@@ -11,15 +11,8 @@ from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import agree, replays, suite
 from tests import levitator
+from tests.verify.test_agree import BLOCK
 
-X, ANGLE = Signal("x", "m", -1e-3, 5e-4), Signal("angle", "rad", -3, 3)
-BLOCK = build(
-    "two",
-    Discrete(1e-3),
-    lambda u, x, k: Step({"x": u["x_in"], "angle": u["angle_in"]}),
-    inputs=[Signal("x_in", "m", -1e-3, 5e-4), Signal("angle_in", "rad", -3, 3)],
-    outputs=[X, ANGLE],
-)
 PART, SAMPLES = 60, 250  # the last part has 10 samples
 
 

@@ -22,6 +22,7 @@ from designs.hall_position.glsdc import channels
 from synth.block import Block, Constant, Exprs, State, Step, build, clip, table
 from synth.blocks import lookup_table
 from synth.blocks.lookup_table import Grid
+from synth.errors import ModelError
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -36,11 +37,16 @@ def corrections(of: UnitCalibration, time: Discrete, pose: Mapping[str, Signal])
 
     `pose` are outputs of the estimator, which it reads after each sample: X, Y, yaw, amplitude, tracking, excluded
     and valid.
+
+    Raises ModelError for a calibration without a table.
     """
     volts, inverse = channels.voltages(len(LETTERS)), np.linalg.inv(of.gains())
     constants = _constants(of, inverse)
     fitted = of.table
-    assert fitted is not None
+    if fitted is None:
+        raise ModelError(
+            f"the calibration up to the stage '{of.stage}' has no table of the field: calibrate to 'waves' or 'map'"
+        )
     tables = {a: table(f"field_{a}", fitted.values[..., i].ravel().tolist()) for i, a in enumerate("xy")}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

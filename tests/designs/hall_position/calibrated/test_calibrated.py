@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position.calibrated import estimator, stages, survey
+from designs.hall_position import config as hall
+from designs.hall_position.calibrated import corrections, estimator, stages, survey
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.survey import Case
@@ -118,3 +119,9 @@ def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> N
     assert rows["none"][2] == 1e3 * config.USUAL.model_error and rows["none"][6] > rows["map"][6]
     assert [row[1] for row in blocks["integrity.stages"]] == list(stages.STAGES)  # type: ignore[union-attr,index,misc]
     assert len(blocks["integrity.subsets"]) == 16  # type: ignore[arg-type]
+
+
+def test_a_calibration_without_a_table_is_refused() -> None:
+    of = stages.of_unit("fabricated", 0, "sensors")
+    with pytest.raises(ModelError, match="stage 'sensors' has no table of the field: calibrate to"):
+        corrections.corrections(of, hall.TIME, {})
