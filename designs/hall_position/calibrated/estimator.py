@@ -11,9 +11,6 @@ from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels
 from models.hall_two_waves import PlanarArray
 from synth.block import Block
-from synth.blocks import glsdc_estimator, safety, screening
-from synth.composition import compose
-from synth.signals import signal_names
 
 NAME = "hall_position_calibrated"
 GAIN_DRIFT = 3e-3  # relative, to either side, of gains since the calibration
@@ -41,17 +38,11 @@ def block(of: UnitCalibration, tuned: Tuning) -> Block:
     """Return the guarded estimator of a calibrated unit."""
     sensors, time = array(of), hall.TIME
     volts = channels.voltages(len(sensors.positions))
-    inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
-    guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
     names = {f"{s.name}_held": f"{s.name}_calibrated" for s in volts} | {"valid": "phases_valid"}
     phases = estimator.phase_estimator(sensors, time, tuned).renamed(names)
-    position = metres.metres(sensors, time, tuned.pitches, phases)
-    screen = screening.screen(time, volts, estimator.groups(sensors), tuned.repeats)
-    outputs = {s.name: s for s in (*position.outputs, *phases.outputs)}
-    blocks = [guard, screen, phases, position]
-    blocks.insert(2, corrections.corrections(of, time, {n: outputs[n] for n in POSE}))
-    lengths = [s.name for s in position.outputs if s.unit == "m"]
-    return compose(NAME, blocks, inputs=signal_names(volts), outputs=[*lengths, *estimator.DIRECT])
+    outputs = {s.name: s for s in (*metres.metres(sensors, time, tuned.pitches, phases).outputs, *phases.outputs)}
+    corrected = corrections.corrections(of, time, {n: outputs[n] for n in POSE})
+    return estimator.guard_and_locate(NAME, sensors, time, tuned, phases, [corrected])
 
 
 @cache

@@ -4,7 +4,7 @@ residuals   R(yaw) V_k - a B(phase_k),   phase_k = w (X, Y) + w R(yaw) r_k      
 unknowns    w X, w Y in rad, the yaw, and the amplitude a with a prior about 1
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import hypot, pi
 from string import ascii_lowercase
@@ -34,12 +34,20 @@ DIRECT = (
 
 def guarded_estimator(name: str, array: PlanarArray, time: Discrete, tuning: Tuning) -> Block:
     """Return the estimator behind the guard and the screening of its voltages, with its position in m."""
+    phases = phase_estimator(array, time, tuning).renamed({"valid": "phases_valid"})
+    return guard_and_locate(name, array, time, tuning, phases)
+
+
+def guard_and_locate(
+    name: str, array: PlanarArray, time: Discrete, tuning: Tuning, phases: Block, between: Sequence[Block] = ()
+) -> Block:
+    """Return guard, screening, the Blocks `between` them and the estimator, and the position in m as one Block."""
     volts = channels.voltages(len(array.positions))
     inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
     guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
-    phases = phase_estimator(array, time, tuning).renamed({"valid": "phases_valid"})
+    screen = screening.screen(time, volts, groups(array), tuning.repeats)
     position = metres.metres(array, time, tuning.pitches, phases)
-    blocks = [guard, screening.screen(time, volts, groups(array), tuning.repeats), phases, position]
+    blocks = [guard, screen, *between, phases, position]
     lengths = [s.name for s in position.outputs if s.unit == "m"]
     return compose(name, blocks, inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
 
