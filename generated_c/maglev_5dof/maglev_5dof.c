@@ -638,17 +638,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if (moving == 3u) {
-                    const bool flag_suspect_y1 = 8u <= still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_y4;
-                    suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) +
-                        maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const bool flag_y1 = 8u <= still_y1;
+                    const bool flag_y2 = 8u <= still_y2;
+                    const bool flag_y3 = 8u <= still_y3;
+                    const bool flag_y4 = 8u <= still_y4;
+                    suspect_y1_part_4 = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
+                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
-                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
-                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
-                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
+                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
                 const float score_y1 = E_y1 +
@@ -686,27 +686,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
                     0.0366f), 0.0124f);
                 determined = waited == 0u;
-                bool contradictory = least_upto_score_y1;
-                bool contradictory_2 = least_upto_score_y2;
-                bool contradictory_3 = least_upto_score_y3;
-                bool contradictory_4 = least_upto_score_y4;
+                bool contradictory_y1 = least_upto_score_y1;
+                bool contradictory_y2 = least_upto_score_y2;
+                bool contradictory_y3 = least_upto_score_y3;
+                bool contradictory_y4 = least_upto_score_y4;
                 if (redundancy_contradictions_0 < 2u) {
-                    contradictory = false;
-                    contradictory_2 = false;
-                    contradictory_3 = false;
-                    contradictory_4 = false;
+                    contradictory_y1 = false;
+                    contradictory_y2 = false;
+                    contradictory_y3 = false;
+                    contradictory_y4 = false;
                 }
-                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory);
-                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_2);
-                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_3);
-                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_4);
+                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory_y1);
+                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
                     (redundancy_contradictions_0 + 1u);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory) +
-                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_2) +
-                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_3);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
+                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
+                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
-                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -1156,9 +1156,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
-        const float room_u_x_computed = sqrtf(squared_current_limit -
+        const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
 
         /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
@@ -1193,9 +1193,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
-        const float room_u_z_computed = sqrtf(squared_current_limit -
+        const float room_u_z = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
@@ -1343,8 +1343,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x_computed) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z_computed) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
         }
 #endif
     }
