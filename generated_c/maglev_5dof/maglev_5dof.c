@@ -1129,6 +1129,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
         if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
@@ -1137,7 +1138,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_x = state->probe_x_towards * (float)w_x_part;
                     pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
                 }
-                w_x_unprobed = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
                 if (15u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
@@ -1155,7 +1156,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
+        const float u_x_demand = -M_x * w_x / u_x_demand_part;
         const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
@@ -1166,6 +1167,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
         if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
@@ -1174,7 +1176,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_z = state->probe_z_towards * (float)w_z_part;
                     pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
                 }
-                w_z_unprobed = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
                 if (15u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
@@ -1192,7 +1194,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
+        const float u_z_demand = -M_z * w_z / u_z_demand_part;
         const float room_u_z = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
@@ -1333,8 +1335,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->i_d2_balanced = i_d2_balanced;
             diagnostics->i_d3_balanced = i_d3_balanced;
             diagnostics->i_d4_balanced = i_d4_balanced;
-            diagnostics->w_x = w_x_unprobed;
-            diagnostics->w_z = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;

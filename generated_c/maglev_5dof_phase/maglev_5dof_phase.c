@@ -89,7 +89,6 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
     }
 #endif
     /* guard: range acceptance, hold, latch */
