@@ -59,7 +59,7 @@ from models import hall_calibration, planar_stage
 from models import hall_contradictions as contradictions
 from models import hall_pairs as pairs
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import safety
+from synth.blocks import dead_reckoning, safety
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal
@@ -173,8 +173,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = by_case(position + offset[axis], bridge[axis], bridge[axis])
         if reckoned:
-            e = ca.if_else(ca.logic_and(u["ready"], u["complete"]), output[yaw] - u["phi_predicted"], 0)
+            e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
+            output[dead_reckoning.MEASURED.name] = accepted
         next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
@@ -192,6 +193,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
+    outputs += [dead_reckoning.MEASURED] if reckoned else []
     states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)

@@ -176,7 +176,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         for motor, (cos, sin) in angles.items():
             i_q, i_d = u[f"i_{motor}Q"], u[f"i_{motor}D"]
             alpha, beta = clip(cos * i_q - sin * i_d, PHASES[0]), sqrt(3) / 2 * (sin * i_q + cos * i_d)
-            middle = -alpha / 2
+            middle = k["minus_half"] * alpha
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.PHASE_OFFSETS, phases, strict=True)}
         certified = dict.fromkeys(output, _phase_bound)
@@ -188,6 +188,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         law,
         inputs=[*CURRENTS, *WITHIN, phi],
         outputs=COMPUTED,
+        constants=[Constant("minus_half", -0.5, "1", "(17): cos 120 degrees")],
         tag="phase currents, (17) inverted",
     )
 

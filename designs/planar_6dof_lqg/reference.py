@@ -145,14 +145,13 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
     reckoned = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, (ready > 0) & guarded.complete, float(PERIOD)
     rates = motion.next_rates(state, *reckoned)
-    demands = motion.brake(demands, rates, state, float(PERIOD))
+    demands = motion.brake(demands, rates, guarded.braked, float(PERIOD))
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
-    after |= motion.next_state(state, *reckoned)
+    after |= after_sensing | motion.next_state(state, *reckoned)
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

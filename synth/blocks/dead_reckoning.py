@@ -10,7 +10,7 @@ e = q - p:
 The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
 e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
 
-In a sample that is not ``complete``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
+In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
 prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
@@ -29,7 +29,7 @@ from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+MEASURED = Signal("measured", "1", 0, 1, "the positions are measured in this sample")
 
 
 @arguments.checked
@@ -63,7 +63,7 @@ class Axis:
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The flags are ``ready`` and ``complete`` of the guard. The prediction is a state, so a Block that measures the
+    The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The prediction is a state, so a Block that measures the
     position may read it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
@@ -77,11 +77,10 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
-            start = ca.if_else(ca.logic_and(u[READY.name], u[COMPLETE.name]), p, q)
-            e = q - start
-            middle = s + k[f"{axis.name}_rate_gain"] * e + a
+            corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
+            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * (q - p), q)
+            middle = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * (q - p), s) + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            corrected = start + k[f"{axis.name}_position_gain"] * e
             next |= {f"{axis.name}_position": corrected + middle, f"{axis.name}_rate": middle + a}
         return Step(output, next)
 
@@ -91,7 +90,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     constants = [c for axis in axes for c in _constants(axis, time)]
     tag = "alpha-beta filter, dead reckoning"
     return build(
-        name, time, law, inputs=[*inputs, READY, COMPLETE], outputs=outputs, states=states, constants=constants, tag=tag
+        name, time, law, inputs=[*inputs, READY, MEASURED], outputs=outputs, states=states, constants=constants, tag=tag
     )
 
 
