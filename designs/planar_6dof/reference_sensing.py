@@ -43,6 +43,7 @@ INNOVATION, YAW_INNOVATION = 6e-4, 0.4  # m; of A, times the square root of the 
 CONFIRMATION = 0.5  # of rho
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
+BRIDGED = PITCH / 2 + 2e-3  # m: from the middle of the pitch, in samples that are not measured
 SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
@@ -224,9 +225,9 @@ def sense(
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
         expected = (
-            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
+            np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
         )
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], expected + offset)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}

@@ -19,11 +19,12 @@ Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
@@ -74,6 +75,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output: dict[str, ca.SX] = {}
         next: dict[str, ca.SX] = {}
+        named: list[tuple[Signal, ca.SX]] = []
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
@@ -81,8 +83,11 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * (q - p), q)
             middle = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * (q - p), s) + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            next |= {f"{axis.name}_position": corrected + middle, f"{axis.name}_rate": middle + a}
-        return Step(output, next)
+            position = clip(corrected + middle, axis.predicted)
+            named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
+            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
+        certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
+        return Step(output, next, named, certified)
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
     outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
@@ -92,6 +97,21 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     return build(
         name, time, law, inputs=[*inputs, READY, MEASURED], outputs=outputs, states=states, constants=constants, tag=tag
     )
+
+
+def _ends(axis: Axis) -> tuple[float, float]:
+    return axis.predicted.low, axis.predicted.high
+
+
+def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
+    """Return a bound on the prediction: that before is at its own, and all that is added at theirs, with rounding u."""
+    r, p, q = axis.pole, axis.predicted.high, max(abs(axis.measured.low), axis.measured.high)
+    moved = axis.advance(time).high + (1 - r) ** 2 * (p + q) + _half_step(axis, time) * axis.effort.high
+    return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
+
+
+def _half_step(axis: Axis, time: Discrete) -> float:
+    return axis.acceleration * time.period_s**2 / 2
 
 
 def _states(axis: Axis, time: Discrete) -> list[State]:
@@ -105,7 +125,7 @@ def _constants(axis: Axis, time: Discrete) -> list[Constant]:
     return [
         Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
         Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
-        Constant(f"{axis.name}_half_step", axis.acceleration * time.period_s**2 / 2, per, "b T^2 / 2"),
+        Constant(f"{axis.name}_half_step", _half_step(axis, time), per, "b T^2 / 2"),
     ]
 
 

@@ -6,7 +6,6 @@ Common subexpressions are eliminated first. Marks record the intermediate signal
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import groupby
 from typing import Any
 
 import casadi as ca
@@ -190,24 +189,51 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
     """Append the fault word, in which each flag sets its bit, and return its node; None without faults.
 
-    Consecutive flags that are conjunctions with a common condition are tested inside one choice on that condition.
+    Flags that are conjunctions with a common condition are tested inside one choice on that condition. Flags that are 0
+    while another one is set are tested where that one is not.
     """
     if not faults:
         return None
     nodes.append(Node("literal", value=0.0))
-    for condition, group in groupby(faults, lambda fault: _condition(nodes[fault[0]])):
-        start = len(nodes) - 1
+    flags = {flag for flag, _ in faults}
+    others = {flag: [f for f in faults if _unless(nodes, f[0]) == flag] for flag in flags}
+    single = [f for f in faults if _unless(nodes, f[0]) not in flags]
+    groups: dict[int, list[tuple[int, int]]] = {}
+    for fault in single:
+        condition = _condition(nodes[fault[0]])
+        groups.setdefault(-fault[0] if condition is None else condition, []).append(fault)
+    for key, group in groups.items():
+        condition, start = None if key < 0 else key, len(nodes) - 1
         for flag, bit in group:
             before = len(nodes) - 1
+            apart = _with_bits(nodes, before, [(nodes[f].args[1], b) for f, b in others[flag]])
             nodes.append(Node("bit", (before,), value=float(1 << bit)))
-            nodes.append(Node("choose", (flag if condition is None else nodes[flag].args[1], before + 1, before)))
+            tested = flag if condition is None else nodes[flag].args[1]
+            nodes.append(Node("choose", (tested, len(nodes) - 1, apart)))
         if condition is not None:
             nodes.append(Node("choose", (condition, len(nodes) - 1, start)))
     return len(nodes) - 1
 
 
+def _with_bits(nodes: list[Node], word: int, faults: Sequence[tuple[int, int]]) -> int:
+    """Append the choices that set the bits of flags, and return the node of the word with them."""
+    for flag, bit in faults:
+        nodes.append(Node("bit", (word,), value=float(1 << bit)))
+        nodes.append(Node("choose", (flag, len(nodes) - 1, word)))
+        word = len(nodes) - 1
+    return word
+
+
 def _condition(flag: Node) -> int | None:
-    return flag.args[0] if flag.op == "and" else None
+    return flag.args[0] if flag.op in ("and", "when") else None
+
+
+def _unless(nodes: Sequence[Node], flag: int) -> int | None:
+    """Return the flag whose negation is the condition of another one, None if there is none."""
+    condition = _condition(nodes[flag])
+    if condition is None or nodes[condition].op != "not":
+        return None
+    return nodes[condition].args[0]
 
 
 def walk(

@@ -97,6 +97,11 @@ class Controller:
         return np.float32 if self.manifest["scalar"] == "float32" else np.float64
 
     @property
+    def status_bits(self) -> int:
+        """The bits of the fault word that are no faults."""
+        return sum(1 << f["bit"] for f in self.manifest["faults"] if f.get("status"))
+
+    @property
     def step_address(self) -> int:
         """The address of `uint32_t step(void *state, const void *in, void *out)`."""
         return ctypes.cast(self.library.synth_host_step, ctypes.c_void_p).value or 0

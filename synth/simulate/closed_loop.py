@@ -126,12 +126,17 @@ def trajectory(
     faults: NDArray[np.uint32],
     impacts: dict[str, float],
 ) -> Trajectory:
-    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
-    time.flags.writeable = faults.flags.writeable = False
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals.
+
+    `faults` are the words of the controller, the first of the `blocks`.
+    """
+    mask = np.uint32(blocks[0].status_bits)
+    faults, status = faults & ~mask, faults & mask
+    time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
     structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
     members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
+    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, **groups)
 
 
 def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:

@@ -113,6 +113,8 @@ def _meaning(fault: Fault) -> str:
         return f"{fault.input}: {fault.about}"
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
+    if fault.status:
+        return f"status, no fault: {fault.about}"
     return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
 
 
