@@ -162,7 +162,7 @@ def regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
-    acting = motion.ACTING[axis.name]
+    acting = motion.acting(plant, axis.name)
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
     largest_error = ERROR.get(axis.name)

