@@ -43,12 +43,6 @@ extern "C" {
 #endif
 
 typedef struct {
-    float x3;                           /* A: estimated rate less L times the position, as a demand */
-    float integral;                     /* A: integral of the error */
-    float achieved;                     /* A: achieved demand, which acts until the next sample */
-} planar_6dof_lqg_lqg_state_t;
-
-typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
     float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
     float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
@@ -111,8 +105,12 @@ typedef struct {
     float reckoning_y_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
-    planar_6dof_lqg_lqg_state_t lqg_x;
-    planar_6dof_lqg_lqg_state_t lqg_y;
+    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
+    float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
+    float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
+    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
+    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
+    float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
     float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
     float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */
     float lqg_phi_achieved;             /* A, -2.52 .. 2.52: achieved demand, which acts until the next sample */
@@ -122,6 +120,7 @@ typedef struct {
     float loop_theta_lead;              /* A, -4.68479 .. 4.68479: state of the lead filter */
     float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_psi_lead;                /* A, -5.15327 .. 5.15327: state of the lead filter */
+    uint32_t braking_active;            /* 1, 0 .. 1: 1 from the second braking sample on */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -137,11 +136,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 224u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 228u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_224[(sizeof(planar_6dof_lqg_state_t) == 224u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_228[(sizeof(planar_6dof_lqg_state_t) == 228u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -173,14 +172,12 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 30  brakes, a latch follows
  *   bit 31  latched: safe output until init
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 27  status, no fault: x_ref_held is followed late
- *   bit 28  status, no fault: y_ref_held is followed late
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
 /* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD, 5 i_CD. */
+ * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
 typedef struct {
     float suspect_V_ax;                 /* 1: V_ax contradicts the others */
     float suspect_V_ay;                 /* 1: V_ay contradicts the others */
@@ -198,7 +195,6 @@ typedef struct {
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
     float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
-    float measured;                     /* 1: the positions are measured in this sample */
     float x_advance;                    /* m: predicted rate times the sample period */
     float y_advance;                    /* m: predicted rate times the sample period */
     float phi_advance;                  /* rad: predicted rate times the sample period */
@@ -231,8 +227,8 @@ typedef struct {
 } planar_6dof_lqg_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
-    planar_6dof_lqg_diagnostics_t *diagnostics);
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

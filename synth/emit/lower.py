@@ -199,7 +199,8 @@ def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int |
     nodes.append(Node("literal", value=0.0))
     flags = {flag for flag, fault in faults if not fault.status}
     inside = [(flag, fault) for flag, fault in faults if fault.status and _unless(nodes, flag) in flags]
-    others = sorted((f for f in faults if f not in inside), key=lambda f: f[1].bit)
+    last = {_unless(nodes, flag) for flag, _ in inside}
+    others = sorted((f for f in faults if f not in inside), key=lambda f: f[0] in last)
     for condition, group in groupby(others, lambda f: _condition(nodes[f[0]])):
         start = len(nodes) - 1
         for flag, fault in group:
