@@ -134,13 +134,14 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
         Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
+        Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
         Constant("H", H, "1", "(33): (k1 T + k2) (B2 - L B1)"),
     ]
 
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
-        after = k["F"] * (now + seen) - seen + k["H"] * x["achieved"]  # as G = F L - L where A11 is 1 and A21 is 0
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
         estimated = now + seen + k["achieved_gain"] * x["achieved"]
         return -estimated, {"x3": after}
 

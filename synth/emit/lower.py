@@ -217,15 +217,10 @@ def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int |
 
 def _with_statuses(nodes: list[Node], statuses: Sequence[tuple[int, int]], word: int) -> int:
     """Append the choices that set the bits of flags in a word, and return its node."""
-    for condition, group in groupby(statuses, lambda status: _first_condition(nodes[status[0]])):
-        start = word
-        for flag, bit in group:
-            nodes.append(Node("bit", (word,), value=float(1 << bit)))
-            nodes.append(Node("choose", (flag if condition is None else nodes[flag].args[1], len(nodes) - 1, word)))
-            word = len(nodes) - 1
-        if condition is not None:
-            nodes.append(Node("choose", (condition, word, start)))
-            word = len(nodes) - 1
+    for flag, bit in statuses:
+        nodes.append(Node("bit", (word,), value=float(1 << bit)))
+        nodes.append(Node("choose", (flag, len(nodes) - 1, word)))
+        word = len(nodes) - 1
     return word
 
 
@@ -233,14 +228,12 @@ def _condition(flag: Node) -> int | None:
     return flag.args[0] if flag.op == "and" else None
 
 
-def _first_condition(flag: Node) -> int | None:
-    return flag.args[0] if flag.op in ("and", "when") else None
-
-
 def _unless(nodes: Sequence[Node], flag: int) -> int | None:
     """Return the flag whose negation is the condition of another one, None if there is none."""
-    condition = _first_condition(nodes[flag])
-    return nodes[condition].args[0] if condition is not None and nodes[condition].op == "not" else None
+    if nodes[flag].op not in ("and", "when"):
+        return None
+    condition = nodes[nodes[flag].args[0]]
+    return condition.args[0] if condition.op == "not" else None
 
 
 def walk(
