@@ -94,9 +94,7 @@ OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, f"whole pitches from the m
 HALF = FAR / PITCHES / 2
 BRIDGED = 2e-3  # m: by which bad samples may leave the pitch that is counted, 14 ms at 0.14 m/s
 WITHIN = tuple(
-    Signal(
-        f"within_{a}", "m", -HALF - BRIDGED, HALF + BRIDGED, f"raw position along {a}, from the middle of its pitch"
-    )
+    Signal(f"within_{a}", "m", -HALF - BRIDGED, HALF + BRIDGED, f"raw position along {a}, from the middle of its pitch")
     for a in "xy"
 )
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")

@@ -218,15 +218,14 @@ def sense(
     }
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
-    e = np.where((ready > 0) & complete, out["phi_raw"] - predicted["phi"], 0)
+    e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
     after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if reckoned else {}
+    out |= {"measured": accepted} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
-        expected = (
-            np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
-        )
+        expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], expected + offset)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)

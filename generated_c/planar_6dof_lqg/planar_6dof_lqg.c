@@ -698,11 +698,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* braking: braking before the latch
          *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
         const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
@@ -711,28 +711,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float d_x;
         float d_y;
         bool value = false;
-        bool value_2 = false;
+        bool runs = false;
         if (braked) {
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
         } else {
             /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
-                0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
+            const float law_x = (lqg_x_error_gain * ((is_small) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
+                -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
             d_x = law_x;
 
             /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
-                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
+            const float law_y = (lqg_y_error_gain * ((is_close) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
+                -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
             d_y = law_y;
 
             /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
                 (lqg_phi_integral - estimated_law_phi);
             d_phi = law_phi;
-            value = !is_small_law_x;
-            value_2 = !is_small_law_y;
+            value = !is_small;
+            runs = !is_close;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->law_x = law_x;
@@ -741,14 +741,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         }
-        uint32_t value_3 = faults;
+        uint32_t value_2 = faults;
         if (value) {
-            value_3 = faults | 0x08000000u;
+            value_2 = faults | 0x08000000u;
         }
-        if (value_2) {
-            fault_word = value_3 | 0x10000000u;
+        if (runs) {
+            fault_word = value_2 | 0x10000000u;
         } else {
-            fault_word = value_3;
+            fault_word = value_2;
         }
 
         /* allocation: motor currents, Table 3, (17)
@@ -786,13 +786,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (is_small_law_x) ?
+        state->lqg_x_integral = (is_small) ?
             (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (is_small_law_y) ?
+        state->lqg_y_integral = (is_close) ?
             (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 

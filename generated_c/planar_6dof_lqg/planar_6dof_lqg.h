@@ -171,8 +171,9 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 30  brakes, a latch follows
  *   bit 31  latched: safe output until init
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 27  status, no fault: x_ref_held is followed late
- *   bit 28  status, no fault: y_ref_held is followed late
+ *   bit 27  status, no fault: the set-point of the position along X is followed late
+ *   bit 28  status, no fault: the set-point of the position along Y is followed late
+ * The bits of a status, 0x18000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
 

@@ -3,8 +3,8 @@
     late = |r_i - q_i| > e_i for an axis i        r: set-point, q: position, e: largest error that counts as such
 
 A law that clips its error moves the axis at a bounded speed, so a set-point that is faster, or jumps, is followed late.
-That is ordinary use and no fault: the bit is a `status` of the fault word, and no alarm counts it. It is 0 after a
-latch, when nothing is followed.
+That is ordinary use and no fault: the bit is a `status` of the fault word, and no alarm counts it. It is 0 while the
+machine brakes and after a latch, when nothing is followed.
 """
 
 from collections.abc import Sequence
@@ -35,12 +35,15 @@ class Axis:
     @property
     def late(self) -> Signal:
         """The flag."""
-        return Signal(f"late_{self.position.name}", "1", 0, 1, f"{self.set_point.name} is followed late")
+        about = f"the {self.set_point.about or self.set_point.name} is followed late"
+        return Signal(f"late_{self.position.name}", "1", 0, 1, about)
 
 
 @arguments.checked
 def block(time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block ``following`` that sets a status bit while an axis is behind its set-point.
+
+    Its inputs are also ``latched`` and ``braked`` of a guard that brakes.
 
     Raises SignalError for a bit that the fault word does not have or that reports the latch, without an axis, for an
     error that is not positive, or for a set-point in another unit than its position.
@@ -48,15 +51,19 @@ def block(time: Discrete, axes: Sequence[Axis]) -> Block:
     _check(axes)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        close = {a: ca.fabs(u[a.set_point.name] - u[a.position.name]) <= a.largest for a in axes}
-        late = {a.late.name: ca.if_else(u[LATCHED.name], 0, ca.if_else(u[BRAKED.name], 0, ca.logic_not(flag))) for a, flag in close.items()}
+        late = {}
+        for a in axes:
+            is_close = ca.fabs(u[a.set_point.name] - u[a.position.name]) <= a.largest
+            runs = ca.if_else(u[BRAKED.name], 0, ca.logic_not(is_close))
+            late[a.late.name] = ca.if_else(u[LATCHED.name], 0, runs)
         return Step(late, numbers=numbers)
 
     numbers = [
         Constant(f"largest_{a.position.name}", a.largest, a.position.unit, "a larger error is late") for a in axes
     ]
     inputs = [LATCHED, BRAKED, *(s for axis in axes for s in (axis.position, axis.set_point))]
-    made = build("following", time, law, inputs=inputs, outputs=[a.late for a in axes], tag="set-points that are followed late")
+    outputs, tag = [a.late for a in axes], "set-points that are followed late"
+    made = build("following", time, law, inputs=inputs, outputs=outputs, tag=tag)
     return replace(made, faults=tuple(Fault(a.bit, a.late.name, about=a.late.about, status=True) for a in axes))
 
 

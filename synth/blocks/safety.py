@@ -79,10 +79,10 @@ def guard(
     compared even while others are refused.
 
     `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
-    between the last of the bad samples and the latch there are also the outputs ``braking`` and ``braked``. Behind a `redundant` guard a
-    Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
-    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this. Such
-    a guard does not brake: its law lands the machine before the latch.
+    between the last of the bad samples and the latch there are also the outputs ``braking`` and ``braked``. Behind a
+    `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which its
+    ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
+    `fault.Judgement` declares this. Such a guard does not brake: its law lands the machine before the latch.
 
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, BRAKING_BIT with
     `braking`, and LATCH_BIT.

@@ -97,9 +97,9 @@ class Controller:
         return np.float32 if self.manifest["scalar"] == "float32" else np.float64
 
     @property
-    def status_bits(self) -> int:
+    def status_mask(self) -> np.uint32:
         """The bits of the fault word that are no faults."""
-        return sum(1 << f["bit"] for f in self.manifest["faults"] if f.get("status"))
+        return np.uint32(sum(1 << f["bit"] for f in self.manifest["faults"] if f.get("status")))
 
     @property
     def step_address(self) -> int:

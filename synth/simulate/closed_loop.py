@@ -114,7 +114,7 @@ def simulate(
         column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
     blocks = controller, *(block.controller for block in records)
-    drive_faults = {block.name: block.faults for block in records}
+    drive_faults = {block.name: block.faults & ~block.controller.status_mask for block in records}
     return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
 
 
@@ -130,7 +130,7 @@ def trajectory(
 
     `faults` are the words of the controller, the first of the `blocks`.
     """
-    mask = np.uint32(blocks[0].status_bits)
+    mask = blocks[0].status_mask
     faults, status = faults & ~mask, faults & mask
     time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
     structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]

@@ -105,7 +105,10 @@ def _safe_output(block: Block) -> list[str]:
 def _faults(block: Block) -> list[str]:
     if not block.faults:
         return [" * It returns 0: the Block guards no input."]
-    return [" * It returns the fault bits:", *(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)]
+    status = sum(1 << f.bit for f in block.faults if f.status)
+    masked = [f" * The bits of a status, 0x{status:08x}, are no faults: mask them before you compare the word with 0."]
+    rows = [f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults]
+    return [" * It returns the fault bits:", *rows, *(masked if status else [])]
 
 
 def _meaning(fault: Fault) -> str:
