@@ -122,7 +122,7 @@ def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array,
 
 @dataclass(frozen=True)
 class Guarded:
-    """The values to use, the guard's next state, the fault word, and whether Hall voltages are good and it has braked."""
+    """The values to use, the guard's next state, the fault word, and whether Hall voltages are good and it brakes."""
 
     values: dict[str, Array]
     after: dict[str, Array]

@@ -64,8 +64,9 @@ class Axis:
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The prediction is a state, so a Block that measures the
-    position may read it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
+    The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The
+    prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
+    assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
     that is not positive, or a prediction whose unit is not that of the position.

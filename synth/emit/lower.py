@@ -197,7 +197,7 @@ def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int |
     if not faults:
         return None
     nodes.append(Node("literal", value=0.0))
-    flags = {flag for flag, fault in faults if not fault.status}
+    flags = {flag for flag, fault in faults if not fault.status and _condition(nodes[flag]) is None}
     inside = [(flag, fault) for flag, fault in faults if fault.status and _unless(nodes, flag) in flags]
     last = {_unless(nodes, flag) for flag, _ in inside}
     others = sorted((f for f in faults if f not in inside), key=lambda f: f[0] in last)
