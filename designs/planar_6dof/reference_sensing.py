@@ -226,7 +226,8 @@ def sense(
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
         expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], expected + offset)
+        bridge = expected + offset if reckoned else predicted[axis]
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], bridge)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}

@@ -181,9 +181,10 @@ def _with_fault_word(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
     f = block.function()
     x, u = f.sx_in()
-    names = [*(s.name for s in block.states), *(s.name for s in block.inputs)]
-    symbols = [block.symbol[n] for n in names]
-    bits = [ca.substitute(block.output[b.output], ca.vcat(symbols), ca.vertcat(x, u)) for b in block.faults]
+    names = [s.name for s in (*block.states, *block.inputs)]
+    symbols = ca.vcat([block.symbol[n] for n in (*names, *(c.name for c in block.constants))])
+    values = ca.vertcat(x, u, *(c.value for c in block.constants))
+    bits = [ca.substitute(block.output[b.output], symbols, values) for b in block.faults]
     word = sum((2.0**b.bit * ca.if_else(bit, 1, 0) for b, bit in zip(block.faults, bits, strict=True)), start=ca.SX(0))
     next, y = f.call([x, u])
     dense = [ca.densify(e) for e in (next, y, word)]
