@@ -8,8 +8,8 @@
  *
  * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
  * last of them until init: the outputs move to the safe output (the air bearings carry the platen, and without current
- * no force acts on it; measured on 4 plants, each sensor lost in turn: at rest the machine reaches 0.00017 m/s (x) and
- * 0.007 rad/s (psi); in motion the machine reaches 0.0036 m/s (x) and 0.089 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB,
+ * no force acts on it; measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00018 m/s (z) and
+ * 0.007 rad/s (psi); in motion the machine reaches 0.0036 m/s (z) and 0.095 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB,
  * i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
