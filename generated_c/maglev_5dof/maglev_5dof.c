@@ -1211,21 +1211,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z,
-                room_i_d1_computed);
+            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
             out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float i_d2_computed_part = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x,
-                i_d2_computed_part);
+            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z,
-                room_i_d1_computed);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x,
-                i_d2_computed_part);
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
