@@ -99,7 +99,7 @@ class Controller:
     @property
     def status_mask(self) -> np.uint32:
         """The bits of the fault word that are no faults."""
-        return np.uint32(sum(1 << f["bit"] for f in self.manifest["faults"] if f.get("status")))
+        return np.uint32(sum(1 << f["bit"] for f in self.manifest.get("faults", ()) if f.get("status")))
 
     @property
     def step_address(self) -> int:
