@@ -13,7 +13,7 @@
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s
  *     (phi)
- *   - in motion the machine reaches 0.15 m/s (x) and 0.022 rad/s (psi)
+ *   - in motion the machine reaches 0.15 m/s (x) and 0.022 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -110,8 +110,8 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    float sensing_within_x;             /* m, -0.0274 .. 0.0274: raw position along x, from the middle of its pitch */
+    float sensing_within_y;             /* m, -0.0274 .. 0.0274: raw position along y, from the middle of its pitch */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;

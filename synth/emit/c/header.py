@@ -111,8 +111,10 @@ def _safe_output(block: Block) -> list[str]:
 def _faults(block: Block) -> list[str]:
     if not block.faults:
         return [" * It returns 0: the Block guards no input."]
-    faults = sorted(block.faults, key=lambda f: f.bit)
-    return [" * It returns the fault bits:", *(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in faults)]
+    status = sum(1 << f.bit for f in block.faults if f.status)
+    masked = [f" * The bits of a status, 0x{status:08x}, are no faults: mask them before you compare the word with 0."]
+    rows = [f" *   bit {f.bit:2d}  {_meaning(f)}" for f in sorted(block.faults, key=lambda f: f.bit)]
+    return [" * It returns the fault bits:", *rows, *(masked if status else [])]
 
 
 def _meaning(fault: Fault) -> str:
@@ -120,6 +122,8 @@ def _meaning(fault: Fault) -> str:
         return f"{fault.input}: {fault.about}"
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
+    if fault.status:
+        return f"status, no fault: {fault.about}"
     return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
 
 
