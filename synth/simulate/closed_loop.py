@@ -128,10 +128,14 @@ def trajectory(
 ) -> Trajectory:
     """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
     time.flags.writeable = faults.flags.writeable = False
+    return Trajectory(time=time, faults=faults, impacts=impacts, units=column_units(plant, blocks), **groups)
+
+
+def column_units(plant: Plant, blocks: Sequence[host.Controller]) -> dict[str, str]:
+    """Return the units of the plant's and the Blocks' signals by name."""
     structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
     members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
-    units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
+    return members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
 
 
 def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:

@@ -6,8 +6,8 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import Any
 
@@ -22,6 +22,7 @@ from synth.simulate.interpolants import Coefficients, FastPlant
 from synth.simulate.lane_blocks import LaneBlock, output_row
 from synth.simulate.lane_memory import Name, Record, Recording
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
+from synth.simulate.sensors import Encoder
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -33,6 +34,8 @@ _SHARED = (
     *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source"),
     *("forcing", "overridden"),
 )
+_OF_PLANT, _OF_SENSORS = ("x0", "velocities", "stops", "locked"), ("sensors", "encoders", "noise", "overrides")
+_OF_ACTUATORS = ("duration_s", "actuators", "hold", "forcing", "delay", "substeps")
 _OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
 
 
@@ -83,8 +86,10 @@ class LaneLoop:
         run = partial(self._run, plants, scenarios, order, coefficients.values)
         arrays, record = run(recording)
         kept &= arrays["left"][0] == 0
+        frames = time[:: recording.every]
+        frames.flags.writeable = False
         return [
-            self._trajectory(plants[i], scenarios[i], time[:: recording.every], arrays, record, recording, i)
+            self._trajectory(scenarios[i], frames, arrays, record, recording, i)
             if kept[i]
             else None
             for i in range(used)
@@ -128,7 +133,11 @@ class LaneLoop:
 
     def _arrays(self, plants: Sequence[Plant], scenarios: Sequence[Scenario], time: NDArray[np.float64]) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        by_scenario = {id(s): self._lane(plants[0], s, time) for s in {id(s): s for s in scenarios}.values()}
+        by_scenario: dict[int, Arrays] = {}
+        for scenario in scenarios:
+            if id(scenario) not in by_scenario:
+                like = (scenarios[0], by_scenario[id(scenarios[0])]) if by_scenario else None
+                by_scenario[id(scenario)] = self._lane(plants[0], scenario, time, like)
         lanes = [by_scenario[id(s)] for s in scenarios]
         _require_alike(scenarios, lanes)
         arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
@@ -140,12 +149,20 @@ class LaneLoop:
         inputs = lane_inputs.arrays(self.controller, scenarios, len(time))
         return arrays | inputs | self._controller_arrays(scenarios[0], lanes[0]["mixing"])
 
-    def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
-        return (
-            closed_loop.plant_arrays(plant, scenario)
-            | closed_loop.sensor_arrays(plant, self.controller, scenario, len(time))
-            | closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time)
-        )
+    def _lane(
+        self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], like: tuple[Scenario, Arrays] | None
+    ) -> Arrays:
+        """Return the arrays of a scenario; those of a scenario `like` it serve again where they do not differ."""
+        makers: dict[tuple[str, ...], Callable[[], Arrays]] = {
+            _OF_PLANT: lambda: closed_loop.plant_arrays(plant, scenario),
+            _OF_SENSORS: lambda: closed_loop.sensor_arrays(plant, self.controller, scenario, len(time)),
+            _OF_ACTUATORS: lambda: closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time),
+        }
+        arrays: Arrays = {} if like is None else dict(like[1])
+        for fields, make in makers.items():
+            if like is None or not all(_is_same(getattr(like[0], f), getattr(scenario, f)) for f in fields):
+                arrays |= make()
+        return arrays
 
     def _controller_arrays(self, scenario: Scenario, mixing: NDArray[np.float64]) -> Arrays:
         """Return the connections of the Blocks, their states, and their outputs."""
@@ -189,7 +206,6 @@ class LaneLoop:
 
     def _trajectory(
         self,
-        plant: Plant,
         scenario: Scenario,
         time: NDArray[np.float64],
         arrays: Arrays,
@@ -204,9 +220,14 @@ class LaneLoop:
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
         words = {b.name: arrays["faults"][k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
         faults = words.pop(self.blocks[0].name)
-        controllers = tuple(b.controller for b in self.blocks)
-        trajectory = closed_loop.trajectory(plant, controllers, time, groups, faults, impacts)
-        return replace(trajectory, drive_faults=words)
+        faults.flags.writeable = False
+        return Trajectory(
+            time=time, faults=faults, impacts=impacts, units=self._units, drive_faults=words, **groups
+        )
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        return closed_loop.column_units(self.fast.plant, [b.controller for b in self.blocks])
 
 
 @lru_cache(maxsize=4)
@@ -250,8 +271,17 @@ def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> No
             raise WiringError(f"scenarios differ in {differing[0]}: lanes need it equal; simulate them in groups")
 
 
+def _is_same(first: object, second: object) -> bool:
+    """Tell whether two fields of scenarios are the same; False where that takes a comparison of arrays."""
+    if first is second:
+        return True
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(_is_same(first[k], second[k]) for k in first)
+    return isinstance(first, str | float | int | tuple | Encoder) and type(first) is type(second) and first == second
+
+
 def _equal(first: NDArray[Any] | None, second: NDArray[Any] | None) -> bool:
-    if first is None or second is None:
+    if first is None or second is None or first is second:
         return first is second
     return np.array_equal(first, second)
 

@@ -159,11 +159,13 @@ def _serve(calls: Sequence[_Call], nominals: Sequence[Plant], integration: Integ
 def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, integration: Integration, recording: Recording) -> None:
     number = 1 if len(group) == 1 else lanes.LANES
     loop = lanes.compile_loop(nominal, group[0].controller, group[0].drive, lanes=number)
+    # The same order in every experiment of the same machines: their polynomials are those of the one before.
+    calls = sorted(group, key=lambda call: id(call.plant))
     plants, scenarios = (
-        [call.plant for call in group],
-        [replace(c.scenario, substeps=integration.substeps) for c in group],
+        [call.plant for call in calls],
+        [replace(c.scenario, substeps=integration.substeps) for c in calls],
     )
-    for call, trajectory in zip(group, loop.simulate(plants, scenarios, integration.order, recording), strict=True):
+    for call, trajectory in zip(calls, loop.simulate(plants, scenarios, integration.order, recording), strict=True):
         call.trajectory = trajectory
 
 
