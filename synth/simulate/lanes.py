@@ -89,9 +89,7 @@ class LaneLoop:
         frames = time[:: recording.every]
         frames.flags.writeable = False
         return [
-            self._trajectory(scenarios[i], frames, arrays, record, recording, i)
-            if kept[i]
-            else None
+            self._trajectory(scenarios[i], frames, arrays, record, recording, i) if kept[i] else None
             for i in range(used)
         ]
 
@@ -221,9 +219,7 @@ class LaneLoop:
         words = {b.name: arrays["faults"][k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
         faults = words.pop(self.blocks[0].name)
         faults.flags.writeable = False
-        return Trajectory(
-            time=time, faults=faults, impacts=impacts, units=self._units, drive_faults=words, **groups
-        )
+        return Trajectory(time=time, faults=faults, impacts=impacts, units=self._units, drive_faults=words, **groups)
 
     @cached_property
     def _units(self) -> dict[str, str]:
