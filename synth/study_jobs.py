@@ -29,7 +29,7 @@ from synth.simulate.worst_case import WorstCase
 from synth.workspace import Design
 
 CHUNK = 96  # rows
-TURNS = 2  # processes, one after another, on each core: each prepares the loops, some 20 s for a large stage
+PER_CORE = 2  # processes, one after another: each prepares the loops, some 20 s for a large stage
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Plan:
         return [rows[first : first + CHUNK] for first in rows[::CHUNK]]
 
     @property
-    def turns(self) -> list[list[range]]:
+    def batches(self) -> list[list[range]]:
         """The chunks of each process on this machine."""
-        n, k = len(self.chunks), min(len(self.chunks), TURNS * cores())
+        n, k = len(self.chunks), min(len(self.chunks), PER_CORE * cores())
         return [self.chunks[n * i // k : n * (i + 1) // k] for i in range(k)]
 
 
@@ -67,16 +67,16 @@ def jobs(design: Design, plan: Plan) -> list[Job]:
     stage, first = stage_of(design), f"{design.name} compile"
     study.select(stage.experiments, plan.experiments)
     compile = Job(first, design.name, partial(_compile, stage, plan))
-    turns = [Job(_name(turn), design.name, partial(_turn, design, plan, turn), (first,)) for turn in plan.turns]
-    return [compile, *turns]
+    batches = [Job(_name(b), design.name, partial(_batch, design, plan, b), (first,)) for b in plan.batches]
+    return [compile, *batches]
 
 
 def result(plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
     """Return the whole table from the outcomes of all jobs, none of which failed."""
-    return study.join([outcomes[_name(turn)].value for turn in plan.turns])
+    return study.join([outcomes[_name(batch)].value for batch in plan.batches])
 
 
-def _turn(design: Design, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
+def _batch(design: Design, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
     done: list[StudyTable] = []
     for rows in chunks:
         progress(Counted(f"row {rows[0]} of {chunks[0][0]} to {chunks[-1][-1]}", len(done), len(chunks)))
@@ -162,8 +162,8 @@ def _design(root: str, name: str) -> Design:
     return design
 
 
-def _name(turn: Sequence[range]) -> str:
-    return f"rows {turn[0][0]} to {turn[-1][-1]}"
+def _name(batch: Sequence[range]) -> str:
+    return f"rows {batch[0][0]} to {batch[-1][-1]}"
 
 
 @lru_cache(maxsize=4)

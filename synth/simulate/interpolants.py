@@ -177,7 +177,7 @@ def _coefficient(fit: int, power: int) -> str:
 
 
 def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[Fit], error: float) -> Program:
-    """Return the program with polynomials, `sines` and the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
+    """Return the program with polynomials, sines and the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
     nodes: list[Node] = []
     known: dict[Node, int] = {}
     index: dict[int, int] = {}

@@ -6,6 +6,7 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
@@ -131,12 +132,12 @@ class LaneLoop:
 
     def _arrays(self, plants: Sequence[Plant], scenarios: Sequence[Scenario], time: NDArray[np.float64]) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        by_scenario: dict[int, Arrays] = {}
+        by_scenario: dict[int, tuple[Arrays, ...]] = {}
         for scenario in scenarios:
             if id(scenario) not in by_scenario:
                 like = (scenarios[0], by_scenario[id(scenarios[0])]) if by_scenario else None
                 by_scenario[id(scenario)] = self._lane(plants[0], scenario, time, like)
-        lanes = [by_scenario[id(s)] for s in scenarios]
+        lanes = [ChainMap(*by_scenario[id(s)]) for s in scenarios]
         _require_alike(scenarios, lanes)
         arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
         arrays |= {name: lane_memory.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
@@ -148,19 +149,24 @@ class LaneLoop:
         return arrays | inputs | self._controller_arrays(scenarios[0], lanes[0]["mixing"])
 
     def _lane(
-        self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], like: tuple[Scenario, Arrays] | None
-    ) -> Arrays:
-        """Return the arrays of a scenario; those of a scenario `like` it serve again where they do not differ."""
+        self,
+        plant: Plant,
+        scenario: Scenario,
+        time: NDArray[np.float64],
+        like: tuple[Scenario, tuple[Arrays, ...]] | None,
+    ) -> tuple[Arrays, ...]:
+        """Return three groups of arrays of a scenario; a group of a scenario `like` it serves again where it can."""
         makers: dict[tuple[str, ...], Callable[[], Arrays]] = {
             _OF_PLANT: lambda: closed_loop.plant_arrays(plant, scenario),
             _OF_SENSORS: lambda: closed_loop.sensor_arrays(plant, self.controller, scenario, len(time)),
             _OF_ACTUATORS: lambda: closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time),
         }
-        arrays: Arrays = {} if like is None else dict(like[1])
-        for fields, make in makers.items():
-            if like is None or not all(_is_same(getattr(like[0], f), getattr(scenario, f)) for f in fields):
-                arrays |= make()
-        return arrays
+        if like is None:
+            return tuple(make() for make in makers.values())
+        return tuple(
+            group if all(_is_same(getattr(like[0], f), getattr(scenario, f)) for f in fields) else make()
+            for group, (fields, make) in zip(like[1], makers.items(), strict=True)
+        )
 
     def _controller_arrays(self, scenario: Scenario, mixing: NDArray[np.float64]) -> Arrays:
         """Return the connections of the Blocks, their states, and their outputs."""
@@ -253,7 +259,7 @@ def compile_loop(
     return LaneLoop(fast, parts, lanes, lane_library.compile_loop(fast, parts, lanes))
 
 
-def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> None:
+def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Mapping[str, NDArray[Any]]]) -> None:
     """Raise WiringError for scenarios that one loop cannot run side by side."""
     first = scenarios[0]
     for scenario, lane in zip(scenarios, lanes, strict=True):

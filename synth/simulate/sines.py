@@ -3,8 +3,8 @@
     k = nearest whole number to a/(2 pi),   r = a - 2 pi k in -pi .. pi
     sin a -> r S(r^2),   cos a -> C(r^2)        S, C of the least degree with at most a given error
 
-2 pi is subtracted in two parts, so the reduction costs no digit while k is below 2^20 or so. Cody and Waite, Software
-Manual for the Elementary Functions, 1980, chapter 8.
+2 pi is subtracted in two parts by products and sums that are rounded once in C, so the reduction costs no digit while k
+is below 2^20 or so. Cody and Waite, Software Manual for the Elementary Functions, 1980, chapter 8.
 """
 
 from collections.abc import Callable
@@ -61,9 +61,8 @@ def coefficients(op: str, error: float) -> tuple[float, ...]:
 
 
 def _interpolate(function: Callable[[Array], Array], degree: int) -> Array:
-    series = chebyshev.chebinterpolate(lambda t: function(0.5 * _SQUARE * (t + 1)), degree)
-    powers = np.polynomial.Polynomial(chebyshev.cheb2poly(series))
-    return np.asarray(powers(np.polynomial.Polynomial([-1.0, 2 / _SQUARE])).coef)
+    series = chebyshev.Chebyshev.interpolate(function, degree, domain=(0.0, _SQUARE))
+    return np.asarray(series.convert(kind=np.polynomial.Polynomial).coef)
 
 
 def _sine_over_angle(square: Array) -> Array:
