@@ -171,18 +171,24 @@ def _response(
     return _experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
 
-def _tracking(rig: Rig, four: bool) -> Experiment:
-    trajectory, courses = tracking(rig, four)
-    errors, y = mean_errors(trajectory, courses), trajectory["y"]
+def tracking_experiment(
+    trajectory: Trajectory, courses: Mapping[str, Array], four: bool, start: float = TRACK_FROM, stop: float = TRACK_TO
+) -> Experiment:
+    """Return all figures of the tracking; the mean errors are those from `start` to `stop` s."""
+    errors, y = mean_errors(trajectory, courses, start, stop), trajectory["y"]
     limits = TRACKING_LIMITS if four else {}
-    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], "10 to 60 s") for n, limit in limits.items()]
+    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], f"{start:g} to {stop:g} s") for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
     gaps = np.array([trajectory[f"g{j}"] for j in control.MOTORS])
     figures = {f"mean |e_{n}|, u{UNITS[n]}": e * 1e6 for n, e in errors.items()}
     figures |= {"least motor gap, mm": gaps.min() * 1e3, "greatest motor gap, mm": gaps.max() * 1e3}
-    about = "60 s from rest, encoders of 10 um"
+    about = f"{stop:g} s from rest, encoders of 10 um"
     return _experiment(trajectory, about, courses, figures, checks, overload=True)
+
+
+def _tracking(rig: Rig, four: bool) -> Experiment:
+    return tracking_experiment(*tracking(rig, four), four)
 
 
 @cache
