@@ -150,9 +150,10 @@ def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Call
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
     def run(plants: list[Plant]) -> list[Experiment]:
-        kept = replace(recording, columns=frozenset(recording.read) if recording.read else None)
-        trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, kept)
-        return [experiments.tracking_experiment(t, courses, True, 10.0, DURATION_S) for t in trajectories if t]
+        known = replace(recording, columns=frozenset(recording.read) if recording.read else None)
+        trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, known)
+        kept = [t for t in trajectories if t is not None]
+        return [experiments.tracking_experiment(t, courses, True, 10.0, DURATION_S) for t in kept]
 
     return run
 

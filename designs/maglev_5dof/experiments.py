@@ -177,7 +177,8 @@ def tracking_experiment(
     """Return all figures of the tracking; the mean errors are those from `start` to `stop` s."""
     errors, y = mean_errors(trajectory, courses, start, stop), trajectory["y"]
     limits = TRACKING_LIMITS if four else {}
-    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], f"{start:g} to {stop:g} s") for n, limit in limits.items()]
+    window = f"{start:g} to {stop:g} s"
+    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], window) for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
     gaps = np.array([trajectory[f"g{j}"] for j in control.MOTORS])
