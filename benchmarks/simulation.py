@@ -16,7 +16,7 @@ mapaccum, 256 machines 25 times.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from time import process_time
 from typing import Any
@@ -26,6 +26,7 @@ import numpy as np
 
 from designs.maglev_5dof import control, design, experiments
 from synth import standard_tasks, study_jobs
+from synth.check import Check
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.simulate import closed_loop, integration, lanes, sampling
@@ -149,11 +150,12 @@ def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Call
     courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in experiments.COURSES}
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
-    def run(plants: list[Plant]) -> list[Experiment]:
+    def run(plants: list[Plant]) -> list[tuple[Mapping[str, float], tuple[Check, ...]]]:
         known = replace(recording, columns=frozenset(recording.read) if recording.read else None)
         trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, known)
         kept = [t for t in trajectories if t is not None]
-        return [experiments.tracking_experiment(t, courses, True, 10.0, DURATION_S) for t in kept]
+        finished = (experiments.tracking_experiment(t, courses, True, 10.0, DURATION_S) for t in kept)
+        return [(each.figures, each.checks) for each in finished]  # no trajectory, as in a study
 
     return run
 

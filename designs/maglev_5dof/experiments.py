@@ -133,7 +133,7 @@ def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float)
 
 
 def _overload(currents: Array) -> dict[str, float]:
-    share = float(np.mean(currents > control.RATED))
+    share = np.count_nonzero(currents > control.RATED) / currents.size
     return {"share of motor samples above the 5 A continuous rating": share}
 
 
@@ -181,9 +181,10 @@ def tracking_experiment(
     checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], window) for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
-    gaps = np.array([trajectory[f"g{j}"] for j in control.MOTORS])
+    gaps = [trajectory[f"g{j}"] for j in control.MOTORS]
+    least, greatest = min(g.min() for g in gaps), max(g.max() for g in gaps)
     figures = {f"mean |e_{n}|, u{UNITS[n]}": e * 1e6 for n, e in errors.items()}
-    figures |= {"least motor gap, mm": gaps.min() * 1e3, "greatest motor gap, mm": gaps.max() * 1e3}
+    figures |= {"least motor gap, mm": least * 1e3, "greatest motor gap, mm": greatest * 1e3}
     about = f"{stop:g} s from rest, encoders of 10 um"
     return _experiment(trajectory, about, courses, figures, checks, overload=True)
 

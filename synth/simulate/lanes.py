@@ -111,9 +111,9 @@ class LaneLoop:
         arrays |= {
             "wide_row": np.array(wide, dtype=np.int64),
             "narrow_row": np.array(narrow, dtype=np.int64),
-            "wide": lane_memory.zeros((len(wide), self.lanes, frames), np.float64),
-            "narrow": lane_memory.zeros((len(narrow), self.lanes, frames), scalar),
-            "faults": lane_memory.zeros((len(self.blocks), self.lanes, frames), width),
+            "wide": lane_memory.empty((len(wide), self.lanes, frames), np.float64),
+            "narrow": lane_memory.empty((len(narrow), self.lanes, frames), scalar),
+            "faults": lane_memory.empty((len(self.blocks), self.lanes, frames), width),
         }
         self._call(arrays, scenarios[0], len(time), order, recording.every)
         columns = {self._signals[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
