@@ -15,7 +15,6 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from synth.check import Check
 from synth.errors import DesignError
@@ -211,6 +210,8 @@ def _summary(table: StudyTable, name: str, values: Array) -> Summary:
 
 def _driver(table: StudyTable, values: Array) -> tuple[str, float]:
     """Return the quantity with the largest rank correlation, and that; ("", 0) where a value does not vary."""
+    from scipy import stats  # slow to import (1 s) and seldom needed
+
     known = ~np.isnan(values)
     if known.sum() < 3 or np.ptp(stats.rankdata(values[known])) == 0:
         return "", 0.0
@@ -231,6 +232,8 @@ class Yield:
 
 def estimate_yield(table: StudyTable) -> Yield:
     """Return the yield with Clopper and Pearson's interval of 95 % confidence."""
+    from scipy import stats  # slow to import (1 s) and seldom needed
+
     kept, n = int(table.passed.sum()), len(table.rows)
     interval = stats.binomtest(kept, n).proportion_ci(CONFIDENCE, "exact")
     return Yield(kept / n, float(interval.low), float(interval.high))

@@ -173,7 +173,7 @@ def test_parquet_without_pyarrow_is_refused_with_a_mend(monkeypatch: pytest.Monk
 
 
 def test_parquet_has_the_columns_of_csv(table: StudyTable, tmp_path: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet")
+    _, parquet = study_table.require_parquet()
     study_table.write_parquet(table, tmp_path / "table.parquet")
     again = parquet.read_table(tmp_path / "table.parquet")
     columns = study_table.columns(table)
