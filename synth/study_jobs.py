@@ -29,7 +29,7 @@ from synth.simulate.worst_case import WorstCase
 from synth.workspace import Design
 
 CHUNK = 96  # rows
-PER_CORE = 2  # processes, one after another: each prepares the loops, some 20 s for a large stage
+PER_CORE = 2  # processes, one after another: each prepares the loops, some 4 s for a large stage
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Functions that simulate closed loops, run side by side so that their loops run together in lanes.
 
-Each function runs in a thread of its own and calls `simulate` like `closed_loop.simulate`. A call waits until every
-other function has called too, or has ended; then the loops of one controller that differ only in their plants, initial
-states, references and sensor errors run in lanes, and every call returns.
+Each function runs in a thread of its own, one at a time, and calls `simulate` like `closed_loop.simulate`. A call waits
+until every other function has called too, or has ended; then the loops of one controller that differ only in their
+plants, initial states, references and sensor errors run in lanes, and every call returns.
 """
 
 import threading
@@ -121,12 +121,13 @@ def run(
     results: list[Result[T]] = [Result() for _ in functions]
 
     def work(k: int) -> None:
-        try:
-            results[k] = Result(functions[k](meeting.simulate))
-        except Exception as error:
-            results[k] = Result(error=error)
-        finally:
-            meeting.leave()
+        with meeting.changed:  # one function at a time: what one prepares and keeps, the others find
+            try:
+                results[k] = Result(functions[k](meeting.simulate))
+            except Exception as error:
+                results[k] = Result(error=error)
+            finally:
+                meeting.leave()
 
     threads = [threading.Thread(target=work, args=(k,), daemon=True) for k in range(len(functions))]
     for thread in threads:
