@@ -88,12 +88,12 @@ class Plant:
 
         Raises SignalError for a name that is neither a state nor an input.
         """
-        names = signal_names((*self.states, *self.inputs))
+        names = [s.name for s in (*self.states, *self.inputs)]
         if unknown := [name for name in values if name not in names]:
             raise SignalError(f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names)}")
         columns = np.broadcast_arrays(*(np.atleast_1d(values.get(name, 0.0)) for name in names))
         x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
-        return dict(zip(signal_names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+        return dict(zip((s.name for s in self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
 
 
 def _text(expr: ca.SX) -> str:

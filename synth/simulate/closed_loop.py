@@ -140,7 +140,7 @@ def column_units(plant: Plant, blocks: Sequence[host.Controller]) -> dict[str, s
 
 def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
     """Return the members of `loop_t` for the plant and its stops."""
-    states, start = signal_names(plant.states), _initial_states(plant, scenario)
+    states, start = [s.name for s in plant.states], _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
     _require_known("stops", scenario.stops, velocity)
@@ -163,7 +163,7 @@ def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
 
 
 def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
-    _require_known("initial plant states x0", scenario.x0, signal_names(plant.states))
+    _require_known("initial plant states x0", scenario.x0, [s.name for s in plant.states])
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
             raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")
@@ -216,7 +216,7 @@ def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario,
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
     return arrays | {
-        "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
+        "sensor_source": np.array([[*outputs].index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
         "sensor_bias": bias,

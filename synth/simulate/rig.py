@@ -51,6 +51,12 @@ def _compile_drive(stage: Stage, scalar: str) -> tuple[host.Controller, ...]:
     return tuple(build.compile_block(block, kind, error=stage.surrogate_error.get(kind)) for block in blocks)
 
 
+@lru_cache(maxsize=64)  # the experiments of a machine share the plant, and with it its polynomials in lanes
+def _with_parameters_of(plant: Plant, other: Plant) -> Plant:
+    """Return the other plant with the values of the plant's parameters."""
+    return other.with_parameters(**{p.name: p.value for p in plant.parameters})
+
+
 @lru_cache(maxsize=64)  # most machines of a study have the same positions and set-points at their start
 def _first_drive_commands(
     controller: host.Controller,
@@ -115,8 +121,7 @@ class Rig:
         """The same rig in which the controller's outputs act on the plant of the stage directly."""
         if not self.drive:
             return self
-        values = {p.name: p.value for p in self.plant.parameters}
-        return replace(self, plant=self.stage.plant.with_parameters(**values), drive=())
+        return replace(self, plant=_with_parameters_of(self.plant, self.stage.plant), drive=())
 
     def with_interface(self, **fields: Any) -> "Rig":
         """Return the same rig with some fields of its interface replaced; the controller is unchanged."""
