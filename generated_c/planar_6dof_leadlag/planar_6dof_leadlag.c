@@ -494,27 +494,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
                 /*@ admit -1.0f <= ratio_x <= 1.0f; */
                 const float ratio_x_squared = ratio_x * ratio_x;
-                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                     (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
                 float within_x_2;
                 if (X_s_squared <= X_c_squared) {
                     if (X_c < 0.0f) {
-                        if (0.0f < f_x_raw) {
-                            within_x_2 = f_x_raw - half_pitch;
+                        if (0.0f < f_x) {
+                            within_x_2 = f_x - half_pitch;
                         } else {
-                            within_x_2 = f_x_raw + half_pitch;
+                            within_x_2 = f_x + half_pitch;
                         }
                     } else {
-                        within_x_2 = f_x_raw;
+                        within_x_2 = f_x;
                     }
                 } else {
-                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
                 }
                 const float sensing_offset_x = state->sensing_offset_x;
-                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
+                const float off_x = within_x_2 - (filter_x_p - sensing_offset_x);
                 float offset_x = sensing_offset_x;
-                if (half_pitch < fabsf(off_x_raw)) {
-                    if (0.0f < off_x_raw) {
+                if (half_pitch < fabsf(off_x)) {
+                    if (0.0f < off_x) {
                         if (-pitch <= sensing_offset_x) {
                             const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
                             offset_x = sensing_offset_x_minus_pitch;
@@ -534,27 +534,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
                 /*@ admit -1.0f <= ratio_y <= 1.0f; */
                 const float ratio_y_squared = ratio_y * ratio_y;
-                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                     (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
                 float position;
                 if (Y_s_squared <= ratio_y_part_squared) {
                     if (-ratio_y_part < 0.0f) {
-                        if (0.0f < f_y_raw) {
-                            position = f_y_raw - half_pitch;
+                        if (0.0f < f_y) {
+                            position = f_y - half_pitch;
                         } else {
-                            position = f_y_raw + half_pitch;
+                            position = f_y + half_pitch;
                         }
                     } else {
-                        position = f_y_raw;
+                        position = f_y;
                     }
                 } else {
-                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
                 }
                 const float sensing_offset_y = state->sensing_offset_y;
-                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
+                const float off_y = position - (filter_y_p - sensing_offset_y);
                 float offset_y = sensing_offset_y;
-                if (half_pitch < fabsf(off_y_raw)) {
-                    if (0.0f < off_y_raw) {
+                if (half_pitch < fabsf(off_y)) {
+                    if (0.0f < off_y) {
                         if (-pitch <= sensing_offset_y) {
                             const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
                             offset_y = sensing_offset_y_minus_pitch;

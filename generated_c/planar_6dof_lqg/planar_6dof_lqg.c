@@ -461,26 +461,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 (Y_s - ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+            const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                 (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float within_x_2;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
-                    if (0.0f < f_x_raw) {
-                        within_x_2 = f_x_raw - half_pitch;
+                    if (0.0f < f_x) {
+                        within_x_2 = f_x - half_pitch;
                     } else {
-                        within_x_2 = f_x_raw + half_pitch;
+                        within_x_2 = f_x + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x_raw;
+                    within_x_2 = f_x;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
             }
-            const float off_x_raw = within_x_2 - expected_x;
+            const float off_x = within_x_2 - expected_x;
             float offset_x = sensing_offset_x;
-            if (half_pitch < fabsf(off_x_raw)) {
-                if (0.0f < off_x_raw) {
+            if (half_pitch < fabsf(off_x)) {
+                if (0.0f < off_x) {
                     if (-pitch <= sensing_offset_x) {
                         offset_x = sensing_offset_x - pitch;
                     }
@@ -490,29 +490,29 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     }
                 }
             }
-            const float accepted_x_raw = within_x_2 + offset_x;
-            const float innovation_x = accepted_x_raw - reckoning_x_position;
+            const float accepted_x = within_x_2 + offset_x;
+            const float innovation_x = accepted_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+            const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
             if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_x_raw_2) {
-                        position = f_x_raw_2 - half_pitch;
+                    if (0.0f < f_y) {
+                        position = f_y - half_pitch;
                     } else {
-                        position = f_x_raw_2 + half_pitch;
+                        position = f_y + half_pitch;
                     }
                 } else {
-                    position = f_x_raw_2;
+                    position = f_y;
                 }
             } else {
-                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
             }
-            const float off_x_raw_2 = position - expected_y;
+            const float off_y = position - expected_y;
             float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_x_raw_2)) {
-                if (0.0f < off_x_raw_2) {
+            if (half_pitch < fabsf(off_y)) {
+                if (0.0f < off_y) {
                     if (-pitch <= sensing_offset_y) {
                         offset_y = sensing_offset_y - pitch;
                     }
@@ -522,16 +522,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     }
                 }
             }
-            const float accepted_x_raw_2 = position + offset_y;
-            const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
+            const float accepted_y = position + offset_y;
+            const float innovation_y = accepted_y - reckoning_y_position;
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
                 (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
-            const float accepted_x_raw_3 = sensing_phi_raw +
+            const float accepted_x_raw = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
-            const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
+            const float x_raw_part_2 = accepted_x_raw - reckoning_phi_position;
             const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
@@ -549,10 +549,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                x_raw = accepted_x_raw;
-                y_raw = accepted_x_raw_2;
+                x_raw = accepted_x;
+                y_raw = accepted_y;
                 accepted_phi_raw = true;
-                raw_yaw = accepted_x_raw_3;
+                raw_yaw = accepted_x_raw;
                 within_x = within_x_2;
                 within_y = position;
                 if (1u <= sensing_contradiction_left) {
