@@ -105,7 +105,11 @@ def mean_errors(
 def motor_currents(trajectory: Trajectory) -> Array:
     """Return hypot(i_d, i_q) of the four commanded motor currents (4, N), A rms."""
     commands = trajectory.commands
-    return np.array([np.hypot(*(commands[f"i_{a}{j}"].astype(float) for a in "dq")) for j in control.MOTORS])
+    magnitudes = np.empty((len(control.MOTORS), len(trajectory.time)))
+    for i, j in zip(magnitudes, control.MOTORS, strict=True):
+        np.square(commands[f"i_d{j}"], out=i, dtype=float)
+        i += np.square(commands[f"i_q{j}"], dtype=float)
+    return np.sqrt(magnitudes, out=magnitudes)
 
 
 def _experiment(
@@ -115,11 +119,12 @@ def _experiment(
     figures: Mapping[str, float],
     checks: Sequence[Check] = (),
     shown: Sequence[str] = (),
+    overload: bool = False,
 ) -> Experiment:
-    current = float(motor_currents(trajectory).max())
-    limited = Check("largest motor current", current, 4.950, "A rms", "hypot(i_d, i_q)")
-    axes = tuple(shown or courses)
-    return Experiment("", "", about, trajectory, axes, dict(courses), dict(figures), (*checks, limited))
+    currents = motor_currents(trajectory)
+    limited = Check("largest motor current", float(currents.max()), 4.950, "A rms", "hypot(i_d, i_q)")
+    axes, further = tuple(shown or courses), _overload(currents) if overload else {}
+    return Experiment("", "", about, trajectory, axes, dict(courses), {**figures, **further}, (*checks, limited))
 
 
 def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float) -> Check:
@@ -127,8 +132,8 @@ def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float)
     return Check("true error in the last second", error, limit, UNITS[axis])
 
 
-def _overload(trajectory: Trajectory) -> dict[str, float]:
-    share = float(np.mean(motor_currents(trajectory) > control.RATED))
+def _overload(currents: Array) -> dict[str, float]:
+    share = np.count_nonzero(currents > control.RATED) / currents.size
     return {"share of motor samples above the 5 A continuous rating": share}
 
 
@@ -153,7 +158,7 @@ def _step(
         excursion = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
         checks.append(Check("gap moves by", excursion, 20e-6, "m", "during the step"))
     about = f"{axis} from {start:g} to {target:g} {unit}, encoders of 10 um, one sample of delay"
-    return _experiment(trajectory, about, {axis: run.reference}, _overload(trajectory), checks)
+    return _experiment(trajectory, about, {axis: run.reference}, {}, checks, overload=True)
 
 
 def _response(
@@ -166,18 +171,26 @@ def _response(
     return _experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
 
-def _tracking(rig: Rig, four: bool) -> Experiment:
-    trajectory, courses = tracking(rig, four)
-    errors, y = mean_errors(trajectory, courses), trajectory["y"]
+def tracking_experiment(
+    trajectory: Trajectory, courses: Mapping[str, Array], four: bool, start: float = TRACK_FROM, stop: float = TRACK_TO
+) -> Experiment:
+    """Return all figures of the tracking; the mean errors are those from `start` to `stop` s."""
+    errors, y = mean_errors(trajectory, courses, start, stop), trajectory["y"]
     limits = TRACKING_LIMITS if four else {}
-    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], "10 to 60 s") for n, limit in limits.items()]
+    window = f"{start:g} to {stop:g} s"
+    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], window) for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
-    gaps = np.array([trajectory[f"g{j}"] for j in control.MOTORS])
+    gaps = [trajectory[f"g{j}"] for j in control.MOTORS]
+    least, greatest = min(g.min() for g in gaps), max(g.max() for g in gaps)
     figures = {f"mean |e_{n}|, u{UNITS[n]}": e * 1e6 for n, e in errors.items()}
-    figures |= {"least motor gap, mm": gaps.min() * 1e3, "greatest motor gap, mm": gaps.max() * 1e3}
-    about = "60 s from rest, encoders of 10 um"
-    return _experiment(trajectory, about, courses, figures | _overload(trajectory), checks)
+    figures |= {"least motor gap, mm": least * 1e3, "greatest motor gap, mm": greatest * 1e3}
+    about = f"{stop:g} s from rest, encoders of 10 um"
+    return _experiment(trajectory, about, courses, figures, checks, overload=True)
+
+
+def _tracking(rig: Rig, four: bool) -> Experiment:
+    return tracking_experiment(*tracking(rig, four), four)
 
 
 @cache
@@ -214,9 +227,10 @@ def _windup(rig: Rig, anti_windup: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = _with(rig, "without anti-windup")
     about = "without stops along x, so the overshoot is visible"
-    without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
+    without = _response(bare, "x", 0.05, about, -0.05, gap=0.030)
     if not anti_windup:
         return without
+    run = _response(rig, "x", 0.05, about, -0.05, gap=0.030)
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
     check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must have an effect here")
     return replace(run, checks=(check, *run.checks))

@@ -18,7 +18,8 @@ from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
 from synth.emit.c.lines import Line, comment, prose
 from synth.emit.c.printer import guard_function
-from synth.emit.lower import LIBM, Program
+from synth.emit.lower import Program
+from synth.emit.operations import LIBM
 from synth.emit.passes.surrogates import Surrogate
 
 
