@@ -247,7 +247,7 @@ def test_a_planted_warning_is_detected() -> None:
         compiler.check(files | {"memory.c": files["memory.c"].replace("0.375f", "0.375")})
 
 
-DOUBLE_CALL = re.compile(rf"\b(?:{'|'.join(sorted(LIBM))}|fmin|fmax|pow)\s*\(|\bdouble\b")
+DOUBLE_CALL = re.compile(rf"\b(?:{'|'.join(sorted(operations.LIBM))}|fmin|fmax|pow)\s*\(|\bdouble\b")
 DOUBLE_LITERAL = re.compile(r"(?<![\w.])(?:\d+\.\d*|\.\d+|\d+(?=e))(?:e[-+]?\d+)?(?![\w.])")
 
 
