@@ -24,7 +24,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, design, experiments
+from designs.maglev import experiments, platen
+from designs.maglev_5dof import design
 from synth import standard_tasks, study_jobs
 from synth.plant import Plant
 from synth.signals import signal_names
@@ -87,7 +88,7 @@ def casadi_loop(motion: Scenario, samples: int) -> Callable[[], ca.DM]:
     u = ca.vcat([waiting[commands.index(str(motion.actuators[name]))] for name in signal_names(plant.inputs)])
     y = plant.h(x, u, plant.values)
     counts = {
-        name: control.RESOLUTION * ca.floor(y[outputs.index(of)] / control.RESOLUTION + 0.5)
+        name: platen.RESOLUTION * ca.floor(y[outputs.index(of)] / platen.RESOLUTION + 0.5)
         for name, of in motion.sensors.items()
     }
     wired = counts | {name: references[k] for k, name in enumerate(motion.references)}

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import design, experiments
+from designs.maglev import experiments
+from designs.maglev_5dof import design
 from models import maglev_stage
 from synth import standard_tasks
 from synth.errors import WiringError

@@ -19,7 +19,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import experiments, platen
+from designs.maglev_5dof import control
 from models import maglev_loop, maglev_stage
 from models.maglev_loop import Motion, Regulator
 from synth import cache
@@ -91,7 +92,7 @@ def ideal(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2
     """
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
-        courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
+        courses |= {"phi": Sine(0.0, platen.OMEGA0), "theta": experiments.COURSES["theta"]}
     return run(setup.pair(springs), courses, {"y": 0.020, "x": -0.03}, setup.duration_s / 3, lv3)
 
 
@@ -196,6 +197,6 @@ def linear_step(name: str, step: float) -> metrics.StepResponse:
 def gap_step(plant: Plant, low: float, size: float) -> metrics.StepResponse:
     """Return the metrics over 6 s of a gap step from `low` by `size` in m, for the nonlinear plant under (12)."""
     high = low + size
-    motion = run((plant, plant), {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
+    motion = run((plant, plant), {"y": Sine(0.0, platen.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
     gap = motion.error["y"] + low + size
-    return metrics.step_response(motion.time, gap, low, high, experiments.BAND, control.RESOLUTION)
+    return metrics.step_response(motion.time, gap, low, high, experiments.BAND, platen.RESOLUTION)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from designs.maglev import platen
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from synth.check import Check
@@ -54,7 +55,7 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
     assert {"tracking", "windup_with", "set_down_18.1", "faults", "latches"} <= set(sequences)
     taken = {name: steps.evaluate(controller, s) for name, s in sequences.items()}
     windup = taken["windup_with"].outputs
-    assert float(np.hypot(windup["i_d2"], windup["i_q2"]).max()) > 0.999 * control.CURRENT  # a motor at its limit
+    assert float(np.hypot(windup["i_d2"], windup["i_q2"]).max()) > 0.999 * platen.CURRENT  # a motor at its limit
     assert (taken["set_down_25"].faults >> 31).any() and not taken["tracking"].faults.any()
     bounds = {f["name"]: f["high"] for f in EMITTED.manifest["structs"]["state"]["fields"]}
     drawn = sequences["random states and inputs"].states

@@ -1,0 +1,23 @@
+"""The five-axis maglev stage of Fulford et al. under a controller of higher precision, from physics to verified C."""
+
+from pathlib import Path
+
+from designs.maglev import commutation, declaration
+from designs.maglev_5dof_precise import control, experiments, reference, verification
+from models import maglev_stage
+
+PLANT = maglev_stage.plant()
+PHASES = commutation.phase_currents(control.NAME, PLANT)
+DESIGN = declaration.design(
+    control.controller(PLANT),
+    PLANT,
+    PHASES,
+    Path(__file__).parent,
+    reference=reference.with_fault_handling,
+    experiments=experiments.ALL,
+    gains=control.gains,
+    law_alone=control.law_alone(PLANT),
+    verify=verification.verify,
+    require={"delay_margin": 3e-3},
+    about=__doc__,
+)
