@@ -24,7 +24,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev import experiments, platen
+from designs.maglev import motions, platen
 from designs.maglev_5dof import design
 from synth import standard_tasks, study_jobs
 from synth.plant import Plant
@@ -57,7 +57,7 @@ class Motion:
 
     def run(self, rig: Rig) -> Experiment:
         """Run the motion."""
-        trajectory, courses = experiments.tracking(rig, True, DURATION_S)
+        trajectory, courses = motions.tracking(rig, True, DURATION_S)
         return Experiment(self.name, "", "", trajectory, (), courses)
 
 
@@ -72,7 +72,7 @@ def scenario(rig: Rig, duration_s: float) -> Scenario:
         raise _Captured(scenario)
 
     try:
-        experiments.tracking(replace(rig, simulate=simulate), True, duration_s)
+        motions.tracking(replace(rig, simulate=simulate), True, duration_s)
     except _Captured as captured:
         motion: Scenario = captured.args[0]
         return motion
@@ -147,13 +147,13 @@ def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Call
 
     The loop records what these figures read, as in a study, where the first batch shows it.
     """
-    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in experiments.COURSES}
+    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in motions.COURSES}
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
     def run(plants: list[Plant]) -> list[dict[str, float]]:
         kept = replace(recording, columns=frozenset(recording.read) if recording.read else None)
         trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, kept)
-        return [experiments.mean_errors(t, courses, 10.0, DURATION_S) for t in trajectories if t is not None]
+        return [motions.mean_errors(t, courses, 10.0, DURATION_S) for t in trajectories if t is not None]
 
     return run
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from designs.maglev import experiments, fault_campaign, platen, verification
+from designs.maglev import fault_campaign, motions, platen, verification
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
 from synth.block import Block
@@ -21,7 +21,7 @@ def design(controller: stage.Controller, plant: Plant, phases: Block, folder: Pa
         "start": {"y": 0.025},
         "stops": {name: platen.BOX[name] for name in ("y", "phi", "theta")},
         "velocities": maglev_stage.RATE,
-        "wires": experiments.WIRES,
+        "wires": motions.WIRES,
         "faults": fault_campaign.FAULTS,
         "header_notes": [f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
         "limited": [f"observer_{n}_g" for n in "xz"],  # the learnt gain of the thrust

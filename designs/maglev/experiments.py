@@ -1,51 +1,30 @@
-"""Experiments of the paper, F section IV, and further ones: wrong guide springs, lift-off, safe output.
-
-A step comes SETTLE after the start, when the loop is at rest within a count of its encoders. Metrics are those of the
-true position, as in the paper: overshoot relative to the step, t_s until it stays within 0.1 mm or 0.1 mrad, t_enc
-until it stays within 10 um or 20 urad.
-"""
+"""Experiments of the paper, F section IV, and further ones: wrong guide springs, lift-off, safe output."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import pi
 from typing import Any
 
 import numpy as np
 
-from designs.maglev import commutation, platen
-from designs.maglev.platen import OMEGA0, RESOLUTION
-from synth.block import Block
+from designs.maglev import commutation, motions, platen
+from designs.maglev.platen import RESOLUTION
 from synth.check import Check
 from synth.declaration import Stage
-from synth.execute import build, host
+from synth.execute import host
 from synth.simulate import metrics
-from synth.simulate.conditions import Sine
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
-from synth.simulate.rig import Rig, Wires
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.statespace import Array, readonly
+from synth.statespace import Array
 
 Make = Callable[..., Experiment]
 
-SETTLE, AFTER = 1.0, 8.0  # s before a step, and after it
-BAND = 1e-4  # m or rad, the band of t_s
-UNITS = {"y": "m", "x": "m", "z": "m", "phi": "rad", "theta": "rad"}
-COUNTS = {axis: RESOLUTION if unit == "m" else 20e-6 for axis, unit in UNITS.items()}  # m or rad, F section IV-A
-TRACK_FROM, TRACK_TO = 10.0, 60.0  # s, the window of the mean errors
-COURSES = {  # of the 4-DOF tracking, F section IV-B
-    "y": Sine(0.005, OMEGA0, -pi / 2, 0.025),
-    "x": Sine(0.03, OMEGA0, -pi / 2),
-    "z": Sine(0.03, OMEGA0),
-    "theta": Sine(0.01, OMEGA0),
-}
-WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in platen.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
-NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in platen.MOTORS} for j in platen.MOTORS}}
 STABLE = "the axis stays stable over the spring's tolerance"
 TILTED: Mapping[str, Any] = {"axis": "phi", "target": 0.5e-3, "about": STABLE, "settles": True}
-LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
+LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": motions.NO_ROTATION}
 LOCKED: Mapping[str, Any] = {"about": "in the paper's configuration", "locked": ("x", "z")}
 
 
@@ -63,64 +42,6 @@ class Limits:
     tracking: Mapping[str, float]
 
 
-@dataclass(frozen=True, eq=False)
-class StepRun:
-    """The trajectory of a step with its set-point (N,), the metrics, and the sample of the step."""
-
-    trajectory: Trajectory
-    reference: Array
-    response: metrics.StepResponse
-    sample: int
-
-
-def step(
-    rig: Rig, axis: str, start: float, target: float, gap: float = 0.025, after: float = AFTER, **options: Any
-) -> StepRun:
-    """Run one step of `axis` from `start` to `target` (m, rad) at a gap in m, followed for `after` seconds.
-
-    With `actuators` among the options the drive is left out, and with `locked` coordinates the fault handling, too: an
-    encoder of a platen that is clamped looks like a frozen one.
-    """
-    rig = rig.without_drive if options.keys() & {"actuators", "locked"} else rig
-    rig = without_fault_handling(rig) if "locked" in options else rig
-    time = sample_times(SETTLE + after, rig.period_s)
-    reference = np.where(time < SETTLE, start, target)
-    trajectory = rig.run(SETTLE + after, {"y": gap} | {axis: start}, {f"{axis}_ref": reference}, **options)
-    k = int(np.argmax(time >= SETTLE))
-    response = metrics.step_response(time[k:], trajectory[axis][k:], start, target, BAND, COUNTS[axis])
-    return StepRun(trajectory, reference, response, k)
-
-
-@lru_cache
-def _courses(duration_s: float, period_s: float) -> dict[str, Array]:
-    """Return the set-points of the 4-DOF tracking: a study runs it on many machines."""
-    return {axis: readonly(course(sample_times(duration_s, period_s))) for axis, course in COURSES.items()}
-
-
-def tracking(rig: Rig, four: bool, duration_s: float = TRACK_TO) -> tuple[Trajectory, dict[str, Array]]:
-    """Run the 4-DOF tracking or the 3-DOF ellipse from rest; return it with the set-points by axis."""
-    courses = {axis: course for axis, course in _courses(duration_s, rig.period_s).items() if four or axis != "theta"}
-    start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
-    references = {f"{axis}_ref": course for axis, course in courses.items()}
-    if four:
-        return rig.run(duration_s, start, references), courses
-    return rig.without_drive.run(duration_s, start, references, actuators=NO_ROTATION), courses
-
-
-def mean_errors(
-    trajectory: Trajectory, courses: Mapping[str, Array], start: float = TRACK_FROM, stop: float = TRACK_TO
-) -> dict[str, float]:
-    """Return the mean |true error| of each axis from `start` to `stop` s, m and rad."""
-    errors = {axis: trajectory[axis] - courses.get(axis, 0.0) for axis in UNITS}
-    return {axis: metrics.mean_absolute(trajectory.time, e, start, stop) for axis, e in errors.items()}
-
-
-def motor_currents(trajectory: Trajectory) -> Array:
-    """Return hypot(i_d, i_q) of the four commanded motor currents (4, N), A rms."""
-    commands = trajectory.commands
-    return np.array([np.hypot(*(commands[f"i_{a}{j}"].astype(float) for a in "dq")) for j in platen.MOTORS])
-
-
 def experiment(
     trajectory: Trajectory,
     about: str,
@@ -129,7 +50,7 @@ def experiment(
     checks: Sequence[Check] = (),
     shown: Sequence[str] = (),
 ) -> Experiment:
-    current = float(motor_currents(trajectory).max())
+    current = float(motions.motor_currents(trajectory).max())
     limited = Check("largest motor current", current, 4.950, "A rms", "hypot(i_d, i_q)")
     axes = tuple(shown or courses)
     return Experiment("", "", about, trajectory, axes, dict(courses), dict(figures), (*checks, limited))
@@ -137,11 +58,11 @@ def experiment(
 
 def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float) -> Check:
     error = float(np.max(np.abs(trajectory[axis][-1000:] - target)))
-    return Check("true error in the last second", error, limit, UNITS[axis])
+    return Check("true error in the last second", error, limit, motions.UNITS[axis])
 
 
 def _overload(trajectory: Trajectory) -> dict[str, float]:
-    share = float(np.mean(motor_currents(trajectory) > platen.RATED))
+    share = float(np.mean(motions.motor_currents(trajectory) > platen.RATED))
     return {"share of motor samples above the 5 A continuous rating": share}
 
 
@@ -149,7 +70,7 @@ def _step(
     rig: Rig, axis: str, target: float, limits: tuple[float, float, float], start: float = 0.0, gap: float = 0.025
 ) -> Experiment:
     """Run a step with `limits` on overshoot, t_s and t_enc."""
-    run, unit = step(rig, axis, start, target, gap), UNITS[axis]
+    run, unit = motions.step(rig, axis, start, target, gap), motions.UNITS[axis]
     trajectory, response = run.trajectory, run.response
     checks = [
         Check("overshoot", response.overshoot, limits[0], "1", "of the step"),
@@ -173,20 +94,20 @@ def response(
     rig: Rig, axis: str, target: float, about: str, start: float = 0.0, settles: bool = False, **options: Any
 ) -> Experiment:
     """Run a step; with `settles` the error in the last second must be within BAND."""
-    run = step(rig, axis, start, target, **options)
-    r, checks = run.response, [_last_second(run.trajectory, axis, target, BAND)] if settles else []
+    run = motions.step(rig, axis, start, target, **options)
+    r, checks = run.response, [_last_second(run.trajectory, axis, target, motions.BAND)] if settles else []
     figures = {"overshoot": r.overshoot, "t_s, s": r.t_s, "t_enc, s": r.t_enc}
     return experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
 
 def _tracking(rig: Rig, four: bool, limits: Mapping[str, float]) -> Experiment:
-    trajectory, courses = tracking(rig, four)
-    errors, y = mean_errors(trajectory, courses), trajectory["y"]
-    checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], "10 to 60 s") for n, limit in limits.items()]
+    trajectory, courses = motions.tracking(rig, four)
+    errors, y = motions.mean_errors(trajectory, courses), trajectory["y"]
+    checks = [Check(f"mean |e_{n}|", errors[n], limit, motions.UNITS[n], "10 to 60 s") for n, limit in limits.items()]
     beyond = float(max(platen.GAP[0] - y.min(), y.max() - platen.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
     gaps = np.array([trajectory[f"g{j}"] for j in platen.MOTORS])
-    figures = {f"mean |e_{n}|, u{UNITS[n]}": e * 1e6 for n, e in errors.items()}
+    figures = {f"mean |e_{n}|, u{motions.UNITS[n]}": e * 1e6 for n, e in errors.items()}
     figures |= {"least motor gap, mm": gaps.min() * 1e3, "greatest motor gap, mm": gaps.max() * 1e3}
     about = "60 s from rest, encoders of 10 um"
     return experiment(trajectory, about, courses, figures | _overload(trajectory), checks)
@@ -195,38 +116,22 @@ def _tracking(rig: Rig, four: bool, limits: Mapping[str, float]) -> Experiment:
 @lru_cache(maxsize=8)
 def _at_measured_position(stage: Stage, scalar: str) -> host.Controller:
     """Return the commutation at the measured position, without the advance, compiled in a scalar type by name."""
-    return _compile(commutation.phase_currents(stage.name, stage.plant, 0.0), scalar)
-
-
-def _compile(block: Block, scalar: str) -> host.Controller:
-    kind = np.dtype(scalar).type
-    return build.compile_block(block, kind, error=platen.SURROGATE_ERROR[kind])
+    return motions.compile_block(commutation.phase_currents(stage.name, stage.plant, 0.0), scalar)
 
 
 def _tracking_at_measured_position(rig: Rig) -> Experiment:
     """Run the 4-DOF tracking with the commutation at the measured position, for comparison."""
     used = _at_measured_position(rig.stage, np.dtype(rig.controller.scalar).name)
-    trajectory, courses = tracking(replace(rig, drive=(used,)), True)
-    errors = mean_errors(trajectory, courses)
-    figures = {f"mean |e_{n}|, u{UNITS[n]}": e * 1e6 for n, e in errors.items()}
+    trajectory, courses = motions.tracking(replace(rig, drive=(used,)), True)
+    errors = motions.mean_errors(trajectory, courses)
+    figures = {f"mean |e_{n}|, u{motions.UNITS[n]}": e * 1e6 for n, e in errors.items()}
     return experiment(trajectory, "the angle lags by one and a half samples of the motion", courses, figures)
-
-
-@lru_cache(maxsize=8)
-def _law_alone(stage: Stage, scalar: str) -> host.Controller:
-    assert stage.law_alone is not None
-    return _compile(stage.law_alone.block, scalar)
-
-
-def without_fault_handling(rig: Rig) -> Rig:
-    """Return the rig with the law alone, which the stage declares."""
-    return replace(rig, controller=_law_alone(rig.stage, np.dtype(rig.controller.scalar).name))
 
 
 def _lift_off(rig: Rig) -> Experiment:
     """Lift from the 31 mm stop to 25 mm by a ramp of 1 s."""
     time = sample_times(6.0, rig.period_s)
-    reference = 0.031 - 0.006 * np.clip(time - SETTLE, 0.0, 1.0)
+    reference = 0.031 - 0.006 * np.clip(time - motions.SETTLE, 0.0, 1.0)
     trajectory = rig.run(6.0, {"y": 0.031}, {"y_ref": reference})
     checks = (
         Check("overshoot", float(0.025 - trajectory["y"].min()) / 0.006, 0.02, "1", "of the 6 mm"),
@@ -238,20 +143,20 @@ def _lift_off(rig: Rig) -> Experiment:
 def _set_down(rig: Rig, gap: float) -> Experiment:
     """Lose three gap encoders at a gap in m."""
     time = sample_times(3.0, rig.period_s)
-    lost = Override(time >= SETTLE, np.full(len(time), np.nan))
+    lost = Override(time >= motions.SETTLE, np.full(len(time), np.nan))
     trajectory = rig.run(3.0, {"y": gap}, overrides=dict.fromkeys(("y1", "y2", "y3"), lost))
-    latched = trajectory.faults[int(np.argmax(time >= SETTLE)) + platen.BAD_SAMPLES - 1 :] >> 31
+    latched = trajectory.faults[int(np.argmax(time >= motions.SETTLE)) + platen.BAD_SAMPLES - 1 :] >> 31
     checks = (
         Check("rises above the start by", float(gap - trajectory["y"].min()), 1e-4, "m", "no motion upwards"),
         Check("distance from the 31 mm stop at the end", float(0.031 - trajectory["y"][-1]), 1e-6, "m"),
         Check("samples without the latch after 5 bad ones", float(np.count_nonzero(latched == 0)), 0.0, "1"),
     )
     figures = {"speed at the lower stop, m/s": float(trajectory["vy"].max())}
-    return experiment(trajectory, f"y1, y2 and y3 read NaN from {SETTLE:.1f} s on", {}, figures, checks, ["y"])
+    return experiment(trajectory, f"y1, y2 and y3 read NaN from {motions.SETTLE:.1f} s on", {}, figures, checks, ["y"])
 
 
 def _zero_current(rig: Rig) -> Experiment:
-    trajectory = rig.without_drive.run(0.5, actuators={}, forcing=dict.fromkeys(WIRES, 0.0))
+    trajectory = rig.without_drive.run(0.5, actuators={}, forcing=dict.fromkeys(motions.WIRES, 0.0))
     hit = metrics.first_exit(trajectory.time, trajectory["y"], platen.GAP[0] + 1e-9, platen.GAP[1])
     figures = {"time to the upper stop, s": hit, "speed there, m/s": trajectory.impacts["y"]}
     return Experiment("", "", "the platen hits the upper stop", trajectory, ("y",), {}, figures)

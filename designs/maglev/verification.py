@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev import commutation, experiments, platen, reference_faults, reference_phase, reference_stage
+from designs.maglev import commutation, motions, platen, reference_faults, reference_phase, reference_stage
 from synth.block import Block
 from synth.check import Check
 from synth.companion import Companion
@@ -197,20 +197,20 @@ def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
     masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
     bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
     return {
-        f"replay of {replay_s:g} s": experiments.tracking(rig, True, replay_s)[0],
-        "replay of a saturated step": experiments.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
+        f"replay of {replay_s:g} s": motions.tracking(rig, True, replay_s)[0],
+        "replay of a saturated step": motions.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
         "replay of faults": rig.run(2.0, overrides=bad),
     }
 
 
 def single_against_double(single: Rig, double: Rig) -> list[Check]:
     """Compare 60 s of 4-DOF tracking in both types: point by point with ideal sensing, by mean errors with encoders."""
-    checks, units = [], experiments.UNITS
-    one, two = (experiments.tracking(rig.ideal, True)[0] for rig in (single, double))
+    checks, units = [], motions.UNITS
+    one, two = (motions.tracking(rig.ideal, True)[0] for rig in (single, double))
     for axis, limit in POINTWISE.items():
         worst = float(np.max(np.abs(one[axis] - two[axis])))
         checks.append(Check(f"single less double, {axis}", worst, limit, units[axis], "60 s, ideal sensing"))
-    means = [experiments.mean_errors(*experiments.tracking(rig, True)) for rig in (single, double)]
+    means = [motions.mean_errors(*motions.tracking(rig, True)) for rig in (single, double)]
     for axis, limit in MEANS.items():
         gap = abs(means[0][axis] - means[1][axis])
         checks.append(Check(f"mean error, single less double, {axis}", gap, limit, units[axis], "60 s, encoders"))

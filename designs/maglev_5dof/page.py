@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from designs.maglev import commutation, commutation_tables, experiments, platen
+from designs.maglev import commutation, commutation_tables, motions, platen
 from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.analyse import robustness
@@ -29,7 +29,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     """Return the report as one HTML document; arguments as `template.report`."""
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(
-        experiments.UNITS, experiments.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
+        motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
     )
     loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from designs.maglev import experiments
+from designs.maglev import experiments, motions
 from models import maglev_as_built, maglev_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
@@ -36,12 +36,12 @@ def as_built(rig: Rig, corner: int, guided: bool) -> Rig:
 
 def _tracking_as_built(rig: Rig, guided: bool) -> Experiment:
     """Run the 4-DOF tracking on all plants; the trajectory is that of the first."""
-    runs = [experiments.tracking(as_built(rig, k, guided), True) for k in range(PLANTS)]
-    errors = [experiments.mean_errors(*run) for run in runs]
+    runs = [motions.tracking(as_built(rig, k, guided), True) for k in range(PLANTS)]
+    errors = [motions.mean_errors(*run) for run in runs]
     limits = GUIDED if guided else TRACKING
-    worst = {axis: max(e[axis] for e in errors) for axis in experiments.UNITS}
-    checks = [Check(f"worst mean |e_{n}|", worst[n], most, experiments.UNITS[n]) for n, most in limits.items()]
-    figures = {f"worst mean |e_{n}|, u{experiments.UNITS[n]}": e * 1e6 for n, e in worst.items()}
+    worst = {axis: max(e[axis] for e in errors) for axis in motions.UNITS}
+    checks = [Check(f"worst mean |e_{n}|", worst[n], most, motions.UNITS[n]) for n, most in limits.items()]
+    figures = {f"worst mean |e_{n}|, u{motions.UNITS[n]}": e * 1e6 for n, e in worst.items()}
     about = f"{PLANTS} plants at corners of their tolerances"
     return experiments.experiment(*runs[0][:1], about, runs[0][1], figures, checks)
 

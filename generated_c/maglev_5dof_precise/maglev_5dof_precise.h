@@ -148,7 +148,7 @@ typedef struct {
     float servo_phi_fast_q2;            /* rad, -10 .. 10: internal model */
     float servo_phi_fast_p3;            /* rad, -10 .. 10: internal model */
     float servo_phi_fast_q3;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_r;             /* rad, -0.003 .. 0.003: set-point one sample ago */
+    float servo_phi_fast_r;             /* rad, -0.009 .. 0.009: set-point one sample ago */
     maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
     float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */

@@ -109,11 +109,17 @@ def block(
         Signal(f"{name}_disturbance", f"{unit}/s^2", -disturbance, disturbance),
     ]  # fmt: skip
     states = [State(Signal(s, unit, -bound, bound, "internal model"), 0) for s in eta]
-    nearest = min(max(0.0, reference.low), reference.high)
-    states.append(State(Signal("r", unit, reference.low, reference.high, "set-point one sample ago"), nearest))
+    states.append(_last_set_point(reference))
     return build(
         f"servo_{name}", time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=tag
     )
+
+
+def _last_set_point(reference: Signal) -> State:
+    """Return the state r, wider than the set-point's range: a set-point at its end is no state at its bound."""
+    room, nearest = reference.high - reference.low, min(max(0.0, reference.low), reference.high)
+    wider = Signal("r", reference.unit, reference.low - room, reference.high + room, "set-point one sample ago")
+    return State(wider, nearest)
 
 
 def _exact_product(gain: Gain, T: NDArray[Any]) -> list[float]:

@@ -88,6 +88,17 @@ def test_a_step_causes_no_kick_and_does_not_wind_up() -> None:
     assert abs(x[-1] - 1e-3) < 1e-6
 
 
+def test_a_set_point_at_its_end_leaves_the_last_one_inside_its_bounds() -> None:
+    law = servo()
+    by_name = dict(zip((s.name for s in law.inputs), [0.0] * len(law.inputs), strict=True))
+    (last,) = [s.signal for s in law.states if s.signal.name == "r"]
+    for end in (R.low, R.high):
+        after, _ = law.function()(law.initial, list((by_name | {R.name: end}).values()))
+        r = float(np.asarray(after).ravel()[-1])
+        assert r == end
+        assert max(last.low - r, r - last.high) < -0.1 * (R.high - R.low)
+
+
 def test_the_prediction_ahead_is_the_next_position() -> None:
     look = observer()
     f, states = look.function(), look.initial

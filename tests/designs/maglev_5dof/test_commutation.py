@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.maglev import commutation, experiments, platen, reference_phase
+from designs.maglev import commutation, motions, platen, reference_phase
 from designs.maglev_5dof.design import DESIGN, PHASES
 from models import maglev_stage
 from synth import standard_tasks
@@ -38,7 +38,7 @@ def behind(block: Block) -> Rig:
 
 def errors(of: Rig) -> dict[str, float]:
     """Return the mean errors of 12 s of the 4-DOF tracking after 8 s."""
-    return experiments.mean_errors(*experiments.tracking(of, True, 12.0), 8.0, 12.0)
+    return motions.mean_errors(*motions.tracking(of, True, 12.0), 8.0, 12.0)
 
 
 def test_the_errors_through_both_blocks_are_those_of_ideal_currents() -> None:
@@ -83,7 +83,7 @@ def lose(
     lost = {s: Override(time >= onset, np.full(len(time), np.nan)) for s in sensors}
     if onset_s is None:
         return of.run(onset + watch_s, {"y": gap}, overrides=lost)
-    courses = {axis: course(time) for axis, course in experiments.COURSES.items()}
+    courses = {axis: course(time) for axis, course in motions.COURSES.items()}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
     references = {f"{axis}_ref": course for axis, course in courses.items()}
     return of.run(onset + watch_s, start, references, overrides=lost)

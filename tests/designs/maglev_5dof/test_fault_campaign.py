@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from designs.maglev import experiments, platen
+from designs.maglev import motions, platen
 from designs.maglev.fault_handling import DEGRADED
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
@@ -130,8 +130,8 @@ def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: i
     rig = replace(rig, plant=true, disturbance=guides)
     lift_off = 0.031 - 0.006 * np.clip(np.arange(6000) * rig.period_s - 1.0, 0.0, 1.0)
     healthy = [
-        experiments.tracking(rig, True)[0],
-        *(experiments.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
+        motions.tracking(rig, True)[0],
+        *(motions.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
         rig.run(6.0, {"y": platen.GAP[1]}, {"y_ref": lift_off}),
     ]
     assert not any(run.faults.any() for run in healthy)

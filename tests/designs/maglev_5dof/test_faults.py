@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from designs.maglev import experiments, platen
+from designs.maglev import motions, platen
 from designs.maglev.fault_handling import DEGRADED, MISSED_CALLS
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
@@ -78,7 +78,7 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: R
     expected = np.where(mask & (not in_range), bits, 0)
     np.testing.assert_array_equal(trajectory.faults, expected)
     assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
-    assert experiments.motor_currents(trajectory).max() <= LIMIT
+    assert motions.motor_currents(trajectory).max() <= LIMIT
 
 
 @pytest.mark.parametrize("name", NAMES)
