@@ -10,7 +10,7 @@
  * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
  * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
  * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.0005 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
+ * turn: at rest the machine reaches 0.00023 m/s (z) and hits a stop at 0.0056 m/s (y); in motion the machine reaches
  * 0.0044 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
  * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
