@@ -75,3 +75,11 @@ def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:
     short = {name: column[-2000:] for name, column in inputs.items()}
     checks: tuple[Check, ...] = on_target.verify(EMITTED, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
+
+
+def test_the_law_alone_is_measured_without_the_count_of_missed_calls(inputs: dict[str, Any]) -> None:
+    law = DESIGN.cost_stimuli.law_alone
+    assert law is not None and "missed_calls" in inputs
+    whole = meter.brief(EMITTED, DESIGN.cost_stimuli.block(), inputs)
+    alone = meter.with_law_alone(whole, law(), inputs).compared[-1]
+    assert alone.executed.mean < 0.7 * whole.compared[0].executed.mean
