@@ -99,7 +99,8 @@ class _Loops:
 
     def _name_bound(self, frame: FrameType) -> None:
         changed = {n: v for n, v in frame.f_locals.items() if v is not self.bound.get(n)}
-        suffix = _suffix([frame.f_locals.get(t) for t in self.lines.get(self.line, ())])
+        loops = self.lines.get(self.line, ())
+        suffix = "_".join(filter(None, (_item([frame.f_locals.get(t) for t in targets]) for targets in loops)))
         plain = [n for n, v in changed.items() if n not in SKIPPED and _is_computation(v)]
         for name in plain if suffix else ():
             self.new |= set() if name in self.bound else {name}
@@ -112,27 +113,28 @@ def _is_computation(value: object) -> bool:
     return isinstance(value, ca.SX) and value.is_scalar() and not (value.is_constant() or value.is_symbolic())
 
 
-def _suffix(targets: list[object]) -> str:
-    """Return the name that a loop runs over: a target that is a text, else the name of one."""
+def _item(targets: list[object]) -> str:
+    """Return the name of what a loop runs over: a target that is a text, else the name of one."""
     texts = [t for t in targets if isinstance(t, str)]
     names = [getattr(t, "name", None) for t in targets]
     return next(iter([*texts, *(n for n in names if isinstance(n, str))]), "")
 
 
 @cache
-def _loop_lines(code: CodeType) -> dict[int, tuple[str, ...]]:
-    """Return the lines in the bodies of a function's loops, with the targets of the innermost loop."""
+def _loop_lines(code: CodeType) -> dict[int, tuple[tuple[str, ...], ...]]:
+    """Return the lines in the bodies of a function's loops, with the targets of each loop, the outermost first."""
     try:
         rows, first = inspect.getsourcelines(code)
         function = ast.parse(textwrap.dedent("".join(rows))).body[0]
     except (OSError, SyntaxError, IndexError):
         return {}
-    lines: dict[int, tuple[str, ...]] = {}
+    lines: dict[int, tuple[tuple[str, ...], ...]] = {}
     for loop in ast.walk(function):  # outer loops come first
         if isinstance(loop, ast.For):
             targets = tuple(n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name))
             last = loop.body[-1].end_lineno or loop.lineno
-            lines |= dict.fromkeys(range(first + loop.body[0].lineno - 1, first + last), targets)
+            for line in range(first + loop.body[0].lineno - 1, first + last):
+                lines[line] = (*lines.get(line, ()), targets)
     return lines
 
 

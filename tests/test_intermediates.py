@@ -77,6 +77,19 @@ def test_a_loop_names_the_value_of_each_iteration_after_what_it_runs_over() -> N
     assert values_by_name(law)["error_z"] == "(3*x)"
 
 
+def test_a_loop_in_a_loop_names_the_values_after_both() -> None:
+    def law() -> ca.SX:
+        total = x + 1
+        for sensor in "ab":
+            for axis in ("x", "y"):
+                volts = (ord(axis) + 100 * ord(sensor)) * x
+                total += volts
+        return total
+
+    names = {f"{variable}_{sensor}_{axis}" for variable in ("volts", "total") for sensor in "ab" for axis in "xy"}
+    assert values_by_name(law).keys() == names - {"total_b_y"} | {"total"}  # the last sum has its variable's name
+
+
 def test_a_loop_over_numbers_names_the_last_value() -> None:
     def law() -> ca.SX:
         for n in range(2):

@@ -214,8 +214,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_phase_fraction_sine = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_sine = hall_position_limit(s_phase_fraction_sine * (1.0f - (0.125f * (yaw_fraction_sine *
-        yaw_fraction_sine))), 1.0f);
+    const float heading_sine = hall_position_limit(s_phase_fraction_sine * (1.0f -
+        (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
     const float arm_times_heading_sine = -arm * heading_sine;
     const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
     const float arm_times_heading_cosine = -arm * heading_cosine;
@@ -247,74 +247,74 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phase_fraction_cosine_4 = phase_fraction_cosine_2_polynomial(f5_argument_2);
     const float volts_cosine_cost_0 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
     const float cost_0_part = f3 * phase_fraction_cosine;
-    const float s_cost_0 = hall_position_limit(8.0f * (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine *
-        phase_fraction_sine)))), 2.0f);
+    const float s_cost_0 = hall_position_limit(8.0f *
+        (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
     const float sines_2_cost_0 = 8.0f * cost_0_part;
     const float x_sine_cost_0 = hall_position_limit(s_cost_0 * (1.0f - (0.125f * (sines_2_cost_0 * sines_2_cost_0))),
         1.0f);
     const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
-    const float B_1_cost_0 = x_sine_cost_0 * (estimator_field_1 + (x_sine_cost_0_squared * (estimator_field_3 +
-        (x_sine_cost_0_squared * estimator_field_5))));
+    const float B_1_cost_0 = x_sine_cost_0 * (estimator_field_1 +
+        (x_sine_cost_0_squared * (estimator_field_3 + (x_sine_cost_0_squared * estimator_field_5))));
     const float by_axis_1_1_e_cost_0 = volts_cosine_cost_0 - B_1_cost_0;
     const float volts_cosine_cost_0_2 = (heading_cosine * V_bx_held) - (heading_sine * V_by_held);
     const float cost_0_part_2 = f5 * phase_fraction_cosine_3;
-    const float s_cost_0_2 = hall_position_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine_3 *
-        phase_fraction_sine_3)))), 2.0f);
+    const float s_cost_0_2 = hall_position_limit(8.0f *
+        (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
     const float sines_2_cost_0_2 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0_2 = hall_position_limit(s_cost_0_2 * (1.0f - (0.125f * (sines_2_cost_0_2 *
-        sines_2_cost_0_2))), 1.0f);
+    const float x_sine_cost_0_2 = hall_position_limit(s_cost_0_2 * (1.0f -
+        (0.125f * (sines_2_cost_0_2 * sines_2_cost_0_2))), 1.0f);
     const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (estimator_field_1 + (x_sine_cost_0_2_squared * (estimator_field_3 +
-        (x_sine_cost_0_2_squared * estimator_field_5))));
+    const float B_1_cost_0_2 = x_sine_cost_0_2 * (estimator_field_1 +
+        (x_sine_cost_0_2_squared * (estimator_field_3 + (x_sine_cost_0_2_squared * estimator_field_5))));
     const float by_axis_1_2_e_cost_0 = volts_cosine_cost_0_2 - B_1_cost_0_2;
     const float volts_sine_cost_0 = (heading_sine * V_ax_held) + (heading_cosine * V_ay_held);
     const float cost_0_part_3 = f3_2 * phase_fraction_cosine_2;
-    const float s_cost_0_3 = hall_position_limit(8.0f * (cost_0_part_3 * (1.0f - (0.03125f * (phase_fraction_sine_2 *
-        phase_fraction_sine_2)))), 2.0f);
+    const float s_cost_0_3 = hall_position_limit(8.0f *
+        (cost_0_part_3 * (1.0f - (0.03125f * (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
     const float sines_2_cost_0_3 = 8.0f * cost_0_part_3;
-    const float p_sine_cost_0 = hall_position_limit(s_cost_0_3 * (1.0f - (0.125f * (sines_2_cost_0_3 *
-        sines_2_cost_0_3))), 1.0f);
+    const float p_sine_cost_0 = hall_position_limit(s_cost_0_3 * (1.0f -
+        (0.125f * (sines_2_cost_0_3 * sines_2_cost_0_3))), 1.0f);
     const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (estimator_field_1 + (q_cost_0 * (estimator_field_3 + (q_cost_0 *
-        estimator_field_5))));
+    const float B_2_cost_0 = p_sine_cost_0 * (estimator_field_1 +
+        (q_cost_0 * (estimator_field_3 + (q_cost_0 * estimator_field_5))));
     const float by_axis_2_1_e_cost_0 = volts_sine_cost_0 - B_2_cost_0;
     const float volts_sine_cost_0_2 = (heading_sine * V_bx_held) + (heading_cosine * V_by_held);
     const float cost_0_part_4 = f5_2 * phase_fraction_cosine_4;
-    const float s_cost_0_4 = hall_position_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_4 *
-        phase_fraction_sine_4)))), 2.0f);
+    const float s_cost_0_4 = hall_position_limit(8.0f *
+        (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
     const float sines_2_cost_0_4 = 8.0f * cost_0_part_4;
-    const float p_sine_cost_0_2 = hall_position_limit(s_cost_0_4 * (1.0f - (0.125f * (sines_2_cost_0_4 *
-        sines_2_cost_0_4))), 1.0f);
+    const float p_sine_cost_0_2 = hall_position_limit(s_cost_0_4 * (1.0f -
+        (0.125f * (sines_2_cost_0_4 * sines_2_cost_0_4))), 1.0f);
     const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (estimator_field_1 + (q_cost_0_2 * (estimator_field_3 + (q_cost_0_2 *
-        estimator_field_5))));
+    const float B_2_cost_0_2 = p_sine_cost_0_2 * (estimator_field_1 +
+        (q_cost_0_2 * (estimator_field_3 + (q_cost_0_2 * estimator_field_5))));
     const float by_axis_2_2_e_cost_0 = volts_sine_cost_0_2 - B_2_cost_0_2;
     const float cost_0 = (by_axis_1_1_e_cost_0 * by_axis_1_1_e_cost_0) + (by_axis_1_2_e_cost_0 * by_axis_1_2_e_cost_0) +
         (by_axis_2_1_e_cost_0 * by_axis_2_1_e_cost_0) + (by_axis_2_2_e_cost_0 * by_axis_2_2_e_cost_0);
     const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0 * s_cost_0));
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (estimator_slope_0 + (x_sine_cost_0_squared *
-        (estimator_slope_2 + (x_sine_cost_0_squared * estimator_slope_4))));
+    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (estimator_slope_0 +
+        (x_sine_cost_0_squared * (estimator_slope_2 + (x_sine_cost_0_squared * estimator_slope_4))));
     const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
     const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
-    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (estimator_slope_0 + (x_sine_cost_0_2_squared *
-        (estimator_slope_2 + (x_sine_cost_0_2_squared * estimator_slope_4))));
+    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (estimator_slope_0 +
+        (x_sine_cost_0_2_squared * (estimator_slope_2 + (x_sine_cost_0_2_squared * estimator_slope_4))));
     const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float across_yaw_change_sine = (yaw_change_sine_part * yaw_change_sine_part_4) - (yaw_change_sine_part_3 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_5 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_3)));
+    const float across_yaw_change_sine = (yaw_change_sine_part * yaw_change_sine_part_4) -
+        (yaw_change_sine_part_3 * yaw_change_sine_part_2);
+    const float yaw_change_sine_part_5 = 1.0f /
+        (damping + ((yaw_change_sine_part * yaw_change_sine_part) + (yaw_change_sine_part_3 * yaw_change_sine_part_3)));
     const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
-    const float yaw_change_sine_part_6 = p_cosine_yaw_change_sine * (estimator_slope_0 + (q_cost_0 * (estimator_slope_2
-        + (q_cost_0 * estimator_slope_4))));
+    const float yaw_change_sine_part_6 = p_cosine_yaw_change_sine * (estimator_slope_0 +
+        (q_cost_0 * (estimator_slope_2 + (q_cost_0 * estimator_slope_4))));
     const float yaw_change_sine_part_7 = (yaw_change_sine_part_6 * x_phase_fraction_sine) - B_1_cost_0;
     const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
-    const float yaw_change_sine_part_8 = p_cosine_yaw_change_sine_2 * (estimator_slope_0 + (q_cost_0_2 *
-        (estimator_slope_2 + (q_cost_0_2 * estimator_slope_4))));
+    const float yaw_change_sine_part_8 = p_cosine_yaw_change_sine_2 * (estimator_slope_0 +
+        (q_cost_0_2 * (estimator_slope_2 + (q_cost_0_2 * estimator_slope_4))));
     const float yaw_change_sine_part_9 = (yaw_change_sine_part_8 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float across_yaw_change_sine_2 = (yaw_change_sine_part_6 * yaw_change_sine_part_9) - (yaw_change_sine_part_8 *
-        yaw_change_sine_part_7);
-    const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part_6 * yaw_change_sine_part_6) +
-        (yaw_change_sine_part_8 * yaw_change_sine_part_8)));
+    const float across_yaw_change_sine_2 = (yaw_change_sine_part_6 * yaw_change_sine_part_9) -
+        (yaw_change_sine_part_8 * yaw_change_sine_part_7);
+    const float yaw_change_sine_part_10 = 1.0f / (damping +
+        ((yaw_change_sine_part_6 * yaw_change_sine_part_6) + (yaw_change_sine_part_8 * yaw_change_sine_part_8)));
     const float right_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * by_axis_1_1_e_cost_0) +
         (yaw_change_sine_part_4 * by_axis_1_2_e_cost_0))) + (across_yaw_change_sine * ((yaw_change_sine_part *
         by_axis_1_2_e_cost_0) - (yaw_change_sine_part_3 * by_axis_1_1_e_cost_0)))) * yaw_change_sine_part_5) +
@@ -326,8 +326,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         yaw_change_sine_part_5) + (((damping * ((yaw_change_sine_part_7 * yaw_change_sine_part_7) +
         (yaw_change_sine_part_9 * yaw_change_sine_part_9))) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
         yaw_change_sine_part_10);
-    const float then_3_yaw_change_sine = hall_position_limit(right_yaw_change_sine / (yaw_damping +
-        data_yaw_change_sine), max_yaw_step);
+    const float then_3_yaw_change_sine = hall_position_limit(right_yaw_change_sine /
+        (yaw_damping + data_yaw_change_sine), max_yaw_step);
     const float yaw_change_sine_part_11 = then_3_yaw_change_sine * then_3_yaw_change_sine;
     const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_11);
     const float half_yaw_change_sine = then_3_yaw_change_sine *
@@ -344,23 +344,23 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_1 = angle_cost_1 * f10_polynomial(f9_argument);
     const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
     const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (estimator_field_1 + (phases_1_sine_cost_1_squared *
-        (estimator_field_3 + (phases_1_sine_cost_1_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) - (volts_sine_cost_0 *
-        yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) + (y_phase_fraction_sine_2 *
-        yaw_change_sine);
+    const float B_1_cost_1 = phases_1_sine_cost_1 * (estimator_field_1 +
+        (phases_1_sine_cost_1_squared * (estimator_field_3 + (phases_1_sine_cost_1_squared * estimator_field_5))));
+    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) -
+        (volts_sine_cost_0 * yaw_change_sine) - B_1_cost_1;
+    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) +
+        (y_phase_fraction_sine_2 * yaw_change_sine);
     const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
     const float f9_argument_2 = angle_cost_1_2 * angle_cost_1_2;
     const float by_cosine_cost_1_2 = f9_polynomial(f9_argument_2);
     const float by_sine_cost_1_2 = angle_cost_1_2 * f10_polynomial(f9_argument_2);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_2);
+    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_1_2);
     const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (estimator_field_1 + (cost_1_part_3 * (estimator_field_3 +
-        (cost_1_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) - (volts_sine_cost_0_2 *
-        yaw_change_sine) - B_1_cost_1_2;
+    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (estimator_field_1 +
+        (cost_1_part_3 * (estimator_field_3 + (cost_1_part_3 * estimator_field_5))));
+    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) -
+        (volts_sine_cost_0_2 * yaw_change_sine) - B_1_cost_1_2;
     const float then_2_cost_1 = hall_position_limit(((yaw_change_sine_part_6 * by_axis_2_1_e_cost_0) +
         (yaw_change_sine_part_8 * by_axis_2_2_e_cost_0) - (((yaw_change_sine_part_6 * yaw_change_sine_part_7) +
         (yaw_change_sine_part_8 * yaw_change_sine_part_9)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
@@ -371,64 +371,64 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_1_3 = angle_cost_1_3 * f10_polynomial(f9_argument_3);
     const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_3) + (p_cosine_yaw_change_sine * by_sine_cost_1_3);
     const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (estimator_field_1 + (q_cost_1 * (estimator_field_3 + (q_cost_1 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) + (volts_cosine_cost_0 *
-        yaw_change_sine) - B_2_cost_1;
+    const float B_2_cost_1 = p_sine_cost_1 * (estimator_field_1 +
+        (q_cost_1 * (estimator_field_3 + (q_cost_1 * estimator_field_5))));
+    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) +
+        (volts_cosine_cost_0 * yaw_change_sine) - B_2_cost_1;
     const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
     const float angle_cost_1_4 = then_2_cost_1 + dy_cost_1_2;
     const float f9_argument_4 = angle_cost_1_4 * angle_cost_1_4;
     const float by_cosine_cost_1_4 = f9_polynomial(f9_argument_4);
     const float by_sine_cost_1_4 = angle_cost_1_4 * f10_polynomial(f9_argument_4);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_4);
+    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_4) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_1_4);
     const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (estimator_field_1 + (q_cost_1_2 * (estimator_field_3 + (q_cost_1_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) + (volts_cosine_cost_0_2 *
-        yaw_change_sine) - B_2_cost_1_2;
+    const float B_2_cost_1_2 = p_sine_cost_1_2 * (estimator_field_1 +
+        (q_cost_1_2 * (estimator_field_3 + (q_cost_1_2 * estimator_field_5))));
+    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) +
+        (volts_cosine_cost_0_2 * yaw_change_sine) - B_2_cost_1_2;
     const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
-        (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) + (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (damping *
-        ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) + (squared_yaw_arm *
-        yaw_change_sine_part_11)));
+        (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) + (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) +
+        (damping * ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) +
+        (squared_yaw_arm * yaw_change_sine_part_11)));
     const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_12 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) - (x_sine_cost_0 *
-        by_sine_cost_1)) * (estimator_slope_0 + (phases_1_sine_cost_1_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_1_squared * estimator_slope_4))));
+    const float yaw_change_sine_part_12 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) -
+        (x_sine_cost_0 * by_sine_cost_1)) * (estimator_slope_0 +
+        (phases_1_sine_cost_1_squared * (estimator_slope_2 + (phases_1_sine_cost_1_squared * estimator_slope_4))));
     const float yaw_change_sine_part_13 = B_2_cost_1 - (yaw_change_sine_part_12 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_14 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) - (x_sine_cost_0_2 *
-        by_sine_cost_1_2)) * (estimator_slope_0 + (cost_1_part_3 * (estimator_slope_2 + (cost_1_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_15 = B_2_cost_1_2 - (yaw_change_sine_part_14 * (y_phase_fraction_sine_2 +
-        dy_cost_1_2));
-    const float yaw_change_sine_part_16 = (yaw_change_sine_part_12 * yaw_change_sine_part_13) + (yaw_change_sine_part_14
-        * yaw_change_sine_part_15);
+    const float yaw_change_sine_part_14 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) -
+        (x_sine_cost_0_2 * by_sine_cost_1_2)) * (estimator_slope_0 +
+        (cost_1_part_3 * (estimator_slope_2 + (cost_1_part_3 * estimator_slope_4))));
+    const float yaw_change_sine_part_15 = B_2_cost_1_2 -
+        (yaw_change_sine_part_14 * (y_phase_fraction_sine_2 + dy_cost_1_2));
+    const float yaw_change_sine_part_16 = (yaw_change_sine_part_12 * yaw_change_sine_part_13) +
+        (yaw_change_sine_part_14 * yaw_change_sine_part_15);
     const float across_yaw_change_sine_3 = (yaw_change_sine_part_12 * yaw_change_sine_part_15) -
         (yaw_change_sine_part_14 * yaw_change_sine_part_13);
-    const float yaw_change_sine_part_17 = 1.0f / (damping + ((yaw_change_sine_part_12 * yaw_change_sine_part_12) +
-        (yaw_change_sine_part_14 * yaw_change_sine_part_14)));
+    const float yaw_change_sine_part_17 = 1.0f / (damping +
+        ((yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_14 * yaw_change_sine_part_14)));
     const float yaw_change_sine_part_18 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_3) - (p_sine_cost_0 *
         by_sine_cost_1_3)) * (estimator_slope_0 + (q_cost_1 * (estimator_slope_2 + (q_cost_1 * estimator_slope_4))));
     const float yaw_change_sine_part_19 = (yaw_change_sine_part_18 * (x_phase_fraction_sine - cost_1_part)) -
         B_1_cost_1;
-    const float yaw_change_sine_part_20 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_4) - (p_sine_cost_0_2 *
-        by_sine_cost_1_4)) * (estimator_slope_0 + (q_cost_1_2 * (estimator_slope_2 + (q_cost_1_2 *
-        estimator_slope_4))));
+    const float yaw_change_sine_part_20 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_4) -
+        (p_sine_cost_0_2 * by_sine_cost_1_4)) * (estimator_slope_0 +
+        (q_cost_1_2 * (estimator_slope_2 + (q_cost_1_2 * estimator_slope_4))));
     const float yaw_change_sine_part_21 = (yaw_change_sine_part_20 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
         B_1_cost_1_2;
-    const float yaw_change_sine_part_22 = (yaw_change_sine_part_18 * yaw_change_sine_part_19) + (yaw_change_sine_part_20
-        * yaw_change_sine_part_21);
+    const float yaw_change_sine_part_22 = (yaw_change_sine_part_18 * yaw_change_sine_part_19) +
+        (yaw_change_sine_part_20 * yaw_change_sine_part_21);
     const float across_yaw_change_sine_4 = (yaw_change_sine_part_18 * yaw_change_sine_part_21) -
         (yaw_change_sine_part_20 * yaw_change_sine_part_19);
-    const float yaw_change_sine_part_23 = 1.0f / (damping + ((yaw_change_sine_part_18 * yaw_change_sine_part_18) +
-        (yaw_change_sine_part_20 * yaw_change_sine_part_20)));
+    const float yaw_change_sine_part_23 = 1.0f / (damping +
+        ((yaw_change_sine_part_18 * yaw_change_sine_part_18) + (yaw_change_sine_part_20 * yaw_change_sine_part_20)));
     const float yaw_change_sine_part_24 = (((damping * ((yaw_change_sine_part_13 * by_axis_1_1_e_cost_1) +
         (yaw_change_sine_part_15 * by_axis_1_2_e_cost_1) + (then_1_cost_1 * yaw_change_sine_part_16))) +
-        (across_yaw_change_sine_3 * ((yaw_change_sine_part_12 * by_axis_1_2_e_cost_1) - (yaw_change_sine_part_14 *
-        by_axis_1_1_e_cost_1)))) * yaw_change_sine_part_17) + (((damping * ((yaw_change_sine_part_19 *
-        by_axis_2_1_e_cost_1) + (yaw_change_sine_part_21 * by_axis_2_2_e_cost_1) + (then_2_cost_1 *
-        yaw_change_sine_part_22))) + (across_yaw_change_sine_4 * ((yaw_change_sine_part_18 * by_axis_2_2_e_cost_1) -
-        (yaw_change_sine_part_20 * by_axis_2_1_e_cost_1)))) * yaw_change_sine_part_23);
+        (across_yaw_change_sine_3 * ((yaw_change_sine_part_12 * by_axis_1_2_e_cost_1) -
+        (yaw_change_sine_part_14 * by_axis_1_1_e_cost_1)))) * yaw_change_sine_part_17) + (((damping *
+        ((yaw_change_sine_part_19 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_21 * by_axis_2_2_e_cost_1) +
+        (then_2_cost_1 * yaw_change_sine_part_22))) + (across_yaw_change_sine_4 * ((yaw_change_sine_part_18 *
+        by_axis_2_2_e_cost_1) - (yaw_change_sine_part_20 * by_axis_2_1_e_cost_1)))) * yaw_change_sine_part_23);
     const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_13 * yaw_change_sine_part_13) +
         (yaw_change_sine_part_15 * yaw_change_sine_part_15))) + (across_yaw_change_sine_3 * across_yaw_change_sine_3)) *
         yaw_change_sine_part_17) + (((damping * ((yaw_change_sine_part_19 * yaw_change_sine_part_19) +
@@ -455,9 +455,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
     const float yaw_change_cost_2 = then_3_yaw_change_sine_2 - then_3_yaw_change_sine;
     const float then_1_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_1_cost_1 +
-        (((yaw_change_sine_part_12 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_14 * by_axis_1_2_e_cost_1) - (damping
-        * then_1_cost_1) - (yaw_change_sine_part_16 * yaw_change_cost_2)) * yaw_change_sine_part_17)) : (0.5f *
-        (then_1_cost_1 + other_1_cost_2)), 0.5f);
+        (((yaw_change_sine_part_12 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_14 * by_axis_1_2_e_cost_1) -
+        (damping * then_1_cost_1) - (yaw_change_sine_part_16 * yaw_change_cost_2)) * yaw_change_sine_part_17)) :
+        (0.5f * (then_1_cost_1 + other_1_cost_2)), 0.5f);
     const float cost_2_part = (x_phase_fraction_sine * versine_cost_2) + (y_phase_fraction_sine * yaw_change_sine_2);
     const float angle_cost_2 = then_1_cost_2 - cost_2_part;
     const float f9_argument_5 = angle_cost_2 * angle_cost_2;
@@ -465,27 +465,27 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_2 = angle_cost_2 * f10_polynomial(f9_argument_5);
     const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
     const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (estimator_field_1 + (phases_1_sine_cost_2_squared *
-        (estimator_field_3 + (phases_1_sine_cost_2_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) - (volts_sine_cost_0 *
-        yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_2);
+    const float B_1_cost_2 = phases_1_sine_cost_2 * (estimator_field_1 +
+        (phases_1_sine_cost_2_squared * (estimator_field_3 + (phases_1_sine_cost_2_squared * estimator_field_5))));
+    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) -
+        (volts_sine_cost_0 * yaw_change_sine_2) - B_1_cost_2;
+    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_2);
     const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
     const float f9_argument_6 = angle_cost_2_2 * angle_cost_2_2;
     const float by_cosine_cost_2_2 = f9_polynomial(f9_argument_6);
     const float by_sine_cost_2_2 = angle_cost_2_2 * f10_polynomial(f9_argument_6);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_2);
+    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_2_2);
     const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (estimator_field_1 + (cost_2_part_3 * (estimator_field_3 +
-        (cost_2_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) - (volts_sine_cost_0_2 *
-        yaw_change_sine_2) - B_1_cost_2_2;
+    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (estimator_field_1 +
+        (cost_2_part_3 * (estimator_field_3 + (cost_2_part_3 * estimator_field_5))));
+    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) -
+        (volts_sine_cost_0_2 * yaw_change_sine_2) - B_1_cost_2_2;
     const float then_2_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_2_cost_1 +
-        (((yaw_change_sine_part_18 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_20 * by_axis_2_2_e_cost_1) - (damping
-        * then_2_cost_1) - (yaw_change_sine_part_22 * yaw_change_cost_2)) * yaw_change_sine_part_23)) : (0.5f *
-        (then_2_cost_1 + other_2_cost_2)), 0.5f);
+        (((yaw_change_sine_part_18 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_20 * by_axis_2_2_e_cost_1) -
+        (damping * then_2_cost_1) - (yaw_change_sine_part_22 * yaw_change_cost_2)) * yaw_change_sine_part_23)) :
+        (0.5f * (then_2_cost_1 + other_2_cost_2)), 0.5f);
     const float dy_cost_2 = (x_phase_fraction_sine * yaw_change_sine_2) - (y_phase_fraction_sine * versine_cost_2);
     const float angle_cost_2_3 = then_2_cost_2 + dy_cost_2;
     const float f9_argument_7 = angle_cost_2_3 * angle_cost_2_3;
@@ -493,65 +493,65 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_2_3 = angle_cost_2_3 * f10_polynomial(f9_argument_7);
     const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_3) + (p_cosine_yaw_change_sine * by_sine_cost_2_3);
     const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (estimator_field_1 + (q_cost_2 * (estimator_field_3 + (q_cost_2 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) + (volts_cosine_cost_0 *
-        yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) - (y_phase_fraction_sine_2 *
-        versine_cost_2);
+    const float B_2_cost_2 = p_sine_cost_2 * (estimator_field_1 +
+        (q_cost_2 * (estimator_field_3 + (q_cost_2 * estimator_field_5))));
+    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) +
+        (volts_cosine_cost_0 * yaw_change_sine_2) - B_2_cost_2;
+    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) -
+        (y_phase_fraction_sine_2 * versine_cost_2);
     const float angle_cost_2_4 = then_2_cost_2 + dy_cost_2_2;
     const float f9_argument_8 = angle_cost_2_4 * angle_cost_2_4;
     const float by_cosine_cost_2_4 = f9_polynomial(f9_argument_8);
     const float by_sine_cost_2_4 = angle_cost_2_4 * f10_polynomial(f9_argument_8);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_4);
+    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_4) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_2_4);
     const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (estimator_field_1 + (q_cost_2_2 * (estimator_field_3 + (q_cost_2_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_2) - B_2_cost_2_2;
+    const float B_2_cost_2_2 = p_sine_cost_2_2 * (estimator_field_1 +
+        (q_cost_2_2 * (estimator_field_3 + (q_cost_2_2 * estimator_field_5))));
+    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_2) - B_2_cost_2_2;
     const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
-        (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) + (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (damping *
-        ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) + (squared_yaw_arm *
-        yaw_change_sine_part_26)));
+        (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) + (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) +
+        (damping * ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) +
+        (squared_yaw_arm * yaw_change_sine_part_26)));
     const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_25) + cost_slack);
-    const float yaw_change_sine_part_27 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) - (x_sine_cost_0 *
-        by_sine_cost_2)) * (estimator_slope_0 + (phases_1_sine_cost_2_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_2_squared * estimator_slope_4))));
+    const float yaw_change_sine_part_27 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) -
+        (x_sine_cost_0 * by_sine_cost_2)) * (estimator_slope_0 +
+        (phases_1_sine_cost_2_squared * (estimator_slope_2 + (phases_1_sine_cost_2_squared * estimator_slope_4))));
     const float yaw_change_sine_part_28 = B_2_cost_2 - (yaw_change_sine_part_27 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_29 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) - (x_sine_cost_0_2 *
-        by_sine_cost_2_2)) * (estimator_slope_0 + (cost_2_part_3 * (estimator_slope_2 + (cost_2_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_30 = B_2_cost_2_2 - (yaw_change_sine_part_29 * (y_phase_fraction_sine_2 +
-        dy_cost_2_2));
-    const float yaw_change_sine_part_31 = (yaw_change_sine_part_27 * yaw_change_sine_part_28) + (yaw_change_sine_part_29
-        * yaw_change_sine_part_30);
+    const float yaw_change_sine_part_29 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) -
+        (x_sine_cost_0_2 * by_sine_cost_2_2)) * (estimator_slope_0 +
+        (cost_2_part_3 * (estimator_slope_2 + (cost_2_part_3 * estimator_slope_4))));
+    const float yaw_change_sine_part_30 = B_2_cost_2_2 -
+        (yaw_change_sine_part_29 * (y_phase_fraction_sine_2 + dy_cost_2_2));
+    const float yaw_change_sine_part_31 = (yaw_change_sine_part_27 * yaw_change_sine_part_28) +
+        (yaw_change_sine_part_29 * yaw_change_sine_part_30);
     const float across_yaw_change_sine_5 = (yaw_change_sine_part_27 * yaw_change_sine_part_30) -
         (yaw_change_sine_part_29 * yaw_change_sine_part_28);
-    const float yaw_change_sine_part_32 = 1.0f / (damping + ((yaw_change_sine_part_27 * yaw_change_sine_part_27) +
-        (yaw_change_sine_part_29 * yaw_change_sine_part_29)));
+    const float yaw_change_sine_part_32 = 1.0f / (damping +
+        ((yaw_change_sine_part_27 * yaw_change_sine_part_27) + (yaw_change_sine_part_29 * yaw_change_sine_part_29)));
     const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_3) - (p_sine_cost_0 *
         by_sine_cost_2_3)) * (estimator_slope_0 + (q_cost_2 * (estimator_slope_2 + (q_cost_2 * estimator_slope_4))));
     const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_2_part)) -
         B_1_cost_2;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_4) - (p_sine_cost_0_2 *
-        by_sine_cost_2_4)) * (estimator_slope_0 + (q_cost_2_2 * (estimator_slope_2 + (q_cost_2_2 *
-        estimator_slope_4))));
+    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_4) -
+        (p_sine_cost_0_2 * by_sine_cost_2_4)) * (estimator_slope_0 +
+        (q_cost_2_2 * (estimator_slope_2 + (q_cost_2_2 * estimator_slope_4))));
     const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
         B_1_cost_2_2;
-    const float yaw_change_sine_part_37 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) + (yaw_change_sine_part_35
-        * yaw_change_sine_part_36);
+    const float yaw_change_sine_part_37 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) +
+        (yaw_change_sine_part_35 * yaw_change_sine_part_36);
     const float across_yaw_change_sine_6 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) -
         (yaw_change_sine_part_35 * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_38 = 1.0f / (damping + ((yaw_change_sine_part_33 * yaw_change_sine_part_33) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_35)));
+    const float yaw_change_sine_part_38 = 1.0f / (damping +
+        ((yaw_change_sine_part_33 * yaw_change_sine_part_33) + (yaw_change_sine_part_35 * yaw_change_sine_part_35)));
     const float yaw_change_sine_part_39 = (((damping * ((yaw_change_sine_part_28 * by_axis_1_1_e_cost_2) +
         (yaw_change_sine_part_30 * by_axis_1_2_e_cost_2) + (then_1_cost_2 * yaw_change_sine_part_31))) +
-        (across_yaw_change_sine_5 * ((yaw_change_sine_part_27 * by_axis_1_2_e_cost_2) - (yaw_change_sine_part_29 *
-        by_axis_1_1_e_cost_2)))) * yaw_change_sine_part_32) + (((damping * ((yaw_change_sine_part_34 *
-        by_axis_2_1_e_cost_2) + (yaw_change_sine_part_36 * by_axis_2_2_e_cost_2) + (then_2_cost_2 *
-        yaw_change_sine_part_37))) + (across_yaw_change_sine_6 * ((yaw_change_sine_part_33 * by_axis_2_2_e_cost_2) -
-        (yaw_change_sine_part_35 * by_axis_2_1_e_cost_2)))) * yaw_change_sine_part_38);
+        (across_yaw_change_sine_5 * ((yaw_change_sine_part_27 * by_axis_1_2_e_cost_2) -
+        (yaw_change_sine_part_29 * by_axis_1_1_e_cost_2)))) * yaw_change_sine_part_32) + (((damping *
+        ((yaw_change_sine_part_34 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_36 * by_axis_2_2_e_cost_2) +
+        (then_2_cost_2 * yaw_change_sine_part_37))) + (across_yaw_change_sine_6 * ((yaw_change_sine_part_33 *
+        by_axis_2_2_e_cost_2) - (yaw_change_sine_part_35 * by_axis_2_1_e_cost_2)))) * yaw_change_sine_part_38);
     const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_28 * yaw_change_sine_part_28) +
         (yaw_change_sine_part_30 * yaw_change_sine_part_30))) + (across_yaw_change_sine_5 * across_yaw_change_sine_5)) *
         yaw_change_sine_part_32) + (((damping * ((yaw_change_sine_part_34 * yaw_change_sine_part_34) +
@@ -568,8 +568,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         yaw_change_sine_part_40 = yaw_change_sine_part_25;
     }
     const float then_3_yaw_change_sine_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_3_yaw_change_sine_2 +
-        ((yaw_change_sine_part_39 - (yaw_damping * then_3_yaw_change_sine_2)) / (yaw_damping + data_yaw_change_sine_3)))
-        : (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
+        ((yaw_change_sine_part_39 - (yaw_damping * then_3_yaw_change_sine_2)) / (yaw_damping +
+        data_yaw_change_sine_3))) : (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
     const float yaw_change_sine_part_41 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
     const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_41);
     const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
@@ -578,9 +578,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
     const float yaw_change_cost_3 = then_3_yaw_change_sine_3 - then_3_yaw_change_sine_2;
     const float then_1_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_1_cost_2 +
-        (((yaw_change_sine_part_27 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_29 * by_axis_1_2_e_cost_2) - (damping
-        * then_1_cost_2) - (yaw_change_sine_part_31 * yaw_change_cost_3)) * yaw_change_sine_part_32)) : (0.5f *
-        (then_1_cost_2 + other_1_cost_3)), 0.5f);
+        (((yaw_change_sine_part_27 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_29 * by_axis_1_2_e_cost_2) -
+        (damping * then_1_cost_2) - (yaw_change_sine_part_31 * yaw_change_cost_3)) * yaw_change_sine_part_32)) :
+        (0.5f * (then_1_cost_2 + other_1_cost_3)), 0.5f);
     const float cost_3_part = (x_phase_fraction_sine * versine_cost_3) + (y_phase_fraction_sine * yaw_change_sine_3);
     const float angle_cost_3 = then_1_cost_3 - cost_3_part;
     const float f9_argument_9 = angle_cost_3 * angle_cost_3;
@@ -588,27 +588,27 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_3 = angle_cost_3 * f10_polynomial(f9_argument_9);
     const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
     const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (estimator_field_1 + (phases_1_sine_cost_3_squared *
-        (estimator_field_3 + (phases_1_sine_cost_3_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) - (volts_sine_cost_0 *
-        yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_3);
+    const float B_1_cost_3 = phases_1_sine_cost_3 * (estimator_field_1 +
+        (phases_1_sine_cost_3_squared * (estimator_field_3 + (phases_1_sine_cost_3_squared * estimator_field_5))));
+    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) -
+        (volts_sine_cost_0 * yaw_change_sine_3) - B_1_cost_3;
+    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_3);
     const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
     const float f9_argument_10 = angle_cost_3_2 * angle_cost_3_2;
     const float by_cosine_cost_3_2 = f9_polynomial(f9_argument_10);
     const float by_sine_cost_3_2 = angle_cost_3_2 * f10_polynomial(f9_argument_10);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_2);
+    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_3_2);
     const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (estimator_field_1 + (cost_3_part_3 * (estimator_field_3 +
-        (cost_3_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) - (volts_sine_cost_0_2 *
-        yaw_change_sine_3) - B_1_cost_3_2;
+    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (estimator_field_1 +
+        (cost_3_part_3 * (estimator_field_3 + (cost_3_part_3 * estimator_field_5))));
+    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) -
+        (volts_sine_cost_0_2 * yaw_change_sine_3) - B_1_cost_3_2;
     const float then_2_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
-        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_2) - (damping
-        * then_2_cost_2) - (yaw_change_sine_part_37 * yaw_change_cost_3)) * yaw_change_sine_part_38)) : (0.5f *
-        (then_2_cost_2 + other_2_cost_3)), 0.5f);
+        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_2) -
+        (damping * then_2_cost_2) - (yaw_change_sine_part_37 * yaw_change_cost_3)) * yaw_change_sine_part_38)) :
+        (0.5f * (then_2_cost_2 + other_2_cost_3)), 0.5f);
     const float dy_cost_3 = (x_phase_fraction_sine * yaw_change_sine_3) - (y_phase_fraction_sine * versine_cost_3);
     const float angle_cost_3_3 = then_2_cost_3 + dy_cost_3;
     const float f9_argument_11 = angle_cost_3_3 * angle_cost_3_3;
@@ -616,65 +616,65 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_3_3 = angle_cost_3_3 * f10_polynomial(f9_argument_11);
     const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_3) + (p_cosine_yaw_change_sine * by_sine_cost_3_3);
     const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (estimator_field_1 + (q_cost_3 * (estimator_field_3 + (q_cost_3 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) + (volts_cosine_cost_0 *
-        yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) - (y_phase_fraction_sine_2 *
-        versine_cost_3);
+    const float B_2_cost_3 = p_sine_cost_3 * (estimator_field_1 +
+        (q_cost_3 * (estimator_field_3 + (q_cost_3 * estimator_field_5))));
+    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) +
+        (volts_cosine_cost_0 * yaw_change_sine_3) - B_2_cost_3;
+    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) -
+        (y_phase_fraction_sine_2 * versine_cost_3);
     const float angle_cost_3_4 = then_2_cost_3 + dy_cost_3_2;
     const float f9_argument_12 = angle_cost_3_4 * angle_cost_3_4;
     const float by_cosine_cost_3_4 = f9_polynomial(f9_argument_12);
     const float by_sine_cost_3_4 = angle_cost_3_4 * f10_polynomial(f9_argument_12);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_4);
+    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_4) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_3_4);
     const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (estimator_field_1 + (q_cost_3_2 * (estimator_field_3 + (q_cost_3_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_3) - B_2_cost_3_2;
+    const float B_2_cost_3_2 = p_sine_cost_3_2 * (estimator_field_1 +
+        (q_cost_3_2 * (estimator_field_3 + (q_cost_3_2 * estimator_field_5))));
+    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_3) - B_2_cost_3_2;
     const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
-        (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) + (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (damping *
-        ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) + (squared_yaw_arm *
-        yaw_change_sine_part_41)));
+        (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) + (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) +
+        (damping * ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) +
+        (squared_yaw_arm * yaw_change_sine_part_41)));
     const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_40) + cost_slack);
-    const float yaw_change_sine_part_42 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) - (x_sine_cost_0 *
-        by_sine_cost_3)) * (estimator_slope_0 + (phases_1_sine_cost_3_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_3_squared * estimator_slope_4))));
+    const float yaw_change_sine_part_42 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) -
+        (x_sine_cost_0 * by_sine_cost_3)) * (estimator_slope_0 +
+        (phases_1_sine_cost_3_squared * (estimator_slope_2 + (phases_1_sine_cost_3_squared * estimator_slope_4))));
     const float yaw_change_sine_part_43 = B_2_cost_3 - (yaw_change_sine_part_42 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_44 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) - (x_sine_cost_0_2 *
-        by_sine_cost_3_2)) * (estimator_slope_0 + (cost_3_part_3 * (estimator_slope_2 + (cost_3_part_3 *
-        estimator_slope_4))));
-    const float yaw_change_sine_part_45 = B_2_cost_3_2 - (yaw_change_sine_part_44 * (y_phase_fraction_sine_2 +
-        dy_cost_3_2));
-    const float yaw_change_sine_part_46 = (yaw_change_sine_part_42 * yaw_change_sine_part_43) + (yaw_change_sine_part_44
-        * yaw_change_sine_part_45);
+    const float yaw_change_sine_part_44 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) -
+        (x_sine_cost_0_2 * by_sine_cost_3_2)) * (estimator_slope_0 +
+        (cost_3_part_3 * (estimator_slope_2 + (cost_3_part_3 * estimator_slope_4))));
+    const float yaw_change_sine_part_45 = B_2_cost_3_2 -
+        (yaw_change_sine_part_44 * (y_phase_fraction_sine_2 + dy_cost_3_2));
+    const float yaw_change_sine_part_46 = (yaw_change_sine_part_42 * yaw_change_sine_part_43) +
+        (yaw_change_sine_part_44 * yaw_change_sine_part_45);
     const float across_yaw_change_sine_7 = (yaw_change_sine_part_42 * yaw_change_sine_part_45) -
         (yaw_change_sine_part_44 * yaw_change_sine_part_43);
-    const float yaw_change_sine_part_47 = 1.0f / (damping + ((yaw_change_sine_part_42 * yaw_change_sine_part_42) +
-        (yaw_change_sine_part_44 * yaw_change_sine_part_44)));
+    const float yaw_change_sine_part_47 = 1.0f / (damping +
+        ((yaw_change_sine_part_42 * yaw_change_sine_part_42) + (yaw_change_sine_part_44 * yaw_change_sine_part_44)));
     const float yaw_change_sine_part_48 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_3) - (p_sine_cost_0 *
         by_sine_cost_3_3)) * (estimator_slope_0 + (q_cost_3 * (estimator_slope_2 + (q_cost_3 * estimator_slope_4))));
     const float yaw_change_sine_part_49 = (yaw_change_sine_part_48 * (x_phase_fraction_sine - cost_3_part)) -
         B_1_cost_3;
-    const float yaw_change_sine_part_50 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_4) - (p_sine_cost_0_2 *
-        by_sine_cost_3_4)) * (estimator_slope_0 + (q_cost_3_2 * (estimator_slope_2 + (q_cost_3_2 *
-        estimator_slope_4))));
+    const float yaw_change_sine_part_50 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_4) -
+        (p_sine_cost_0_2 * by_sine_cost_3_4)) * (estimator_slope_0 +
+        (q_cost_3_2 * (estimator_slope_2 + (q_cost_3_2 * estimator_slope_4))));
     const float yaw_change_sine_part_51 = (yaw_change_sine_part_50 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
         B_1_cost_3_2;
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_48 * yaw_change_sine_part_49) + (yaw_change_sine_part_50
-        * yaw_change_sine_part_51);
+    const float yaw_change_sine_part_52 = (yaw_change_sine_part_48 * yaw_change_sine_part_49) +
+        (yaw_change_sine_part_50 * yaw_change_sine_part_51);
     const float across_yaw_change_sine_8 = (yaw_change_sine_part_48 * yaw_change_sine_part_51) -
         (yaw_change_sine_part_50 * yaw_change_sine_part_49);
-    const float yaw_change_sine_part_53 = 1.0f / (damping + ((yaw_change_sine_part_48 * yaw_change_sine_part_48) +
-        (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
+    const float yaw_change_sine_part_53 = 1.0f / (damping +
+        ((yaw_change_sine_part_48 * yaw_change_sine_part_48) + (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
     const float yaw_change_sine_part_54 = (((damping * ((yaw_change_sine_part_43 * by_axis_1_1_e_cost_3) +
         (yaw_change_sine_part_45 * by_axis_1_2_e_cost_3) + (then_1_cost_3 * yaw_change_sine_part_46))) +
-        (across_yaw_change_sine_7 * ((yaw_change_sine_part_42 * by_axis_1_2_e_cost_3) - (yaw_change_sine_part_44 *
-        by_axis_1_1_e_cost_3)))) * yaw_change_sine_part_47) + (((damping * ((yaw_change_sine_part_49 *
-        by_axis_2_1_e_cost_3) + (yaw_change_sine_part_51 * by_axis_2_2_e_cost_3) + (then_2_cost_3 *
-        yaw_change_sine_part_52))) + (across_yaw_change_sine_8 * ((yaw_change_sine_part_48 * by_axis_2_2_e_cost_3) -
-        (yaw_change_sine_part_50 * by_axis_2_1_e_cost_3)))) * yaw_change_sine_part_53);
+        (across_yaw_change_sine_7 * ((yaw_change_sine_part_42 * by_axis_1_2_e_cost_3) -
+        (yaw_change_sine_part_44 * by_axis_1_1_e_cost_3)))) * yaw_change_sine_part_47) + (((damping *
+        ((yaw_change_sine_part_49 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_51 * by_axis_2_2_e_cost_3) +
+        (then_2_cost_3 * yaw_change_sine_part_52))) + (across_yaw_change_sine_8 * ((yaw_change_sine_part_48 *
+        by_axis_2_2_e_cost_3) - (yaw_change_sine_part_50 * by_axis_2_1_e_cost_3)))) * yaw_change_sine_part_53);
     const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_43 * yaw_change_sine_part_43) +
         (yaw_change_sine_part_45 * yaw_change_sine_part_45))) + (across_yaw_change_sine_7 * across_yaw_change_sine_7)) *
         yaw_change_sine_part_47) + (((damping * ((yaw_change_sine_part_49 * yaw_change_sine_part_49) +
@@ -691,8 +691,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         converged_part = yaw_change_sine_part_40;
     }
     const float at_3_yaw_change_sine = hall_position_limit((better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3 +
-        ((yaw_change_sine_part_54 - (yaw_damping * then_3_yaw_change_sine_3)) / (yaw_damping + data_yaw_change_sine_4)))
-        : (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
+        ((yaw_change_sine_part_54 - (yaw_damping * then_3_yaw_change_sine_3)) / (yaw_damping +
+        data_yaw_change_sine_4))) : (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
     const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
     const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
     const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
@@ -701,9 +701,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
     const float yaw_change_cost_4 = at_3_yaw_change_sine - then_3_yaw_change_sine_3;
     const float at_1_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_1_cost_3 +
-        (((yaw_change_sine_part_42 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_44 * by_axis_1_2_e_cost_3) - (damping
-        * then_1_cost_3) - (yaw_change_sine_part_46 * yaw_change_cost_4)) * yaw_change_sine_part_47)) : (0.5f *
-        (then_1_cost_3 + other_1_cost_4)), 0.5f);
+        (((yaw_change_sine_part_42 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_44 * by_axis_1_2_e_cost_3) -
+        (damping * then_1_cost_3) - (yaw_change_sine_part_46 * yaw_change_cost_4)) * yaw_change_sine_part_47)) :
+        (0.5f * (then_1_cost_3 + other_1_cost_4)), 0.5f);
     const float cost_4_part = (x_phase_fraction_sine * versine_cost_4) + (y_phase_fraction_sine * yaw_change_sine_4);
     const float angle_cost_4 = at_1_cost_4 - cost_4_part;
     const float f9_argument_13 = angle_cost_4 * angle_cost_4;
@@ -711,27 +711,27 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_4 = angle_cost_4 * f10_polynomial(f9_argument_13);
     const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
     const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (estimator_field_1 + (phases_1_sine_cost_4_squared *
-        (estimator_field_3 + (phases_1_sine_cost_4_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) - (volts_sine_cost_0 *
-        yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_4);
+    const float B_1_cost_4 = phases_1_sine_cost_4 * (estimator_field_1 +
+        (phases_1_sine_cost_4_squared * (estimator_field_3 + (phases_1_sine_cost_4_squared * estimator_field_5))));
+    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) -
+        (volts_sine_cost_0 * yaw_change_sine_4) - B_1_cost_4;
+    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_4);
     const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
     const float f9_argument_14 = angle_cost_4_2 * angle_cost_4_2;
     const float by_cosine_cost_4_2 = f9_polynomial(f9_argument_14);
     const float by_sine_cost_4_2 = angle_cost_4_2 * f10_polynomial(f9_argument_14);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_2);
+    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_4_2);
     const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (estimator_field_1 + (cost_4_part_3 * (estimator_field_3 +
-        (cost_4_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) - (volts_sine_cost_0_2 *
-        yaw_change_sine_4) - B_1_cost_4_2;
+    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (estimator_field_1 +
+        (cost_4_part_3 * (estimator_field_3 + (cost_4_part_3 * estimator_field_5))));
+    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) -
+        (volts_sine_cost_0_2 * yaw_change_sine_4) - B_1_cost_4_2;
     const float at_2_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
-        (((yaw_change_sine_part_48 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_50 * by_axis_2_2_e_cost_3) - (damping
-        * then_2_cost_3) - (yaw_change_sine_part_52 * yaw_change_cost_4)) * yaw_change_sine_part_53)) : (0.5f *
-        (then_2_cost_3 + other_2_cost_4)), 0.5f);
+        (((yaw_change_sine_part_48 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_50 * by_axis_2_2_e_cost_3) -
+        (damping * then_2_cost_3) - (yaw_change_sine_part_52 * yaw_change_cost_4)) * yaw_change_sine_part_53)) :
+        (0.5f * (then_2_cost_3 + other_2_cost_4)), 0.5f);
     const float dy_cost_4 = (x_phase_fraction_sine * yaw_change_sine_4) - (y_phase_fraction_sine * versine_cost_4);
     const float angle_cost_4_3 = at_2_cost_4 + dy_cost_4;
     const float f9_argument_15 = angle_cost_4_3 * angle_cost_4_3;
@@ -739,63 +739,63 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_cost_4_3 = angle_cost_4_3 * f10_polynomial(f9_argument_15);
     const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_3) + (p_cosine_yaw_change_sine * by_sine_cost_4_3);
     const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (estimator_field_1 + (q_cost_4 * (estimator_field_3 + (q_cost_4 *
-        estimator_field_5))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) + (volts_cosine_cost_0 *
-        yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) - (y_phase_fraction_sine_2 *
-        versine_cost_4);
+    const float B_2_cost_4 = p_sine_cost_4 * (estimator_field_1 +
+        (q_cost_4 * (estimator_field_3 + (q_cost_4 * estimator_field_5))));
+    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) +
+        (volts_cosine_cost_0 * yaw_change_sine_4) - B_2_cost_4;
+    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) -
+        (y_phase_fraction_sine_2 * versine_cost_4);
     const float angle_cost_4_4 = at_2_cost_4 + dy_cost_4_2;
     const float f9_argument_16 = angle_cost_4_4 * angle_cost_4_4;
     const float by_cosine_cost_4_4 = f9_polynomial(f9_argument_16);
     const float by_sine_cost_4_4 = angle_cost_4_4 * f10_polynomial(f9_argument_16);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_4) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_4);
+    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_4) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_4_4);
     const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (estimator_field_1 + (q_cost_4_2 * (estimator_field_3 + (q_cost_4_2 *
-        estimator_field_5))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_4) - B_2_cost_4_2;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) + (by_axis_1_2_e_cost_4 *
-        by_axis_1_2_e_cost_4) + (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 *
-        by_axis_2_2_e_cost_4);
+    const float B_2_cost_4_2 = p_sine_cost_4_2 * (estimator_field_1 +
+        (q_cost_4_2 * (estimator_field_3 + (q_cost_4_2 * estimator_field_5))));
+    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_4) - B_2_cost_4_2;
+    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) +
+        (by_axis_1_2_e_cost_4 * by_axis_1_2_e_cost_4) + (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) +
+        (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4);
     const float cost_4_part_4 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
-    const float cost_4 = squares_cost_4 + (damping * (cost_4_part_4 + (squared_yaw_arm *
-        at_3_yaw_change_sine_squared)));
+    const float cost_4 = squares_cost_4 +
+        (damping * (cost_4_part_4 + (squared_yaw_arm * at_3_yaw_change_sine_squared)));
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const bool gate_exceeded = squared_gate < (cost_4_part_4 + (squared_radius * at_3_yaw_change_sine_squared));
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) - (x_sine_cost_0 *
-        by_sine_cost_4)) * (estimator_slope_0 + (phases_1_sine_cost_4_squared * (estimator_slope_2 +
-        (phases_1_sine_cost_4_squared * estimator_slope_4))));
+    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) -
+        (x_sine_cost_0 * by_sine_cost_4)) * (estimator_slope_0 +
+        (phases_1_sine_cost_4_squared * (estimator_slope_2 + (phases_1_sine_cost_4_squared * estimator_slope_4))));
     const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) - (x_sine_cost_0_2 *
-        by_sine_cost_4_2)) * (estimator_slope_0 + (cost_4_part_3 * (estimator_slope_2 + (cost_4_part_3 *
-        estimator_slope_4))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 - (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 +
-        dy_cost_4_2));
+    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) -
+        (x_sine_cost_0_2 * by_sine_cost_4_2)) * (estimator_slope_0 +
+        (cost_4_part_3 * (estimator_slope_2 + (cost_4_part_3 * estimator_slope_4))));
+    const float by_axis_1_2_h_converged = B_2_cost_4_2 -
+        (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 + dy_cost_4_2));
     const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
         (by_axis_1_2_g_converged * by_axis_1_2_h_converged);
-    const float across_converged = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) - (by_axis_1_2_g_converged *
-        by_axis_1_1_h_converged);
-    const float axes_1_inverse = 1.0f / (damping + ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_g_converged)));
+    const float across_converged = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) -
+        (by_axis_1_2_g_converged * by_axis_1_1_h_converged);
+    const float axes_1_inverse = 1.0f / (damping +
+        ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) + (by_axis_1_2_g_converged * by_axis_1_2_g_converged)));
     const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_3) - (p_sine_cost_0 *
         by_sine_cost_4_3)) * (estimator_slope_0 + (q_cost_4 * (estimator_slope_2 + (q_cost_4 * estimator_slope_4))));
     const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
         B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_4) - (p_sine_cost_0_2 *
-        by_sine_cost_4_4)) * (estimator_slope_0 + (q_cost_4_2 * (estimator_slope_2 + (q_cost_4_2 *
-        estimator_slope_4))));
+    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_4) -
+        (p_sine_cost_0_2 * by_sine_cost_4_4)) * (estimator_slope_0 +
+        (q_cost_4_2 * (estimator_slope_2 + (q_cost_4_2 * estimator_slope_4))));
     const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
         B_1_cost_4_2;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) + (by_axis_2_2_g_converged *
-        by_axis_2_2_h_converged);
-    const float across_converged_2 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) - (by_axis_2_2_g_converged *
-        by_axis_2_1_h_converged);
-    const float n_inverse = 1.0f / (damping + ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_g_converged)));
+    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) +
+        (by_axis_2_2_g_converged * by_axis_2_2_h_converged);
+    const float across_converged_2 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) -
+        (by_axis_2_2_g_converged * by_axis_2_1_h_converged);
+    const float n_inverse = 1.0f / (damping +
+        ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) + (by_axis_2_2_g_converged * by_axis_2_2_g_converged)));
     const float converged_part_2 = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
         (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (at_1_cost_4 * axes_1_coupling_converged))) +
         (across_converged * ((by_axis_1_1_g_converged * by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged *
@@ -805,14 +805,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         n_inverse);
     const float right_converged = converged_part_2 - (yaw_damping * at_3_yaw_change_sine);
     const float data_converged = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_h_converged * by_axis_1_2_h_converged))) + (across_converged * across_converged)) * axes_1_inverse)
-        + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) + (by_axis_2_2_h_converged *
-        by_axis_2_2_h_converged))) + (across_converged_2 * across_converged_2)) * n_inverse);
+        (by_axis_1_2_h_converged * by_axis_1_2_h_converged))) + (across_converged * across_converged)) *
+        axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) +
+        (by_axis_2_2_h_converged * by_axis_2_2_h_converged))) + (across_converged_2 * across_converged_2)) * n_inverse);
     const float converged_part_3 = 1.0f / (yaw_damping + data_converged);
-    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) + (by_axis_1_2_g_converged *
-        by_axis_1_2_e_cost_4) - (damping * at_1_cost_4);
-    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) + (by_axis_2_2_g_converged *
-        by_axis_2_2_e_cost_4) - (damping * at_2_cost_4);
+    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) +
+        (by_axis_1_2_g_converged * by_axis_1_2_e_cost_4) - (damping * at_1_cost_4);
+    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) +
+        (by_axis_2_2_g_converged * by_axis_2_2_e_cost_4) - (damping * at_2_cost_4);
     const bool converged = better_converged && (((right_converged * right_converged * converged_part_3) +
         (axes_1_slope_converged * axes_1_slope_converged * axes_1_inverse) + (n_slope * n_slope * n_inverse)) <=
         cost_slack);
@@ -824,8 +824,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             max_yaw_step);
         at_3_X = untried_3;
         const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
-        at_1_X = hall_position_limit(at_1_cost_4 + ((axes_1_slope_converged - (axes_1_coupling_converged *
-            yaw_change_X)) * axes_1_inverse), 0.5f);
+        at_1_X = hall_position_limit(at_1_cost_4 +
+            ((axes_1_slope_converged - (axes_1_coupling_converged * yaw_change_X)) * axes_1_inverse), 0.5f);
         at_2_Y = hall_position_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
     } else {
         if (better_converged) {
@@ -840,8 +840,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3_X - estimator_yaw_last_good) <= ambiguous_yaw_limit;
-    const bool integrity_residual_fault = (squared_residual_limit < squares_cost_4) || ((estimator_ambiguity_resolved !=
-        0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
+    const bool integrity_residual_fault = (squared_residual_limit < squares_cost_4) ||
+        ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
@@ -913,8 +913,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_deviation_X) + (axes_1_inverse +
-        n_inverse);
+    const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_deviation_X) +
+        (axes_1_inverse + n_inverse);
     const bool damped = damped_weight < weight;
     out->damped = damped ? 1.0f : 0.0f;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
@@ -974,8 +974,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_motion_x = hall_position_limit(estimator_motion_x_part_2, 0.5f);
     state->estimator_motion_y = hall_position_limit(estimator_motion_y_part_2, 0.5f);
     state->estimator_motion_yaw = hall_position_limit(estimator_motion_yaw_part_2, max_yaw_step);
-    state->estimator_residual_faults = (integrity_residual_fault) ? ((exhausted) ? 0u : (estimator_residual_faults +
-        1u)) : 0u;
+    state->estimator_residual_faults = (integrity_residual_fault) ?
+        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&

@@ -161,8 +161,8 @@ typedef struct {
 } hall_position_four_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out,
-    hall_position_four_diagnostics_t *diagnostics);
+uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out, hall_position_four_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -329,8 +329,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_phase_fraction_sine = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
     const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
-    const float heading_sine = hall_position_three_limit(s_phase_fraction_sine * (1.0f - (0.125f * (yaw_fraction_sine *
-        yaw_fraction_sine))), 1.0f);
+    const float heading_sine = hall_position_three_limit(s_phase_fraction_sine * (1.0f -
+        (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
     const float x_phase_fraction_sine = (arm_ax * heading_cosine) - (arm_ay * heading_sine);
     const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
     const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
@@ -376,17 +376,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float vy_cost_0 = cost_0_part * V_ay_held;
     const float volts_cosine_cost_0 = (heading_cosine * vx_cost_0) - (heading_sine * vy_cost_0);
     const float cost_0_part_2 = f3 * phase_fraction_cosine;
-    const float s_cost_0 = hall_position_three_limit(8.0f * (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine *
-        phase_fraction_sine)))), 2.0f);
+    const float s_cost_0 = hall_position_three_limit(8.0f *
+        (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
     const float sines_2_cost_0 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0 = hall_position_three_limit(s_cost_0 * (1.0f - (0.125f * (sines_2_cost_0 *
-        sines_2_cost_0))), 1.0f);
+    const float x_sine_cost_0 = hall_position_three_limit(s_cost_0 * (1.0f -
+        (0.125f * (sines_2_cost_0 * sines_2_cost_0))), 1.0f);
     const float field_2_cost_0 = cost_0_part * estimator_field_1;
     const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
     const float field_3_cost_0 = cost_0_part * estimator_field_3;
     const float field_4_cost_0 = cost_0_part * estimator_field_5;
-    const float B_1_cost_0 = x_sine_cost_0 * (field_2_cost_0 + (x_sine_cost_0_squared * (field_3_cost_0 +
-        (x_sine_cost_0_squared * field_4_cost_0))));
+    const float B_1_cost_0 = x_sine_cost_0 * (field_2_cost_0 +
+        (x_sine_cost_0_squared * (field_3_cost_0 + (x_sine_cost_0_squared * field_4_cost_0))));
     const float residuals_1 = volts_cosine_cost_0 - B_1_cost_0;
     const float terms_1_cost_0 = residuals_1 * residuals_1;
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
@@ -395,17 +395,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float vy_cost_0_2 = cost_0_part_3 * V_by_held;
     const float volts_cosine_cost_0_2 = (heading_cosine * vx_cost_0_2) - (heading_sine * vy_cost_0_2);
     const float cost_0_part_4 = f7 * phase_fraction_cosine_3;
-    const float s_cost_0_2 = hall_position_three_limit(8.0f * (cost_0_part_4 * (1.0f - (0.03125f *
-        (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
+    const float s_cost_0_2 = hall_position_three_limit(8.0f *
+        (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
     const float sines_2_cost_0_2 = 8.0f * cost_0_part_4;
-    const float x_sine_cost_0_2 = hall_position_three_limit(s_cost_0_2 * (1.0f - (0.125f * (sines_2_cost_0_2 *
-        sines_2_cost_0_2))), 1.0f);
+    const float x_sine_cost_0_2 = hall_position_three_limit(s_cost_0_2 * (1.0f -
+        (0.125f * (sines_2_cost_0_2 * sines_2_cost_0_2))), 1.0f);
     const float field_2_cost_0_2 = cost_0_part_3 * estimator_field_1;
     const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
     const float field_3_cost_0_2 = cost_0_part_3 * estimator_field_3;
     const float field_4_cost_0_2 = cost_0_part_3 * estimator_field_5;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (field_2_cost_0_2 + (x_sine_cost_0_2_squared * (field_3_cost_0_2 +
-        (x_sine_cost_0_2_squared * field_4_cost_0_2))));
+    const float B_1_cost_0_2 = x_sine_cost_0_2 * (field_2_cost_0_2 +
+        (x_sine_cost_0_2_squared * (field_3_cost_0_2 + (x_sine_cost_0_2_squared * field_4_cost_0_2))));
     const float residuals_2 = volts_cosine_cost_0_2 - B_1_cost_0_2;
     const float terms_2_cost_0 = residuals_2 * residuals_2;
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
@@ -414,53 +414,53 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float vy_cost_0_3 = cost_0_part_5 * V_cy_held;
     const float volts_cosine_cost_0_3 = (heading_cosine * vx_cost_0_3) - (heading_sine * vy_cost_0_3);
     const float cost_0_part_6 = f11 * phase_fraction_cosine_5;
-    const float s_cost_0_3 = hall_position_three_limit(8.0f * (cost_0_part_6 * (1.0f - (0.03125f *
-        (phase_fraction_sine_5 * phase_fraction_sine_5)))), 2.0f);
+    const float s_cost_0_3 = hall_position_three_limit(8.0f *
+        (cost_0_part_6 * (1.0f - (0.03125f * (phase_fraction_sine_5 * phase_fraction_sine_5)))), 2.0f);
     const float sines_2_cost_0_3 = 8.0f * cost_0_part_6;
-    const float x_sine_cost_0_3 = hall_position_three_limit(s_cost_0_3 * (1.0f - (0.125f * (sines_2_cost_0_3 *
-        sines_2_cost_0_3))), 1.0f);
+    const float x_sine_cost_0_3 = hall_position_three_limit(s_cost_0_3 * (1.0f -
+        (0.125f * (sines_2_cost_0_3 * sines_2_cost_0_3))), 1.0f);
     const float field_2_cost_0_3 = cost_0_part_5 * estimator_field_1;
     const float x_sine_cost_0_3_squared = x_sine_cost_0_3 * x_sine_cost_0_3;
     const float field_3_cost_0_3 = cost_0_part_5 * estimator_field_3;
     const float field_4_cost_0_3 = cost_0_part_5 * estimator_field_5;
-    const float B_1_cost_0_3 = x_sine_cost_0_3 * (field_2_cost_0_3 + (x_sine_cost_0_3_squared * (field_3_cost_0_3 +
-        (x_sine_cost_0_3_squared * field_4_cost_0_3))));
+    const float B_1_cost_0_3 = x_sine_cost_0_3 * (field_2_cost_0_3 +
+        (x_sine_cost_0_3_squared * (field_3_cost_0_3 + (x_sine_cost_0_3_squared * field_4_cost_0_3))));
     const float residuals_3 = volts_cosine_cost_0_3 - B_1_cost_0_3;
     const float terms_3_cost_0 = residuals_3 * residuals_3;
     const float volts_sine_cost_0 = (heading_sine * vx_cost_0) + (heading_cosine * vy_cost_0);
     const float cost_0_part_7 = f5 * phase_fraction_cosine_2;
-    const float s_cost_0_4 = hall_position_three_limit(8.0f * (cost_0_part_7 * (1.0f - (0.03125f *
-        (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
+    const float s_cost_0_4 = hall_position_three_limit(8.0f *
+        (cost_0_part_7 * (1.0f - (0.03125f * (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
     const float sines_2_cost_0_4 = 8.0f * cost_0_part_7;
-    const float p_sine_cost_0 = hall_position_three_limit(s_cost_0_4 * (1.0f - (0.125f * (sines_2_cost_0_4 *
-        sines_2_cost_0_4))), 1.0f);
+    const float p_sine_cost_0 = hall_position_three_limit(s_cost_0_4 * (1.0f -
+        (0.125f * (sines_2_cost_0_4 * sines_2_cost_0_4))), 1.0f);
     const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (field_2_cost_0 + (q_cost_0 * (field_3_cost_0 + (q_cost_0 *
-        field_4_cost_0))));
+    const float B_2_cost_0 = p_sine_cost_0 * (field_2_cost_0 +
+        (q_cost_0 * (field_3_cost_0 + (q_cost_0 * field_4_cost_0))));
     const float residuals_4 = volts_sine_cost_0 - B_2_cost_0;
     const float terms_4_cost_0 = residuals_4 * residuals_4;
     const float volts_sine_cost_0_2 = (heading_sine * vx_cost_0_2) + (heading_cosine * vy_cost_0_2);
     const float cost_0_part_8 = f9 * phase_fraction_cosine_4;
-    const float s_cost_0_5 = hall_position_three_limit(8.0f * (cost_0_part_8 * (1.0f - (0.03125f *
-        (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
+    const float s_cost_0_5 = hall_position_three_limit(8.0f *
+        (cost_0_part_8 * (1.0f - (0.03125f * (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
     const float sines_2_cost_0_5 = 8.0f * cost_0_part_8;
-    const float p_sine_cost_0_2 = hall_position_three_limit(s_cost_0_5 * (1.0f - (0.125f * (sines_2_cost_0_5 *
-        sines_2_cost_0_5))), 1.0f);
+    const float p_sine_cost_0_2 = hall_position_three_limit(s_cost_0_5 * (1.0f -
+        (0.125f * (sines_2_cost_0_5 * sines_2_cost_0_5))), 1.0f);
     const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (field_2_cost_0_2 + (q_cost_0_2 * (field_3_cost_0_2 + (q_cost_0_2 *
-        field_4_cost_0_2))));
+    const float B_2_cost_0_2 = p_sine_cost_0_2 * (field_2_cost_0_2 +
+        (q_cost_0_2 * (field_3_cost_0_2 + (q_cost_0_2 * field_4_cost_0_2))));
     const float residuals_5 = volts_sine_cost_0_2 - B_2_cost_0_2;
     const float terms_5_cost_0 = residuals_5 * residuals_5;
     const float volts_sine_cost_0_3 = (heading_sine * vx_cost_0_3) + (heading_cosine * vy_cost_0_3);
     const float cost_0_part_9 = f11_2 * phase_fraction_cosine_6;
-    const float s_cost_0_6 = hall_position_three_limit(8.0f * (cost_0_part_9 * (1.0f - (0.03125f *
-        (phase_fraction_sine_6 * phase_fraction_sine_6)))), 2.0f);
+    const float s_cost_0_6 = hall_position_three_limit(8.0f *
+        (cost_0_part_9 * (1.0f - (0.03125f * (phase_fraction_sine_6 * phase_fraction_sine_6)))), 2.0f);
     const float sines_2_cost_0_6 = 8.0f * cost_0_part_9;
-    const float p_sine_cost_0_3 = hall_position_three_limit(s_cost_0_6 * (1.0f - (0.125f * (sines_2_cost_0_6 *
-        sines_2_cost_0_6))), 1.0f);
+    const float p_sine_cost_0_3 = hall_position_three_limit(s_cost_0_6 * (1.0f -
+        (0.125f * (sines_2_cost_0_6 * sines_2_cost_0_6))), 1.0f);
     const float q_cost_0_3 = p_sine_cost_0_3 * p_sine_cost_0_3;
-    const float B_2_cost_0_3 = p_sine_cost_0_3 * (field_2_cost_0_3 + (q_cost_0_3 * (field_3_cost_0_3 + (q_cost_0_3 *
-        field_4_cost_0_3))));
+    const float B_2_cost_0_3 = p_sine_cost_0_3 * (field_2_cost_0_3 +
+        (q_cost_0_3 * (field_3_cost_0_3 + (q_cost_0_3 * field_4_cost_0_3))));
     const float residuals_6 = volts_sine_cost_0_3 - B_2_cost_0_3;
     const float terms_6_cost_0 = residuals_6 * residuals_6;
     const float cost_0 = terms_1_cost_0 + terms_2_cost_0 + terms_3_cost_0 + terms_4_cost_0 + terms_5_cost_0 +
@@ -469,57 +469,57 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float slope_1_yaw_change_sine = cost_0_part * estimator_slope_0;
     const float slope_2_yaw_change_sine = cost_0_part * estimator_slope_2;
     const float slope_3_yaw_change_sine = cost_0_part * estimator_slope_4;
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (x_sine_cost_0_squared *
-        (slope_2_yaw_change_sine + (x_sine_cost_0_squared * slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (slope_1_yaw_change_sine +
+        (x_sine_cost_0_squared * (slope_2_yaw_change_sine + (x_sine_cost_0_squared * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
     const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
     const float slope_1_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_0;
     const float slope_2_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_2;
     const float slope_3_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_4;
     const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
-        (x_sine_cost_0_2_squared * (slope_2_yaw_change_sine_2 + (x_sine_cost_0_2_squared *
-        slope_3_yaw_change_sine_2))));
+        (x_sine_cost_0_2_squared * (slope_2_yaw_change_sine_2 +
+        (x_sine_cost_0_2_squared * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
     const float x_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
     const float slope_1_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_0;
     const float slope_2_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_2;
     const float slope_3_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_4;
     const float yaw_change_sine_part_5 = x_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
-        (x_sine_cost_0_3_squared * (slope_2_yaw_change_sine_3 + (x_sine_cost_0_3_squared *
-        slope_3_yaw_change_sine_3))));
+        (x_sine_cost_0_3_squared * (slope_2_yaw_change_sine_3 +
+        (x_sine_cost_0_3_squared * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_6 = B_2_cost_0_3 - (yaw_change_sine_part_5 * y_phase_fraction_sine_3);
-    const float yaw_change_sine_part_7 = (yaw_change_sine_part * yaw_change_sine_part_4) - (yaw_change_sine_part_3 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_8 = (yaw_change_sine_part * yaw_change_sine_part_6) - (yaw_change_sine_part_5 *
-        yaw_change_sine_part_2);
-    const float yaw_change_sine_part_9 = (damping * ((yaw_change_sine_part_2 * residuals_1) + (yaw_change_sine_part_4 *
-        residuals_2) + (yaw_change_sine_part_6 * residuals_3))) + (yaw_change_sine_part_7 * ((yaw_change_sine_part *
-        residuals_2) - (yaw_change_sine_part_3 * residuals_1))) + (yaw_change_sine_part_8 * ((yaw_change_sine_part *
-        residuals_3) - (yaw_change_sine_part_5 * residuals_1)));
-    const float across_yaw_change_sine = (yaw_change_sine_part_3 * yaw_change_sine_part_6) - (yaw_change_sine_part_5 *
-        yaw_change_sine_part_4);
+    const float yaw_change_sine_part_7 = (yaw_change_sine_part * yaw_change_sine_part_4) -
+        (yaw_change_sine_part_3 * yaw_change_sine_part_2);
+    const float yaw_change_sine_part_8 = (yaw_change_sine_part * yaw_change_sine_part_6) -
+        (yaw_change_sine_part_5 * yaw_change_sine_part_2);
+    const float yaw_change_sine_part_9 = (damping * ((yaw_change_sine_part_2 * residuals_1) +
+        (yaw_change_sine_part_4 * residuals_2) + (yaw_change_sine_part_6 * residuals_3))) +
+        (yaw_change_sine_part_7 * ((yaw_change_sine_part * residuals_2) - (yaw_change_sine_part_3 * residuals_1))) +
+        (yaw_change_sine_part_8 * ((yaw_change_sine_part * residuals_3) - (yaw_change_sine_part_5 * residuals_1)));
+    const float across_yaw_change_sine = (yaw_change_sine_part_3 * yaw_change_sine_part_6) -
+        (yaw_change_sine_part_5 * yaw_change_sine_part_4);
     const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
         (yaw_change_sine_part_3 * yaw_change_sine_part_3) + (yaw_change_sine_part_5 * yaw_change_sine_part_5)));
     const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
-    const float yaw_change_sine_part_11 = p_cosine_yaw_change_sine * (slope_1_yaw_change_sine + (q_cost_0 *
-        (slope_2_yaw_change_sine + (q_cost_0 * slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_11 = p_cosine_yaw_change_sine * (slope_1_yaw_change_sine +
+        (q_cost_0 * (slope_2_yaw_change_sine + (q_cost_0 * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_12 = (yaw_change_sine_part_11 * x_phase_fraction_sine) - B_1_cost_0;
     const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_5 * s_cost_0_5));
-    const float yaw_change_sine_part_13 = p_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 + (q_cost_0_2 *
-        (slope_2_yaw_change_sine_2 + (q_cost_0_2 * slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_13 = p_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
+        (q_cost_0_2 * (slope_2_yaw_change_sine_2 + (q_cost_0_2 * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_14 = (yaw_change_sine_part_13 * x_phase_fraction_sine_2) - B_1_cost_0_2;
     const float p_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_6 * s_cost_0_6));
-    const float yaw_change_sine_part_15 = p_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 + (q_cost_0_3 *
-        (slope_2_yaw_change_sine_3 + (q_cost_0_3 * slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_15 = p_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
+        (q_cost_0_3 * (slope_2_yaw_change_sine_3 + (q_cost_0_3 * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_16 = (yaw_change_sine_part_15 * x_phase_fraction_sine_3) - B_1_cost_0_3;
-    const float yaw_change_sine_part_17 = (yaw_change_sine_part_11 * yaw_change_sine_part_14) - (yaw_change_sine_part_13
-        * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_18 = (yaw_change_sine_part_11 * yaw_change_sine_part_16) - (yaw_change_sine_part_15
-        * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_19 = (damping * ((yaw_change_sine_part_12 * residuals_4) + (yaw_change_sine_part_14
-        * residuals_5) + (yaw_change_sine_part_16 * residuals_6))) + (yaw_change_sine_part_17 *
-        ((yaw_change_sine_part_11 * residuals_5) - (yaw_change_sine_part_13 * residuals_4))) + (yaw_change_sine_part_18
-        * ((yaw_change_sine_part_11 * residuals_6) - (yaw_change_sine_part_15 * residuals_4)));
+    const float yaw_change_sine_part_17 = (yaw_change_sine_part_11 * yaw_change_sine_part_14) -
+        (yaw_change_sine_part_13 * yaw_change_sine_part_12);
+    const float yaw_change_sine_part_18 = (yaw_change_sine_part_11 * yaw_change_sine_part_16) -
+        (yaw_change_sine_part_15 * yaw_change_sine_part_12);
+    const float yaw_change_sine_part_19 = (damping * ((yaw_change_sine_part_12 * residuals_4) +
+        (yaw_change_sine_part_14 * residuals_5) + (yaw_change_sine_part_16 * residuals_6))) + (yaw_change_sine_part_17 *
+        ((yaw_change_sine_part_11 * residuals_5) - (yaw_change_sine_part_13 * residuals_4))) +
+        (yaw_change_sine_part_18 * ((yaw_change_sine_part_11 * residuals_6) - (yaw_change_sine_part_15 * residuals_4)));
     const float across_yaw_change_sine_2 = (yaw_change_sine_part_13 * yaw_change_sine_part_16) -
         (yaw_change_sine_part_15 * yaw_change_sine_part_14);
     const float yaw_change_sine_part_20 = 1.0f / (damping + ((yaw_change_sine_part_11 * yaw_change_sine_part_11) +
@@ -527,15 +527,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * yaw_change_sine_part_2) +
         (yaw_change_sine_part_4 * yaw_change_sine_part_4) + (yaw_change_sine_part_6 * yaw_change_sine_part_6))) +
         (yaw_change_sine_part_7 * yaw_change_sine_part_7) + (yaw_change_sine_part_8 * yaw_change_sine_part_8) +
-        (across_yaw_change_sine * across_yaw_change_sine)) * yaw_change_sine_part_10) + (((damping *
-        ((yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_14 * yaw_change_sine_part_14) +
-        (yaw_change_sine_part_16 * yaw_change_sine_part_16))) + (yaw_change_sine_part_17 * yaw_change_sine_part_17) +
-        (yaw_change_sine_part_18 * yaw_change_sine_part_18) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
-        yaw_change_sine_part_20);
-    const float step_yaw_change_sine = (((yaw_change_sine_part_9 + (across_yaw_change_sine * ((yaw_change_sine_part_3 *
-        residuals_3) - (yaw_change_sine_part_5 * residuals_2)))) * yaw_change_sine_part_10) + ((yaw_change_sine_part_19
-        + (across_yaw_change_sine_2 * ((yaw_change_sine_part_13 * residuals_6) - (yaw_change_sine_part_15 *
-        residuals_5)))) * yaw_change_sine_part_20)) / (yaw_damping + data_yaw_change_sine);
+        (across_yaw_change_sine * across_yaw_change_sine)) * yaw_change_sine_part_10) +
+        (((damping * ((yaw_change_sine_part_12 * yaw_change_sine_part_12) +
+        (yaw_change_sine_part_14 * yaw_change_sine_part_14) + (yaw_change_sine_part_16 * yaw_change_sine_part_16))) +
+        (yaw_change_sine_part_17 * yaw_change_sine_part_17) + (yaw_change_sine_part_18 * yaw_change_sine_part_18) +
+        (across_yaw_change_sine_2 * across_yaw_change_sine_2)) * yaw_change_sine_part_20);
+    const float step_yaw_change_sine = (((yaw_change_sine_part_9 + (across_yaw_change_sine *
+        ((yaw_change_sine_part_3 * residuals_3) - (yaw_change_sine_part_5 * residuals_2)))) * yaw_change_sine_part_10) +
+        ((yaw_change_sine_part_19 + (across_yaw_change_sine_2 * ((yaw_change_sine_part_13 * residuals_6) -
+        (yaw_change_sine_part_15 * residuals_5)))) * yaw_change_sine_part_20)) / (yaw_damping + data_yaw_change_sine);
     const float then_3_yaw_change_sine = hall_position_three_limit(step_yaw_change_sine, max_yaw_step);
     const float yaw_change_sine_part_21 = then_3_yaw_change_sine * then_3_yaw_change_sine;
     const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_21);
@@ -544,9 +544,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float versine_cost_1 = half_yaw_change_sine * half_yaw_change_sine;
     const float rotation_cosine_cost_1 = 1.0f - versine_cost_1;
     const float then_1_cost_1 = hall_position_three_limit(((yaw_change_sine_part * residuals_1) +
-        (yaw_change_sine_part_3 * residuals_2) + (yaw_change_sine_part_5 * residuals_3) - (((yaw_change_sine_part *
-        yaw_change_sine_part_2) + (yaw_change_sine_part_3 * yaw_change_sine_part_4) + (yaw_change_sine_part_5 *
-        yaw_change_sine_part_6)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
+        (yaw_change_sine_part_3 * residuals_2) + (yaw_change_sine_part_5 * residuals_3) -
+        (((yaw_change_sine_part * yaw_change_sine_part_2) + (yaw_change_sine_part_3 * yaw_change_sine_part_4) +
+        (yaw_change_sine_part_5 * yaw_change_sine_part_6)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
     const float cost_1_part = (x_phase_fraction_sine * versine_cost_1) + (y_phase_fraction_sine * yaw_change_sine);
     const float angle_cost_1 = then_1_cost_1 - cost_1_part;
     const float f15_argument = angle_cost_1 * angle_cost_1;
@@ -554,36 +554,36 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_1 = angle_cost_1 * f16_polynomial(f15_argument);
     const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
     const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (field_2_cost_0 + (phases_1_sine_cost_1_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_1_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) - (volts_sine_cost_0 *
-        yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) + (y_phase_fraction_sine_2 *
-        yaw_change_sine);
+    const float B_1_cost_1 = phases_1_sine_cost_1 * (field_2_cost_0 +
+        (phases_1_sine_cost_1_squared * (field_3_cost_0 + (phases_1_sine_cost_1_squared * field_4_cost_0))));
+    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) -
+        (volts_sine_cost_0 * yaw_change_sine) - B_1_cost_1;
+    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) +
+        (y_phase_fraction_sine_2 * yaw_change_sine);
     const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
     const float f17_argument = angle_cost_1_2 * angle_cost_1_2;
     const float by_cosine_cost_1_2 = f17_polynomial(f17_argument);
     const float by_sine_cost_1_2 = angle_cost_1_2 * f18_polynomial(f17_argument);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_2);
+    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_1_2);
     const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (field_2_cost_0_2 + (cost_1_part_3 * (field_3_cost_0_2 +
-        (cost_1_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) - (volts_sine_cost_0_2 *
-        yaw_change_sine) - B_1_cost_1_2;
-    const float cost_1_part_4 = (x_phase_fraction_sine_3 * versine_cost_1) + (y_phase_fraction_sine_3 *
-        yaw_change_sine);
+    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (field_2_cost_0_2 +
+        (cost_1_part_3 * (field_3_cost_0_2 + (cost_1_part_3 * field_4_cost_0_2))));
+    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) -
+        (volts_sine_cost_0_2 * yaw_change_sine) - B_1_cost_1_2;
+    const float cost_1_part_4 = (x_phase_fraction_sine_3 * versine_cost_1) +
+        (y_phase_fraction_sine_3 * yaw_change_sine);
     const float angle_cost_1_3 = then_1_cost_1 - cost_1_part_4;
     const float f19_argument = angle_cost_1_3 * angle_cost_1_3;
     const float by_cosine_cost_1_3 = f19_polynomial(f19_argument);
     const float by_sine_cost_1_3 = angle_cost_1_3 * f20_polynomial(f19_argument);
-    const float phases_1_sine_cost_1_3 = (x_sine_cost_0_3 * by_cosine_cost_1_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_1_3);
+    const float phases_1_sine_cost_1_3 = (x_sine_cost_0_3 * by_cosine_cost_1_3) +
+        (x_cosine_yaw_change_sine_3 * by_sine_cost_1_3);
     const float cost_1_part_5 = phases_1_sine_cost_1_3 * phases_1_sine_cost_1_3;
-    const float B_1_cost_1_3 = phases_1_sine_cost_1_3 * (field_2_cost_0_3 + (cost_1_part_5 * (field_3_cost_0_3 +
-        (cost_1_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_1 = (volts_cosine_cost_0_3 * rotation_cosine_cost_1) - (volts_sine_cost_0_3 *
-        yaw_change_sine) - B_1_cost_1_3;
+    const float B_1_cost_1_3 = phases_1_sine_cost_1_3 * (field_2_cost_0_3 +
+        (cost_1_part_5 * (field_3_cost_0_3 + (cost_1_part_5 * field_4_cost_0_3))));
+    const float by_axis_1_3_e_cost_1 = (volts_cosine_cost_0_3 * rotation_cosine_cost_1) -
+        (volts_sine_cost_0_3 * yaw_change_sine) - B_1_cost_1_3;
     const float then_2_cost_1 = hall_position_three_limit(((yaw_change_sine_part_11 * residuals_4) +
         (yaw_change_sine_part_13 * residuals_5) + (yaw_change_sine_part_15 * residuals_6) - (((yaw_change_sine_part_11 *
         yaw_change_sine_part_12) + (yaw_change_sine_part_13 * yaw_change_sine_part_14) + (yaw_change_sine_part_15 *
@@ -595,60 +595,60 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_1_4 = angle_cost_1_4 * f16_polynomial(f15_argument_2);
     const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_4) + (p_cosine_yaw_change_sine * by_sine_cost_1_4);
     const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (field_2_cost_0 + (q_cost_1 * (field_3_cost_0 + (q_cost_1 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) + (volts_cosine_cost_0 *
-        yaw_change_sine) - B_2_cost_1;
+    const float B_2_cost_1 = p_sine_cost_1 * (field_2_cost_0 +
+        (q_cost_1 * (field_3_cost_0 + (q_cost_1 * field_4_cost_0))));
+    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) +
+        (volts_cosine_cost_0 * yaw_change_sine) - B_2_cost_1;
     const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
     const float angle_cost_1_5 = then_2_cost_1 + dy_cost_1_2;
     const float f17_argument_2 = angle_cost_1_5 * angle_cost_1_5;
     const float by_cosine_cost_1_5 = f17_polynomial(f17_argument_2);
     const float by_sine_cost_1_5 = angle_cost_1_5 * f18_polynomial(f17_argument_2);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_1_5);
+    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_5) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_1_5);
     const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (field_2_cost_0_2 + (q_cost_1_2 * (field_3_cost_0_2 + (q_cost_1_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) + (volts_cosine_cost_0_2 *
-        yaw_change_sine) - B_2_cost_1_2;
+    const float B_2_cost_1_2 = p_sine_cost_1_2 * (field_2_cost_0_2 +
+        (q_cost_1_2 * (field_3_cost_0_2 + (q_cost_1_2 * field_4_cost_0_2))));
+    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) +
+        (volts_cosine_cost_0_2 * yaw_change_sine) - B_2_cost_1_2;
     const float dy_cost_1_3 = (x_phase_fraction_sine_3 * yaw_change_sine) - (y_phase_fraction_sine_3 * versine_cost_1);
     const float angle_cost_1_6 = then_2_cost_1 + dy_cost_1_3;
     const float f19_argument_2 = angle_cost_1_6 * angle_cost_1_6;
     const float by_cosine_cost_1_6 = f19_polynomial(f19_argument_2);
     const float by_sine_cost_1_6 = angle_cost_1_6 * f20_polynomial(f19_argument_2);
-    const float p_sine_cost_1_3 = (p_sine_cost_0_3 * by_cosine_cost_1_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_1_6);
+    const float p_sine_cost_1_3 = (p_sine_cost_0_3 * by_cosine_cost_1_6) +
+        (p_cosine_yaw_change_sine_3 * by_sine_cost_1_6);
     const float q_cost_1_3 = p_sine_cost_1_3 * p_sine_cost_1_3;
-    const float B_2_cost_1_3 = p_sine_cost_1_3 * (field_2_cost_0_3 + (q_cost_1_3 * (field_3_cost_0_3 + (q_cost_1_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_1 = (volts_sine_cost_0_3 * rotation_cosine_cost_1) + (volts_cosine_cost_0_3 *
-        yaw_change_sine) - B_2_cost_1_3;
+    const float B_2_cost_1_3 = p_sine_cost_1_3 * (field_2_cost_0_3 +
+        (q_cost_1_3 * (field_3_cost_0_3 + (q_cost_1_3 * field_4_cost_0_3))));
+    const float by_axis_2_3_e_cost_1 = (volts_sine_cost_0_3 * rotation_cosine_cost_1) +
+        (volts_cosine_cost_0_3 * yaw_change_sine) - B_2_cost_1_3;
     const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
         (by_axis_1_3_e_cost_1 * by_axis_1_3_e_cost_1) + (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) +
-        (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (by_axis_2_3_e_cost_1 * by_axis_2_3_e_cost_1) + (damping *
-        ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) + (squared_yaw_arm *
-        yaw_change_sine_part_21)));
+        (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (by_axis_2_3_e_cost_1 * by_axis_2_3_e_cost_1) +
+        (damping * ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) +
+        (squared_yaw_arm * yaw_change_sine_part_21)));
     const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_22 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) - (x_sine_cost_0 *
-        by_sine_cost_1)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_1_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_1_squared * slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_22 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) -
+        (x_sine_cost_0 * by_sine_cost_1)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_1_squared *
+        (slope_2_yaw_change_sine + (phases_1_sine_cost_1_squared * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_23 = B_2_cost_1 - (yaw_change_sine_part_22 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_24 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) - (x_sine_cost_0_2 *
-        by_sine_cost_1_2)) * (slope_1_yaw_change_sine_2 + (cost_1_part_3 * (slope_2_yaw_change_sine_2 + (cost_1_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_25 = B_2_cost_1_2 - (yaw_change_sine_part_24 * (y_phase_fraction_sine_2 +
-        dy_cost_1_2));
-    const float yaw_change_sine_part_26 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_1_3) - (x_sine_cost_0_3 *
-        by_sine_cost_1_3)) * (slope_1_yaw_change_sine_3 + (cost_1_part_5 * (slope_2_yaw_change_sine_3 + (cost_1_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_27 = B_2_cost_1_3 - (yaw_change_sine_part_26 * (y_phase_fraction_sine_3 +
-        dy_cost_1_3));
-    const float yaw_change_sine_part_28 = (yaw_change_sine_part_22 * yaw_change_sine_part_23) + (yaw_change_sine_part_24
-        * yaw_change_sine_part_25) + (yaw_change_sine_part_26 * yaw_change_sine_part_27);
-    const float yaw_change_sine_part_29 = (yaw_change_sine_part_22 * yaw_change_sine_part_25) - (yaw_change_sine_part_24
-        * yaw_change_sine_part_23);
-    const float yaw_change_sine_part_30 = (yaw_change_sine_part_22 * yaw_change_sine_part_27) - (yaw_change_sine_part_26
-        * yaw_change_sine_part_23);
+    const float yaw_change_sine_part_24 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) -
+        (x_sine_cost_0_2 * by_sine_cost_1_2)) * (slope_1_yaw_change_sine_2 +
+        (cost_1_part_3 * (slope_2_yaw_change_sine_2 + (cost_1_part_3 * slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_25 = B_2_cost_1_2 -
+        (yaw_change_sine_part_24 * (y_phase_fraction_sine_2 + dy_cost_1_2));
+    const float yaw_change_sine_part_26 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_1_3) -
+        (x_sine_cost_0_3 * by_sine_cost_1_3)) * (slope_1_yaw_change_sine_3 +
+        (cost_1_part_5 * (slope_2_yaw_change_sine_3 + (cost_1_part_5 * slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_27 = B_2_cost_1_3 -
+        (yaw_change_sine_part_26 * (y_phase_fraction_sine_3 + dy_cost_1_3));
+    const float yaw_change_sine_part_28 = (yaw_change_sine_part_22 * yaw_change_sine_part_23) +
+        (yaw_change_sine_part_24 * yaw_change_sine_part_25) + (yaw_change_sine_part_26 * yaw_change_sine_part_27);
+    const float yaw_change_sine_part_29 = (yaw_change_sine_part_22 * yaw_change_sine_part_25) -
+        (yaw_change_sine_part_24 * yaw_change_sine_part_23);
+    const float yaw_change_sine_part_30 = (yaw_change_sine_part_22 * yaw_change_sine_part_27) -
+        (yaw_change_sine_part_26 * yaw_change_sine_part_23);
     const float yaw_change_sine_part_31 = (damping * ((yaw_change_sine_part_23 * by_axis_1_1_e_cost_1) +
         (yaw_change_sine_part_25 * by_axis_1_2_e_cost_1) + (yaw_change_sine_part_27 * by_axis_1_3_e_cost_1) +
         (then_1_cost_1 * yaw_change_sine_part_28))) + (yaw_change_sine_part_29 * ((yaw_change_sine_part_22 *
@@ -658,27 +658,27 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (yaw_change_sine_part_26 * yaw_change_sine_part_25);
     const float yaw_change_sine_part_32 = 1.0f / (damping + ((yaw_change_sine_part_22 * yaw_change_sine_part_22) +
         (yaw_change_sine_part_24 * yaw_change_sine_part_24) + (yaw_change_sine_part_26 * yaw_change_sine_part_26)));
-    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_4) - (p_sine_cost_0 *
-        by_sine_cost_1_4)) * (slope_1_yaw_change_sine + (q_cost_1 * (slope_2_yaw_change_sine + (q_cost_1 *
-        slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_4) -
+        (p_sine_cost_0 * by_sine_cost_1_4)) * (slope_1_yaw_change_sine +
+        (q_cost_1 * (slope_2_yaw_change_sine + (q_cost_1 * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_1_part)) -
         B_1_cost_1;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_5) - (p_sine_cost_0_2 *
-        by_sine_cost_1_5)) * (slope_1_yaw_change_sine_2 + (q_cost_1_2 * (slope_2_yaw_change_sine_2 + (q_cost_1_2 *
-        slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_5) -
+        (p_sine_cost_0_2 * by_sine_cost_1_5)) * (slope_1_yaw_change_sine_2 +
+        (q_cost_1_2 * (slope_2_yaw_change_sine_2 + (q_cost_1_2 * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
         B_1_cost_1_2;
-    const float yaw_change_sine_part_37 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_1_6) - (p_sine_cost_0_3 *
-        by_sine_cost_1_6)) * (slope_1_yaw_change_sine_3 + (q_cost_1_3 * (slope_2_yaw_change_sine_3 + (q_cost_1_3 *
-        slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_37 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_1_6) -
+        (p_sine_cost_0_3 * by_sine_cost_1_6)) * (slope_1_yaw_change_sine_3 +
+        (q_cost_1_3 * (slope_2_yaw_change_sine_3 + (q_cost_1_3 * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_38 = (yaw_change_sine_part_37 * (x_phase_fraction_sine_3 - cost_1_part_4)) -
         B_1_cost_1_3;
-    const float yaw_change_sine_part_39 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) + (yaw_change_sine_part_35
-        * yaw_change_sine_part_36) + (yaw_change_sine_part_37 * yaw_change_sine_part_38);
-    const float yaw_change_sine_part_40 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) - (yaw_change_sine_part_35
-        * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_41 = (yaw_change_sine_part_33 * yaw_change_sine_part_38) - (yaw_change_sine_part_37
-        * yaw_change_sine_part_34);
+    const float yaw_change_sine_part_39 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) +
+        (yaw_change_sine_part_35 * yaw_change_sine_part_36) + (yaw_change_sine_part_37 * yaw_change_sine_part_38);
+    const float yaw_change_sine_part_40 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) -
+        (yaw_change_sine_part_35 * yaw_change_sine_part_34);
+    const float yaw_change_sine_part_41 = (yaw_change_sine_part_33 * yaw_change_sine_part_38) -
+        (yaw_change_sine_part_37 * yaw_change_sine_part_34);
     const float yaw_change_sine_part_42 = (damping * ((yaw_change_sine_part_34 * by_axis_2_1_e_cost_1) +
         (yaw_change_sine_part_36 * by_axis_2_2_e_cost_1) + (yaw_change_sine_part_38 * by_axis_2_3_e_cost_1) +
         (then_2_cost_1 * yaw_change_sine_part_39))) + (yaw_change_sine_part_40 * ((yaw_change_sine_part_33 *
@@ -696,11 +696,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_23 * yaw_change_sine_part_23) +
         (yaw_change_sine_part_25 * yaw_change_sine_part_25) + (yaw_change_sine_part_27 * yaw_change_sine_part_27))) +
         (yaw_change_sine_part_29 * yaw_change_sine_part_29) + (yaw_change_sine_part_30 * yaw_change_sine_part_30) +
-        (across_yaw_change_sine_3 * across_yaw_change_sine_3)) * yaw_change_sine_part_32) + (((damping *
-        ((yaw_change_sine_part_34 * yaw_change_sine_part_34) + (yaw_change_sine_part_36 * yaw_change_sine_part_36) +
-        (yaw_change_sine_part_38 * yaw_change_sine_part_38))) + (yaw_change_sine_part_40 * yaw_change_sine_part_40) +
-        (yaw_change_sine_part_41 * yaw_change_sine_part_41) + (across_yaw_change_sine_4 * across_yaw_change_sine_4)) *
-        yaw_change_sine_part_43);
+        (across_yaw_change_sine_3 * across_yaw_change_sine_3)) * yaw_change_sine_part_32) +
+        (((damping * ((yaw_change_sine_part_34 * yaw_change_sine_part_34) +
+        (yaw_change_sine_part_36 * yaw_change_sine_part_36) + (yaw_change_sine_part_38 * yaw_change_sine_part_38))) +
+        (yaw_change_sine_part_40 * yaw_change_sine_part_40) + (yaw_change_sine_part_41 * yaw_change_sine_part_41) +
+        (across_yaw_change_sine_4 * across_yaw_change_sine_4)) * yaw_change_sine_part_43);
     float other_3_yaw_change_sine = then_3_yaw_change_sine;
     float other_1_cost_2 = then_1_cost_1;
     float other_2_cost_2 = then_2_cost_1;
@@ -711,9 +711,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         other_2_cost_2 = 0.0f;
         yaw_change_sine_part_44 = cost_0;
     }
-    const float then_3_yaw_change_sine_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_3_yaw_change_sine
-        + (right_yaw_change_sine / (yaw_damping + data_yaw_change_sine_2))) : (0.5f * (then_3_yaw_change_sine +
-        other_3_yaw_change_sine)), max_yaw_step);
+    const float then_3_yaw_change_sine_2 = hall_position_three_limit((better_yaw_change_sine) ?
+        (then_3_yaw_change_sine + (right_yaw_change_sine / (yaw_damping + data_yaw_change_sine_2))) :
+        (0.5f * (then_3_yaw_change_sine + other_3_yaw_change_sine)), max_yaw_step);
     const float yaw_change_sine_part_45 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
     const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_45);
     const float half_yaw_change_sine_2 = then_3_yaw_change_sine_2 *
@@ -732,36 +732,36 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_2 = angle_cost_2 * f16_polynomial(f15_argument_3);
     const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
     const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (field_2_cost_0 + (phases_1_sine_cost_2_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_2_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) - (volts_sine_cost_0 *
-        yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_2);
+    const float B_1_cost_2 = phases_1_sine_cost_2 * (field_2_cost_0 +
+        (phases_1_sine_cost_2_squared * (field_3_cost_0 + (phases_1_sine_cost_2_squared * field_4_cost_0))));
+    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) -
+        (volts_sine_cost_0 * yaw_change_sine_2) - B_1_cost_2;
+    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_2);
     const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
     const float f17_argument_3 = angle_cost_2_2 * angle_cost_2_2;
     const float by_cosine_cost_2_2 = f17_polynomial(f17_argument_3);
     const float by_sine_cost_2_2 = angle_cost_2_2 * f18_polynomial(f17_argument_3);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_2);
+    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_2_2);
     const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (field_2_cost_0_2 + (cost_2_part_3 * (field_3_cost_0_2 +
-        (cost_2_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) - (volts_sine_cost_0_2 *
-        yaw_change_sine_2) - B_1_cost_2_2;
-    const float cost_2_part_4 = (x_phase_fraction_sine_3 * versine_cost_2) + (y_phase_fraction_sine_3 *
-        yaw_change_sine_2);
+    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (field_2_cost_0_2 +
+        (cost_2_part_3 * (field_3_cost_0_2 + (cost_2_part_3 * field_4_cost_0_2))));
+    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) -
+        (volts_sine_cost_0_2 * yaw_change_sine_2) - B_1_cost_2_2;
+    const float cost_2_part_4 = (x_phase_fraction_sine_3 * versine_cost_2) +
+        (y_phase_fraction_sine_3 * yaw_change_sine_2);
     const float angle_cost_2_3 = then_1_cost_2 - cost_2_part_4;
     const float f19_argument_3 = angle_cost_2_3 * angle_cost_2_3;
     const float by_cosine_cost_2_3 = f19_polynomial(f19_argument_3);
     const float by_sine_cost_2_3 = angle_cost_2_3 * f20_polynomial(f19_argument_3);
-    const float phases_1_sine_cost_2_3 = (x_sine_cost_0_3 * by_cosine_cost_2_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_2_3);
+    const float phases_1_sine_cost_2_3 = (x_sine_cost_0_3 * by_cosine_cost_2_3) +
+        (x_cosine_yaw_change_sine_3 * by_sine_cost_2_3);
     const float cost_2_part_5 = phases_1_sine_cost_2_3 * phases_1_sine_cost_2_3;
-    const float B_1_cost_2_3 = phases_1_sine_cost_2_3 * (field_2_cost_0_3 + (cost_2_part_5 * (field_3_cost_0_3 +
-        (cost_2_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_2 = (volts_cosine_cost_0_3 * rotation_cosine_cost_2) - (volts_sine_cost_0_3 *
-        yaw_change_sine_2) - B_1_cost_2_3;
+    const float B_1_cost_2_3 = phases_1_sine_cost_2_3 * (field_2_cost_0_3 +
+        (cost_2_part_5 * (field_3_cost_0_3 + (cost_2_part_5 * field_4_cost_0_3))));
+    const float by_axis_1_3_e_cost_2 = (volts_cosine_cost_0_3 * rotation_cosine_cost_2) -
+        (volts_sine_cost_0_3 * yaw_change_sine_2) - B_1_cost_2_3;
     const float then_2_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_2_cost_1 +
         (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_1) +
         (yaw_change_sine_part_37 * by_axis_2_3_e_cost_1) - (damping * then_2_cost_1) - (yaw_change_sine_part_39 *
@@ -773,62 +773,62 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_2_4 = angle_cost_2_4 * f16_polynomial(f15_argument_4);
     const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_4) + (p_cosine_yaw_change_sine * by_sine_cost_2_4);
     const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (field_2_cost_0 + (q_cost_2 * (field_3_cost_0 + (q_cost_2 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) + (volts_cosine_cost_0 *
-        yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) - (y_phase_fraction_sine_2 *
-        versine_cost_2);
+    const float B_2_cost_2 = p_sine_cost_2 * (field_2_cost_0 +
+        (q_cost_2 * (field_3_cost_0 + (q_cost_2 * field_4_cost_0))));
+    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) +
+        (volts_cosine_cost_0 * yaw_change_sine_2) - B_2_cost_2;
+    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) -
+        (y_phase_fraction_sine_2 * versine_cost_2);
     const float angle_cost_2_5 = then_2_cost_2 + dy_cost_2_2;
     const float f17_argument_4 = angle_cost_2_5 * angle_cost_2_5;
     const float by_cosine_cost_2_5 = f17_polynomial(f17_argument_4);
     const float by_sine_cost_2_5 = angle_cost_2_5 * f18_polynomial(f17_argument_4);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_2_5);
+    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_5) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_2_5);
     const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (field_2_cost_0_2 + (q_cost_2_2 * (field_3_cost_0_2 + (q_cost_2_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_2) - B_2_cost_2_2;
-    const float dy_cost_2_3 = (x_phase_fraction_sine_3 * yaw_change_sine_2) - (y_phase_fraction_sine_3 *
-        versine_cost_2);
+    const float B_2_cost_2_2 = p_sine_cost_2_2 * (field_2_cost_0_2 +
+        (q_cost_2_2 * (field_3_cost_0_2 + (q_cost_2_2 * field_4_cost_0_2))));
+    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_2) - B_2_cost_2_2;
+    const float dy_cost_2_3 = (x_phase_fraction_sine_3 * yaw_change_sine_2) -
+        (y_phase_fraction_sine_3 * versine_cost_2);
     const float angle_cost_2_6 = then_2_cost_2 + dy_cost_2_3;
     const float f19_argument_4 = angle_cost_2_6 * angle_cost_2_6;
     const float by_cosine_cost_2_6 = f19_polynomial(f19_argument_4);
     const float by_sine_cost_2_6 = angle_cost_2_6 * f20_polynomial(f19_argument_4);
-    const float p_sine_cost_2_3 = (p_sine_cost_0_3 * by_cosine_cost_2_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_2_6);
+    const float p_sine_cost_2_3 = (p_sine_cost_0_3 * by_cosine_cost_2_6) +
+        (p_cosine_yaw_change_sine_3 * by_sine_cost_2_6);
     const float q_cost_2_3 = p_sine_cost_2_3 * p_sine_cost_2_3;
-    const float B_2_cost_2_3 = p_sine_cost_2_3 * (field_2_cost_0_3 + (q_cost_2_3 * (field_3_cost_0_3 + (q_cost_2_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_2 = (volts_sine_cost_0_3 * rotation_cosine_cost_2) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_2) - B_2_cost_2_3;
+    const float B_2_cost_2_3 = p_sine_cost_2_3 * (field_2_cost_0_3 +
+        (q_cost_2_3 * (field_3_cost_0_3 + (q_cost_2_3 * field_4_cost_0_3))));
+    const float by_axis_2_3_e_cost_2 = (volts_sine_cost_0_3 * rotation_cosine_cost_2) +
+        (volts_cosine_cost_0_3 * yaw_change_sine_2) - B_2_cost_2_3;
     const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
         (by_axis_1_3_e_cost_2 * by_axis_1_3_e_cost_2) + (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) +
-        (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (by_axis_2_3_e_cost_2 * by_axis_2_3_e_cost_2) + (damping *
-        ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) + (squared_yaw_arm *
-        yaw_change_sine_part_45)));
+        (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (by_axis_2_3_e_cost_2 * by_axis_2_3_e_cost_2) +
+        (damping * ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) +
+        (squared_yaw_arm * yaw_change_sine_part_45)));
     const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_44) + cost_slack);
-    const float yaw_change_sine_part_46 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) - (x_sine_cost_0 *
-        by_sine_cost_2)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_2_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_2_squared * slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_46 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) -
+        (x_sine_cost_0 * by_sine_cost_2)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_2_squared *
+        (slope_2_yaw_change_sine + (phases_1_sine_cost_2_squared * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_47 = B_2_cost_2 - (yaw_change_sine_part_46 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_48 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) - (x_sine_cost_0_2 *
-        by_sine_cost_2_2)) * (slope_1_yaw_change_sine_2 + (cost_2_part_3 * (slope_2_yaw_change_sine_2 + (cost_2_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_49 = B_2_cost_2_2 - (yaw_change_sine_part_48 * (y_phase_fraction_sine_2 +
-        dy_cost_2_2));
-    const float yaw_change_sine_part_50 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_2_3) - (x_sine_cost_0_3 *
-        by_sine_cost_2_3)) * (slope_1_yaw_change_sine_3 + (cost_2_part_5 * (slope_2_yaw_change_sine_3 + (cost_2_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_51 = B_2_cost_2_3 - (yaw_change_sine_part_50 * (y_phase_fraction_sine_3 +
-        dy_cost_2_3));
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_46 * yaw_change_sine_part_47) + (yaw_change_sine_part_48
-        * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_51);
-    const float yaw_change_sine_part_53 = (yaw_change_sine_part_46 * yaw_change_sine_part_49) - (yaw_change_sine_part_48
-        * yaw_change_sine_part_47);
-    const float yaw_change_sine_part_54 = (yaw_change_sine_part_46 * yaw_change_sine_part_51) - (yaw_change_sine_part_50
-        * yaw_change_sine_part_47);
+    const float yaw_change_sine_part_48 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) -
+        (x_sine_cost_0_2 * by_sine_cost_2_2)) * (slope_1_yaw_change_sine_2 +
+        (cost_2_part_3 * (slope_2_yaw_change_sine_2 + (cost_2_part_3 * slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_49 = B_2_cost_2_2 -
+        (yaw_change_sine_part_48 * (y_phase_fraction_sine_2 + dy_cost_2_2));
+    const float yaw_change_sine_part_50 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_2_3) -
+        (x_sine_cost_0_3 * by_sine_cost_2_3)) * (slope_1_yaw_change_sine_3 +
+        (cost_2_part_5 * (slope_2_yaw_change_sine_3 + (cost_2_part_5 * slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_51 = B_2_cost_2_3 -
+        (yaw_change_sine_part_50 * (y_phase_fraction_sine_3 + dy_cost_2_3));
+    const float yaw_change_sine_part_52 = (yaw_change_sine_part_46 * yaw_change_sine_part_47) +
+        (yaw_change_sine_part_48 * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_51);
+    const float yaw_change_sine_part_53 = (yaw_change_sine_part_46 * yaw_change_sine_part_49) -
+        (yaw_change_sine_part_48 * yaw_change_sine_part_47);
+    const float yaw_change_sine_part_54 = (yaw_change_sine_part_46 * yaw_change_sine_part_51) -
+        (yaw_change_sine_part_50 * yaw_change_sine_part_47);
     const float yaw_change_sine_part_55 = (damping * ((yaw_change_sine_part_47 * by_axis_1_1_e_cost_2) +
         (yaw_change_sine_part_49 * by_axis_1_2_e_cost_2) + (yaw_change_sine_part_51 * by_axis_1_3_e_cost_2) +
         (then_1_cost_2 * yaw_change_sine_part_52))) + (yaw_change_sine_part_53 * ((yaw_change_sine_part_46 *
@@ -838,27 +838,27 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (yaw_change_sine_part_50 * yaw_change_sine_part_49);
     const float yaw_change_sine_part_56 = 1.0f / (damping + ((yaw_change_sine_part_46 * yaw_change_sine_part_46) +
         (yaw_change_sine_part_48 * yaw_change_sine_part_48) + (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
-    const float yaw_change_sine_part_57 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_4) - (p_sine_cost_0 *
-        by_sine_cost_2_4)) * (slope_1_yaw_change_sine + (q_cost_2 * (slope_2_yaw_change_sine + (q_cost_2 *
-        slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_57 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_4) -
+        (p_sine_cost_0 * by_sine_cost_2_4)) * (slope_1_yaw_change_sine +
+        (q_cost_2 * (slope_2_yaw_change_sine + (q_cost_2 * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_58 = (yaw_change_sine_part_57 * (x_phase_fraction_sine - cost_2_part)) -
         B_1_cost_2;
-    const float yaw_change_sine_part_59 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_5) - (p_sine_cost_0_2 *
-        by_sine_cost_2_5)) * (slope_1_yaw_change_sine_2 + (q_cost_2_2 * (slope_2_yaw_change_sine_2 + (q_cost_2_2 *
-        slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_59 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_5) -
+        (p_sine_cost_0_2 * by_sine_cost_2_5)) * (slope_1_yaw_change_sine_2 +
+        (q_cost_2_2 * (slope_2_yaw_change_sine_2 + (q_cost_2_2 * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_60 = (yaw_change_sine_part_59 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
         B_1_cost_2_2;
-    const float yaw_change_sine_part_61 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_2_6) - (p_sine_cost_0_3 *
-        by_sine_cost_2_6)) * (slope_1_yaw_change_sine_3 + (q_cost_2_3 * (slope_2_yaw_change_sine_3 + (q_cost_2_3 *
-        slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_61 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_2_6) -
+        (p_sine_cost_0_3 * by_sine_cost_2_6)) * (slope_1_yaw_change_sine_3 +
+        (q_cost_2_3 * (slope_2_yaw_change_sine_3 + (q_cost_2_3 * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_62 = (yaw_change_sine_part_61 * (x_phase_fraction_sine_3 - cost_2_part_4)) -
         B_1_cost_2_3;
-    const float yaw_change_sine_part_63 = (yaw_change_sine_part_57 * yaw_change_sine_part_58) + (yaw_change_sine_part_59
-        * yaw_change_sine_part_60) + (yaw_change_sine_part_61 * yaw_change_sine_part_62);
-    const float yaw_change_sine_part_64 = (yaw_change_sine_part_57 * yaw_change_sine_part_60) - (yaw_change_sine_part_59
-        * yaw_change_sine_part_58);
-    const float yaw_change_sine_part_65 = (yaw_change_sine_part_57 * yaw_change_sine_part_62) - (yaw_change_sine_part_61
-        * yaw_change_sine_part_58);
+    const float yaw_change_sine_part_63 = (yaw_change_sine_part_57 * yaw_change_sine_part_58) +
+        (yaw_change_sine_part_59 * yaw_change_sine_part_60) + (yaw_change_sine_part_61 * yaw_change_sine_part_62);
+    const float yaw_change_sine_part_64 = (yaw_change_sine_part_57 * yaw_change_sine_part_60) -
+        (yaw_change_sine_part_59 * yaw_change_sine_part_58);
+    const float yaw_change_sine_part_65 = (yaw_change_sine_part_57 * yaw_change_sine_part_62) -
+        (yaw_change_sine_part_61 * yaw_change_sine_part_58);
     const float yaw_change_sine_part_66 = (damping * ((yaw_change_sine_part_58 * by_axis_2_1_e_cost_2) +
         (yaw_change_sine_part_60 * by_axis_2_2_e_cost_2) + (yaw_change_sine_part_62 * by_axis_2_3_e_cost_2) +
         (then_2_cost_2 * yaw_change_sine_part_63))) + (yaw_change_sine_part_64 * ((yaw_change_sine_part_57 *
@@ -876,11 +876,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_47 * yaw_change_sine_part_47) +
         (yaw_change_sine_part_49 * yaw_change_sine_part_49) + (yaw_change_sine_part_51 * yaw_change_sine_part_51))) +
         (yaw_change_sine_part_53 * yaw_change_sine_part_53) + (yaw_change_sine_part_54 * yaw_change_sine_part_54) +
-        (across_yaw_change_sine_5 * across_yaw_change_sine_5)) * yaw_change_sine_part_56) + (((damping *
-        ((yaw_change_sine_part_58 * yaw_change_sine_part_58) + (yaw_change_sine_part_60 * yaw_change_sine_part_60) +
-        (yaw_change_sine_part_62 * yaw_change_sine_part_62))) + (yaw_change_sine_part_64 * yaw_change_sine_part_64) +
-        (yaw_change_sine_part_65 * yaw_change_sine_part_65) + (across_yaw_change_sine_6 * across_yaw_change_sine_6)) *
-        yaw_change_sine_part_67);
+        (across_yaw_change_sine_5 * across_yaw_change_sine_5)) * yaw_change_sine_part_56) +
+        (((damping * ((yaw_change_sine_part_58 * yaw_change_sine_part_58) +
+        (yaw_change_sine_part_60 * yaw_change_sine_part_60) + (yaw_change_sine_part_62 * yaw_change_sine_part_62))) +
+        (yaw_change_sine_part_64 * yaw_change_sine_part_64) + (yaw_change_sine_part_65 * yaw_change_sine_part_65) +
+        (across_yaw_change_sine_6 * across_yaw_change_sine_6)) * yaw_change_sine_part_67);
     float other_3_yaw_change_sine_2 = then_3_yaw_change_sine_2;
     float other_1_cost_3 = then_1_cost_2;
     float other_2_cost_3 = then_2_cost_2;
@@ -892,8 +892,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         yaw_change_sine_part_68 = yaw_change_sine_part_44;
     }
     const float then_3_yaw_change_sine_3 = hall_position_three_limit((better_yaw_change_sine_2) ?
-        (then_3_yaw_change_sine_2 + (right_yaw_change_sine_2 / (yaw_damping + data_yaw_change_sine_3))) : (0.5f *
-        (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
+        (then_3_yaw_change_sine_2 + (right_yaw_change_sine_2 / (yaw_damping + data_yaw_change_sine_3))) :
+        (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
     const float yaw_change_sine_part_69 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
     const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_69);
     const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
@@ -912,36 +912,36 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_3 = angle_cost_3 * f16_polynomial(f15_argument_5);
     const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
     const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (field_2_cost_0 + (phases_1_sine_cost_3_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_3_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) - (volts_sine_cost_0 *
-        yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_3);
+    const float B_1_cost_3 = phases_1_sine_cost_3 * (field_2_cost_0 +
+        (phases_1_sine_cost_3_squared * (field_3_cost_0 + (phases_1_sine_cost_3_squared * field_4_cost_0))));
+    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) -
+        (volts_sine_cost_0 * yaw_change_sine_3) - B_1_cost_3;
+    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_3);
     const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
     const float f17_argument_5 = angle_cost_3_2 * angle_cost_3_2;
     const float by_cosine_cost_3_2 = f17_polynomial(f17_argument_5);
     const float by_sine_cost_3_2 = angle_cost_3_2 * f18_polynomial(f17_argument_5);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_2);
+    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_3_2);
     const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (field_2_cost_0_2 + (cost_3_part_3 * (field_3_cost_0_2 +
-        (cost_3_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) - (volts_sine_cost_0_2 *
-        yaw_change_sine_3) - B_1_cost_3_2;
-    const float cost_3_part_4 = (x_phase_fraction_sine_3 * versine_cost_3) + (y_phase_fraction_sine_3 *
-        yaw_change_sine_3);
+    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (field_2_cost_0_2 +
+        (cost_3_part_3 * (field_3_cost_0_2 + (cost_3_part_3 * field_4_cost_0_2))));
+    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) -
+        (volts_sine_cost_0_2 * yaw_change_sine_3) - B_1_cost_3_2;
+    const float cost_3_part_4 = (x_phase_fraction_sine_3 * versine_cost_3) +
+        (y_phase_fraction_sine_3 * yaw_change_sine_3);
     const float angle_cost_3_3 = then_1_cost_3 - cost_3_part_4;
     const float f19_argument_5 = angle_cost_3_3 * angle_cost_3_3;
     const float by_cosine_cost_3_3 = f19_polynomial(f19_argument_5);
     const float by_sine_cost_3_3 = angle_cost_3_3 * f20_polynomial(f19_argument_5);
-    const float phases_1_sine_cost_3_3 = (x_sine_cost_0_3 * by_cosine_cost_3_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_3_3);
+    const float phases_1_sine_cost_3_3 = (x_sine_cost_0_3 * by_cosine_cost_3_3) +
+        (x_cosine_yaw_change_sine_3 * by_sine_cost_3_3);
     const float cost_3_part_5 = phases_1_sine_cost_3_3 * phases_1_sine_cost_3_3;
-    const float B_1_cost_3_3 = phases_1_sine_cost_3_3 * (field_2_cost_0_3 + (cost_3_part_5 * (field_3_cost_0_3 +
-        (cost_3_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_3 = (volts_cosine_cost_0_3 * rotation_cosine_cost_3) - (volts_sine_cost_0_3 *
-        yaw_change_sine_3) - B_1_cost_3_3;
+    const float B_1_cost_3_3 = phases_1_sine_cost_3_3 * (field_2_cost_0_3 +
+        (cost_3_part_5 * (field_3_cost_0_3 + (cost_3_part_5 * field_4_cost_0_3))));
+    const float by_axis_1_3_e_cost_3 = (volts_cosine_cost_0_3 * rotation_cosine_cost_3) -
+        (volts_sine_cost_0_3 * yaw_change_sine_3) - B_1_cost_3_3;
     const float then_2_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
         (((yaw_change_sine_part_57 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_59 * by_axis_2_2_e_cost_2) +
         (yaw_change_sine_part_61 * by_axis_2_3_e_cost_2) - (damping * then_2_cost_2) - (yaw_change_sine_part_63 *
@@ -953,62 +953,62 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_3_4 = angle_cost_3_4 * f16_polynomial(f15_argument_6);
     const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_4) + (p_cosine_yaw_change_sine * by_sine_cost_3_4);
     const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (field_2_cost_0 + (q_cost_3 * (field_3_cost_0 + (q_cost_3 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) + (volts_cosine_cost_0 *
-        yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) - (y_phase_fraction_sine_2 *
-        versine_cost_3);
+    const float B_2_cost_3 = p_sine_cost_3 * (field_2_cost_0 +
+        (q_cost_3 * (field_3_cost_0 + (q_cost_3 * field_4_cost_0))));
+    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) +
+        (volts_cosine_cost_0 * yaw_change_sine_3) - B_2_cost_3;
+    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) -
+        (y_phase_fraction_sine_2 * versine_cost_3);
     const float angle_cost_3_5 = then_2_cost_3 + dy_cost_3_2;
     const float f17_argument_6 = angle_cost_3_5 * angle_cost_3_5;
     const float by_cosine_cost_3_5 = f17_polynomial(f17_argument_6);
     const float by_sine_cost_3_5 = angle_cost_3_5 * f18_polynomial(f17_argument_6);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_3_5);
+    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_5) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_3_5);
     const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (field_2_cost_0_2 + (q_cost_3_2 * (field_3_cost_0_2 + (q_cost_3_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_3) - B_2_cost_3_2;
-    const float dy_cost_3_3 = (x_phase_fraction_sine_3 * yaw_change_sine_3) - (y_phase_fraction_sine_3 *
-        versine_cost_3);
+    const float B_2_cost_3_2 = p_sine_cost_3_2 * (field_2_cost_0_2 +
+        (q_cost_3_2 * (field_3_cost_0_2 + (q_cost_3_2 * field_4_cost_0_2))));
+    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_3) - B_2_cost_3_2;
+    const float dy_cost_3_3 = (x_phase_fraction_sine_3 * yaw_change_sine_3) -
+        (y_phase_fraction_sine_3 * versine_cost_3);
     const float angle_cost_3_6 = then_2_cost_3 + dy_cost_3_3;
     const float f19_argument_6 = angle_cost_3_6 * angle_cost_3_6;
     const float by_cosine_cost_3_6 = f19_polynomial(f19_argument_6);
     const float by_sine_cost_3_6 = angle_cost_3_6 * f20_polynomial(f19_argument_6);
-    const float p_sine_cost_3_3 = (p_sine_cost_0_3 * by_cosine_cost_3_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_3_6);
+    const float p_sine_cost_3_3 = (p_sine_cost_0_3 * by_cosine_cost_3_6) +
+        (p_cosine_yaw_change_sine_3 * by_sine_cost_3_6);
     const float q_cost_3_3 = p_sine_cost_3_3 * p_sine_cost_3_3;
-    const float B_2_cost_3_3 = p_sine_cost_3_3 * (field_2_cost_0_3 + (q_cost_3_3 * (field_3_cost_0_3 + (q_cost_3_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_3 = (volts_sine_cost_0_3 * rotation_cosine_cost_3) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_3) - B_2_cost_3_3;
+    const float B_2_cost_3_3 = p_sine_cost_3_3 * (field_2_cost_0_3 +
+        (q_cost_3_3 * (field_3_cost_0_3 + (q_cost_3_3 * field_4_cost_0_3))));
+    const float by_axis_2_3_e_cost_3 = (volts_sine_cost_0_3 * rotation_cosine_cost_3) +
+        (volts_cosine_cost_0_3 * yaw_change_sine_3) - B_2_cost_3_3;
     const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
         (by_axis_1_3_e_cost_3 * by_axis_1_3_e_cost_3) + (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) +
-        (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (by_axis_2_3_e_cost_3 * by_axis_2_3_e_cost_3) + (damping *
-        ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) + (squared_yaw_arm *
-        yaw_change_sine_part_69)));
+        (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (by_axis_2_3_e_cost_3 * by_axis_2_3_e_cost_3) +
+        (damping * ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) +
+        (squared_yaw_arm * yaw_change_sine_part_69)));
     const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_68) + cost_slack);
-    const float yaw_change_sine_part_70 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) - (x_sine_cost_0 *
-        by_sine_cost_3)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_3_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_3_squared * slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_70 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) -
+        (x_sine_cost_0 * by_sine_cost_3)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_3_squared *
+        (slope_2_yaw_change_sine + (phases_1_sine_cost_3_squared * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_71 = B_2_cost_3 - (yaw_change_sine_part_70 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_72 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) - (x_sine_cost_0_2 *
-        by_sine_cost_3_2)) * (slope_1_yaw_change_sine_2 + (cost_3_part_3 * (slope_2_yaw_change_sine_2 + (cost_3_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_73 = B_2_cost_3_2 - (yaw_change_sine_part_72 * (y_phase_fraction_sine_2 +
-        dy_cost_3_2));
-    const float yaw_change_sine_part_74 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_3_3) - (x_sine_cost_0_3 *
-        by_sine_cost_3_3)) * (slope_1_yaw_change_sine_3 + (cost_3_part_5 * (slope_2_yaw_change_sine_3 + (cost_3_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_75 = B_2_cost_3_3 - (yaw_change_sine_part_74 * (y_phase_fraction_sine_3 +
-        dy_cost_3_3));
-    const float yaw_change_sine_part_76 = (yaw_change_sine_part_70 * yaw_change_sine_part_71) + (yaw_change_sine_part_72
-        * yaw_change_sine_part_73) + (yaw_change_sine_part_74 * yaw_change_sine_part_75);
-    const float yaw_change_sine_part_77 = (yaw_change_sine_part_70 * yaw_change_sine_part_73) - (yaw_change_sine_part_72
-        * yaw_change_sine_part_71);
-    const float yaw_change_sine_part_78 = (yaw_change_sine_part_70 * yaw_change_sine_part_75) - (yaw_change_sine_part_74
-        * yaw_change_sine_part_71);
+    const float yaw_change_sine_part_72 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) -
+        (x_sine_cost_0_2 * by_sine_cost_3_2)) * (slope_1_yaw_change_sine_2 +
+        (cost_3_part_3 * (slope_2_yaw_change_sine_2 + (cost_3_part_3 * slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_73 = B_2_cost_3_2 -
+        (yaw_change_sine_part_72 * (y_phase_fraction_sine_2 + dy_cost_3_2));
+    const float yaw_change_sine_part_74 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_3_3) -
+        (x_sine_cost_0_3 * by_sine_cost_3_3)) * (slope_1_yaw_change_sine_3 +
+        (cost_3_part_5 * (slope_2_yaw_change_sine_3 + (cost_3_part_5 * slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_75 = B_2_cost_3_3 -
+        (yaw_change_sine_part_74 * (y_phase_fraction_sine_3 + dy_cost_3_3));
+    const float yaw_change_sine_part_76 = (yaw_change_sine_part_70 * yaw_change_sine_part_71) +
+        (yaw_change_sine_part_72 * yaw_change_sine_part_73) + (yaw_change_sine_part_74 * yaw_change_sine_part_75);
+    const float yaw_change_sine_part_77 = (yaw_change_sine_part_70 * yaw_change_sine_part_73) -
+        (yaw_change_sine_part_72 * yaw_change_sine_part_71);
+    const float yaw_change_sine_part_78 = (yaw_change_sine_part_70 * yaw_change_sine_part_75) -
+        (yaw_change_sine_part_74 * yaw_change_sine_part_71);
     const float yaw_change_sine_part_79 = (damping * ((yaw_change_sine_part_71 * by_axis_1_1_e_cost_3) +
         (yaw_change_sine_part_73 * by_axis_1_2_e_cost_3) + (yaw_change_sine_part_75 * by_axis_1_3_e_cost_3) +
         (then_1_cost_3 * yaw_change_sine_part_76))) + (yaw_change_sine_part_77 * ((yaw_change_sine_part_70 *
@@ -1018,27 +1018,27 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (yaw_change_sine_part_74 * yaw_change_sine_part_73);
     const float yaw_change_sine_part_80 = 1.0f / (damping + ((yaw_change_sine_part_70 * yaw_change_sine_part_70) +
         (yaw_change_sine_part_72 * yaw_change_sine_part_72) + (yaw_change_sine_part_74 * yaw_change_sine_part_74)));
-    const float yaw_change_sine_part_81 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_4) - (p_sine_cost_0 *
-        by_sine_cost_3_4)) * (slope_1_yaw_change_sine + (q_cost_3 * (slope_2_yaw_change_sine + (q_cost_3 *
-        slope_3_yaw_change_sine))));
+    const float yaw_change_sine_part_81 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_4) -
+        (p_sine_cost_0 * by_sine_cost_3_4)) * (slope_1_yaw_change_sine +
+        (q_cost_3 * (slope_2_yaw_change_sine + (q_cost_3 * slope_3_yaw_change_sine))));
     const float yaw_change_sine_part_82 = (yaw_change_sine_part_81 * (x_phase_fraction_sine - cost_3_part)) -
         B_1_cost_3;
-    const float yaw_change_sine_part_83 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_5) - (p_sine_cost_0_2 *
-        by_sine_cost_3_5)) * (slope_1_yaw_change_sine_2 + (q_cost_3_2 * (slope_2_yaw_change_sine_2 + (q_cost_3_2 *
-        slope_3_yaw_change_sine_2))));
+    const float yaw_change_sine_part_83 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_5) -
+        (p_sine_cost_0_2 * by_sine_cost_3_5)) * (slope_1_yaw_change_sine_2 +
+        (q_cost_3_2 * (slope_2_yaw_change_sine_2 + (q_cost_3_2 * slope_3_yaw_change_sine_2))));
     const float yaw_change_sine_part_84 = (yaw_change_sine_part_83 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
         B_1_cost_3_2;
-    const float yaw_change_sine_part_85 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_3_6) - (p_sine_cost_0_3 *
-        by_sine_cost_3_6)) * (slope_1_yaw_change_sine_3 + (q_cost_3_3 * (slope_2_yaw_change_sine_3 + (q_cost_3_3 *
-        slope_3_yaw_change_sine_3))));
+    const float yaw_change_sine_part_85 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_3_6) -
+        (p_sine_cost_0_3 * by_sine_cost_3_6)) * (slope_1_yaw_change_sine_3 +
+        (q_cost_3_3 * (slope_2_yaw_change_sine_3 + (q_cost_3_3 * slope_3_yaw_change_sine_3))));
     const float yaw_change_sine_part_86 = (yaw_change_sine_part_85 * (x_phase_fraction_sine_3 - cost_3_part_4)) -
         B_1_cost_3_3;
-    const float yaw_change_sine_part_87 = (yaw_change_sine_part_81 * yaw_change_sine_part_82) + (yaw_change_sine_part_83
-        * yaw_change_sine_part_84) + (yaw_change_sine_part_85 * yaw_change_sine_part_86);
-    const float yaw_change_sine_part_88 = (yaw_change_sine_part_81 * yaw_change_sine_part_84) - (yaw_change_sine_part_83
-        * yaw_change_sine_part_82);
-    const float yaw_change_sine_part_89 = (yaw_change_sine_part_81 * yaw_change_sine_part_86) - (yaw_change_sine_part_85
-        * yaw_change_sine_part_82);
+    const float yaw_change_sine_part_87 = (yaw_change_sine_part_81 * yaw_change_sine_part_82) +
+        (yaw_change_sine_part_83 * yaw_change_sine_part_84) + (yaw_change_sine_part_85 * yaw_change_sine_part_86);
+    const float yaw_change_sine_part_88 = (yaw_change_sine_part_81 * yaw_change_sine_part_84) -
+        (yaw_change_sine_part_83 * yaw_change_sine_part_82);
+    const float yaw_change_sine_part_89 = (yaw_change_sine_part_81 * yaw_change_sine_part_86) -
+        (yaw_change_sine_part_85 * yaw_change_sine_part_82);
     const float yaw_change_sine_part_90 = (damping * ((yaw_change_sine_part_82 * by_axis_2_1_e_cost_3) +
         (yaw_change_sine_part_84 * by_axis_2_2_e_cost_3) + (yaw_change_sine_part_86 * by_axis_2_3_e_cost_3) +
         (then_2_cost_3 * yaw_change_sine_part_87))) + (yaw_change_sine_part_88 * ((yaw_change_sine_part_81 *
@@ -1056,11 +1056,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_71 * yaw_change_sine_part_71) +
         (yaw_change_sine_part_73 * yaw_change_sine_part_73) + (yaw_change_sine_part_75 * yaw_change_sine_part_75))) +
         (yaw_change_sine_part_77 * yaw_change_sine_part_77) + (yaw_change_sine_part_78 * yaw_change_sine_part_78) +
-        (across_yaw_change_sine_7 * across_yaw_change_sine_7)) * yaw_change_sine_part_80) + (((damping *
-        ((yaw_change_sine_part_82 * yaw_change_sine_part_82) + (yaw_change_sine_part_84 * yaw_change_sine_part_84) +
-        (yaw_change_sine_part_86 * yaw_change_sine_part_86))) + (yaw_change_sine_part_88 * yaw_change_sine_part_88) +
-        (yaw_change_sine_part_89 * yaw_change_sine_part_89) + (across_yaw_change_sine_8 * across_yaw_change_sine_8)) *
-        yaw_change_sine_part_91);
+        (across_yaw_change_sine_7 * across_yaw_change_sine_7)) * yaw_change_sine_part_80) +
+        (((damping * ((yaw_change_sine_part_82 * yaw_change_sine_part_82) +
+        (yaw_change_sine_part_84 * yaw_change_sine_part_84) + (yaw_change_sine_part_86 * yaw_change_sine_part_86))) +
+        (yaw_change_sine_part_88 * yaw_change_sine_part_88) + (yaw_change_sine_part_89 * yaw_change_sine_part_89) +
+        (across_yaw_change_sine_8 * across_yaw_change_sine_8)) * yaw_change_sine_part_91);
     float other_3_yaw_change_sine_3 = then_3_yaw_change_sine_3;
     float other_1_cost_4 = then_1_cost_3;
     float other_2_cost_4 = then_2_cost_3;
@@ -1071,9 +1071,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         other_2_cost_4 = other_2_cost_3;
         converged_part = yaw_change_sine_part_68;
     }
-    const float at_3_yaw_change_sine = hall_position_three_limit((better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3
-        + (right_yaw_change_sine_3 / (yaw_damping + data_yaw_change_sine_4))) : (0.5f * (then_3_yaw_change_sine_3 +
-        other_3_yaw_change_sine_3)), max_yaw_step);
+    const float at_3_yaw_change_sine = hall_position_three_limit((better_yaw_change_sine_3) ?
+        (then_3_yaw_change_sine_3 + (right_yaw_change_sine_3 / (yaw_damping + data_yaw_change_sine_4))) :
+        (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
     const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
     const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
     const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
@@ -1092,36 +1092,36 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_4 = angle_cost_4 * f16_polynomial(f15_argument_7);
     const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
     const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (field_2_cost_0 + (phases_1_sine_cost_4_squared * (field_3_cost_0 +
-        (phases_1_sine_cost_4_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) - (volts_sine_cost_0 *
-        yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) + (y_phase_fraction_sine_2 *
-        yaw_change_sine_4);
+    const float B_1_cost_4 = phases_1_sine_cost_4 * (field_2_cost_0 +
+        (phases_1_sine_cost_4_squared * (field_3_cost_0 + (phases_1_sine_cost_4_squared * field_4_cost_0))));
+    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) -
+        (volts_sine_cost_0 * yaw_change_sine_4) - B_1_cost_4;
+    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) +
+        (y_phase_fraction_sine_2 * yaw_change_sine_4);
     const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
     const float f17_argument_7 = angle_cost_4_2 * angle_cost_4_2;
     const float by_cosine_cost_4_2 = f17_polynomial(f17_argument_7);
     const float by_sine_cost_4_2 = angle_cost_4_2 * f18_polynomial(f17_argument_7);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) + (x_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_2);
+    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) +
+        (x_cosine_yaw_change_sine_2 * by_sine_cost_4_2);
     const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (field_2_cost_0_2 + (cost_4_part_3 * (field_3_cost_0_2 +
-        (cost_4_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) - (volts_sine_cost_0_2 *
-        yaw_change_sine_4) - B_1_cost_4_2;
-    const float cost_4_part_4 = (x_phase_fraction_sine_3 * versine_cost_4) + (y_phase_fraction_sine_3 *
-        yaw_change_sine_4);
+    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (field_2_cost_0_2 +
+        (cost_4_part_3 * (field_3_cost_0_2 + (cost_4_part_3 * field_4_cost_0_2))));
+    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) -
+        (volts_sine_cost_0_2 * yaw_change_sine_4) - B_1_cost_4_2;
+    const float cost_4_part_4 = (x_phase_fraction_sine_3 * versine_cost_4) +
+        (y_phase_fraction_sine_3 * yaw_change_sine_4);
     const float angle_cost_4_3 = at_1_cost_4 - cost_4_part_4;
     const float f19_argument_7 = angle_cost_4_3 * angle_cost_4_3;
     const float by_cosine_cost_4_3 = f19_polynomial(f19_argument_7);
     const float by_sine_cost_4_3 = angle_cost_4_3 * f20_polynomial(f19_argument_7);
-    const float phases_1_sine_cost_4_3 = (x_sine_cost_0_3 * by_cosine_cost_4_3) + (x_cosine_yaw_change_sine_3 *
-        by_sine_cost_4_3);
+    const float phases_1_sine_cost_4_3 = (x_sine_cost_0_3 * by_cosine_cost_4_3) +
+        (x_cosine_yaw_change_sine_3 * by_sine_cost_4_3);
     const float cost_4_part_5 = phases_1_sine_cost_4_3 * phases_1_sine_cost_4_3;
-    const float B_1_cost_4_3 = phases_1_sine_cost_4_3 * (field_2_cost_0_3 + (cost_4_part_5 * (field_3_cost_0_3 +
-        (cost_4_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_4 = (volts_cosine_cost_0_3 * rotation_cosine_cost_4) - (volts_sine_cost_0_3 *
-        yaw_change_sine_4) - B_1_cost_4_3;
+    const float B_1_cost_4_3 = phases_1_sine_cost_4_3 * (field_2_cost_0_3 +
+        (cost_4_part_5 * (field_3_cost_0_3 + (cost_4_part_5 * field_4_cost_0_3))));
+    const float by_axis_1_3_e_cost_4 = (volts_cosine_cost_0_3 * rotation_cosine_cost_4) -
+        (volts_sine_cost_0_3 * yaw_change_sine_4) - B_1_cost_4_3;
     const float at_2_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
         (((yaw_change_sine_part_81 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_83 * by_axis_2_2_e_cost_3) +
         (yaw_change_sine_part_85 * by_axis_2_3_e_cost_3) - (damping * then_2_cost_3) - (yaw_change_sine_part_87 *
@@ -1133,107 +1133,107 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cost_4_4 = angle_cost_4_4 * f16_polynomial(f15_argument_8);
     const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_4) + (p_cosine_yaw_change_sine * by_sine_cost_4_4);
     const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (field_2_cost_0 + (q_cost_4 * (field_3_cost_0 + (q_cost_4 *
-        field_4_cost_0))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) + (volts_cosine_cost_0 *
-        yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) - (y_phase_fraction_sine_2 *
-        versine_cost_4);
+    const float B_2_cost_4 = p_sine_cost_4 * (field_2_cost_0 +
+        (q_cost_4 * (field_3_cost_0 + (q_cost_4 * field_4_cost_0))));
+    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) +
+        (volts_cosine_cost_0 * yaw_change_sine_4) - B_2_cost_4;
+    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) -
+        (y_phase_fraction_sine_2 * versine_cost_4);
     const float angle_cost_4_5 = at_2_cost_4 + dy_cost_4_2;
     const float f17_argument_8 = angle_cost_4_5 * angle_cost_4_5;
     const float by_cosine_cost_4_5 = f17_polynomial(f17_argument_8);
     const float by_sine_cost_4_5 = angle_cost_4_5 * f18_polynomial(f17_argument_8);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_5) + (p_cosine_yaw_change_sine_2 *
-        by_sine_cost_4_5);
+    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_5) +
+        (p_cosine_yaw_change_sine_2 * by_sine_cost_4_5);
     const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (field_2_cost_0_2 + (q_cost_4_2 * (field_3_cost_0_2 + (q_cost_4_2 *
-        field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) + (volts_cosine_cost_0_2 *
-        yaw_change_sine_4) - B_2_cost_4_2;
-    const float dy_cost_4_3 = (x_phase_fraction_sine_3 * yaw_change_sine_4) - (y_phase_fraction_sine_3 *
-        versine_cost_4);
+    const float B_2_cost_4_2 = p_sine_cost_4_2 * (field_2_cost_0_2 +
+        (q_cost_4_2 * (field_3_cost_0_2 + (q_cost_4_2 * field_4_cost_0_2))));
+    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) +
+        (volts_cosine_cost_0_2 * yaw_change_sine_4) - B_2_cost_4_2;
+    const float dy_cost_4_3 = (x_phase_fraction_sine_3 * yaw_change_sine_4) -
+        (y_phase_fraction_sine_3 * versine_cost_4);
     const float angle_cost_4_6 = at_2_cost_4 + dy_cost_4_3;
     const float f19_argument_8 = angle_cost_4_6 * angle_cost_4_6;
     const float by_cosine_cost_4_6 = f19_polynomial(f19_argument_8);
     const float by_sine_cost_4_6 = angle_cost_4_6 * f20_polynomial(f19_argument_8);
-    const float p_sine_cost_4_3 = (p_sine_cost_0_3 * by_cosine_cost_4_6) + (p_cosine_yaw_change_sine_3 *
-        by_sine_cost_4_6);
+    const float p_sine_cost_4_3 = (p_sine_cost_0_3 * by_cosine_cost_4_6) +
+        (p_cosine_yaw_change_sine_3 * by_sine_cost_4_6);
     const float q_cost_4_3 = p_sine_cost_4_3 * p_sine_cost_4_3;
-    const float B_2_cost_4_3 = p_sine_cost_4_3 * (field_2_cost_0_3 + (q_cost_4_3 * (field_3_cost_0_3 + (q_cost_4_3 *
-        field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_4 = (volts_sine_cost_0_3 * rotation_cosine_cost_4) + (volts_cosine_cost_0_3 *
-        yaw_change_sine_4) - B_2_cost_4_3;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) + (by_axis_1_2_e_cost_4 *
-        by_axis_1_2_e_cost_4) + (by_axis_1_3_e_cost_4 * by_axis_1_3_e_cost_4) + (by_axis_2_1_e_cost_4 *
-        by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4) + (by_axis_2_3_e_cost_4 *
-        by_axis_2_3_e_cost_4);
+    const float B_2_cost_4_3 = p_sine_cost_4_3 * (field_2_cost_0_3 +
+        (q_cost_4_3 * (field_3_cost_0_3 + (q_cost_4_3 * field_4_cost_0_3))));
+    const float by_axis_2_3_e_cost_4 = (volts_sine_cost_0_3 * rotation_cosine_cost_4) +
+        (volts_cosine_cost_0_3 * yaw_change_sine_4) - B_2_cost_4_3;
+    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) +
+        (by_axis_1_2_e_cost_4 * by_axis_1_2_e_cost_4) + (by_axis_1_3_e_cost_4 * by_axis_1_3_e_cost_4) +
+        (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4) +
+        (by_axis_2_3_e_cost_4 * by_axis_2_3_e_cost_4);
     const float cost_4_part_6 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
-    const float cost_4 = squares_cost_4 + (damping * (cost_4_part_6 + (squared_yaw_arm *
-        at_3_yaw_change_sine_squared)));
+    const float cost_4 = squares_cost_4 +
+        (damping * (cost_4_part_6 + (squared_yaw_arm * at_3_yaw_change_sine_squared)));
     const float freedom = (excluded_1 || excluded_2 || excluded_3) ? 1.0f : 3.0f;
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const float growing_gate = innovation_gate + (innovation_gate * (float)estimator_residual_faults);
-    const bool gate_exceeded = (growing_gate * growing_gate) < (cost_4_part_6 + (squared_radius *
-        at_3_yaw_change_sine_squared));
+    const bool gate_exceeded = (growing_gate * growing_gate) <
+        (cost_4_part_6 + (squared_radius * at_3_yaw_change_sine_squared));
     const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) - (x_sine_cost_0 *
-        by_sine_cost_4)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_4_squared * (slope_2_yaw_change_sine +
-        (phases_1_sine_cost_4_squared * slope_3_yaw_change_sine))));
+    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) -
+        (x_sine_cost_0 * by_sine_cost_4)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_4_squared *
+        (slope_2_yaw_change_sine + (phases_1_sine_cost_4_squared * slope_3_yaw_change_sine))));
     const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) - (x_sine_cost_0_2 *
-        by_sine_cost_4_2)) * (slope_1_yaw_change_sine_2 + (cost_4_part_3 * (slope_2_yaw_change_sine_2 + (cost_4_part_3 *
-        slope_3_yaw_change_sine_2))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 - (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 +
-        dy_cost_4_2));
-    const float by_axis_1_3_g_converged = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_4_3) - (x_sine_cost_0_3 *
-        by_sine_cost_4_3)) * (slope_1_yaw_change_sine_3 + (cost_4_part_5 * (slope_2_yaw_change_sine_3 + (cost_4_part_5 *
-        slope_3_yaw_change_sine_3))));
-    const float by_axis_1_3_h_converged = B_2_cost_4_3 - (by_axis_1_3_g_converged * (y_phase_fraction_sine_3 +
-        dy_cost_4_3));
+    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) -
+        (x_sine_cost_0_2 * by_sine_cost_4_2)) * (slope_1_yaw_change_sine_2 +
+        (cost_4_part_3 * (slope_2_yaw_change_sine_2 + (cost_4_part_3 * slope_3_yaw_change_sine_2))));
+    const float by_axis_1_2_h_converged = B_2_cost_4_2 -
+        (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 + dy_cost_4_2));
+    const float by_axis_1_3_g_converged = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_4_3) -
+        (x_sine_cost_0_3 * by_sine_cost_4_3)) * (slope_1_yaw_change_sine_3 +
+        (cost_4_part_5 * (slope_2_yaw_change_sine_3 + (cost_4_part_5 * slope_3_yaw_change_sine_3))));
+    const float by_axis_1_3_h_converged = B_2_cost_4_3 -
+        (by_axis_1_3_g_converged * (y_phase_fraction_sine_3 + dy_cost_4_3));
     const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
         (by_axis_1_2_g_converged * by_axis_1_2_h_converged) + (by_axis_1_3_g_converged * by_axis_1_3_h_converged);
-    const float converged_part_2 = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) - (by_axis_1_2_g_converged *
-        by_axis_1_1_h_converged);
-    const float converged_part_3 = (by_axis_1_1_g_converged * by_axis_1_3_h_converged) - (by_axis_1_3_g_converged *
-        by_axis_1_1_h_converged);
+    const float converged_part_2 = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) -
+        (by_axis_1_2_g_converged * by_axis_1_1_h_converged);
+    const float converged_part_3 = (by_axis_1_1_g_converged * by_axis_1_3_h_converged) -
+        (by_axis_1_3_g_converged * by_axis_1_1_h_converged);
     const float converged_part_4 = (damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
         (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (by_axis_1_3_h_converged * by_axis_1_3_e_cost_4) +
         (at_1_cost_4 * axes_1_coupling_converged))) + (converged_part_2 * ((by_axis_1_1_g_converged *
         by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged * by_axis_1_1_e_cost_4))) + (converged_part_3 *
         ((by_axis_1_1_g_converged * by_axis_1_3_e_cost_4) - (by_axis_1_3_g_converged * by_axis_1_1_e_cost_4)));
-    const float across_converged = (by_axis_1_2_g_converged * by_axis_1_3_h_converged) - (by_axis_1_3_g_converged *
-        by_axis_1_2_h_converged);
+    const float across_converged = (by_axis_1_2_g_converged * by_axis_1_3_h_converged) -
+        (by_axis_1_3_g_converged * by_axis_1_2_h_converged);
     const float axes_1_inverse = 1.0f / (damping + ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) +
         (by_axis_1_2_g_converged * by_axis_1_2_g_converged) + (by_axis_1_3_g_converged * by_axis_1_3_g_converged)));
-    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_4) - (p_sine_cost_0 *
-        by_sine_cost_4_4)) * (slope_1_yaw_change_sine + (q_cost_4 * (slope_2_yaw_change_sine + (q_cost_4 *
-        slope_3_yaw_change_sine))));
+    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_4) -
+        (p_sine_cost_0 * by_sine_cost_4_4)) * (slope_1_yaw_change_sine +
+        (q_cost_4 * (slope_2_yaw_change_sine + (q_cost_4 * slope_3_yaw_change_sine))));
     const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
         B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_5) - (p_sine_cost_0_2 *
-        by_sine_cost_4_5)) * (slope_1_yaw_change_sine_2 + (q_cost_4_2 * (slope_2_yaw_change_sine_2 + (q_cost_4_2 *
-        slope_3_yaw_change_sine_2))));
+    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_5) -
+        (p_sine_cost_0_2 * by_sine_cost_4_5)) * (slope_1_yaw_change_sine_2 +
+        (q_cost_4_2 * (slope_2_yaw_change_sine_2 + (q_cost_4_2 * slope_3_yaw_change_sine_2))));
     const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
         B_1_cost_4_2;
-    const float by_axis_2_3_g_converged = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_4_6) - (p_sine_cost_0_3 *
-        by_sine_cost_4_6)) * (slope_1_yaw_change_sine_3 + (q_cost_4_3 * (slope_2_yaw_change_sine_3 + (q_cost_4_3 *
-        slope_3_yaw_change_sine_3))));
+    const float by_axis_2_3_g_converged = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_4_6) -
+        (p_sine_cost_0_3 * by_sine_cost_4_6)) * (slope_1_yaw_change_sine_3 +
+        (q_cost_4_3 * (slope_2_yaw_change_sine_3 + (q_cost_4_3 * slope_3_yaw_change_sine_3))));
     const float by_axis_2_3_h_converged = (by_axis_2_3_g_converged * (x_phase_fraction_sine_3 - cost_4_part_4)) -
         B_1_cost_4_3;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) + (by_axis_2_2_g_converged *
-        by_axis_2_2_h_converged) + (by_axis_2_3_g_converged * by_axis_2_3_h_converged);
-    const float converged_part_5 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) - (by_axis_2_2_g_converged *
-        by_axis_2_1_h_converged);
-    const float converged_part_6 = (by_axis_2_1_g_converged * by_axis_2_3_h_converged) - (by_axis_2_3_g_converged *
-        by_axis_2_1_h_converged);
+    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) +
+        (by_axis_2_2_g_converged * by_axis_2_2_h_converged) + (by_axis_2_3_g_converged * by_axis_2_3_h_converged);
+    const float converged_part_5 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) -
+        (by_axis_2_2_g_converged * by_axis_2_1_h_converged);
+    const float converged_part_6 = (by_axis_2_1_g_converged * by_axis_2_3_h_converged) -
+        (by_axis_2_3_g_converged * by_axis_2_1_h_converged);
     const float converged_part_7 = (damping * ((by_axis_2_1_h_converged * by_axis_2_1_e_cost_4) +
         (by_axis_2_2_h_converged * by_axis_2_2_e_cost_4) + (by_axis_2_3_h_converged * by_axis_2_3_e_cost_4) +
         (at_2_cost_4 * n_coupling))) + (converged_part_5 * ((by_axis_2_1_g_converged * by_axis_2_2_e_cost_4) -
-        (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4))) + (converged_part_6 * ((by_axis_2_1_g_converged *
-        by_axis_2_3_e_cost_4) - (by_axis_2_3_g_converged * by_axis_2_1_e_cost_4)));
-    const float across_converged_2 = (by_axis_2_2_g_converged * by_axis_2_3_h_converged) - (by_axis_2_3_g_converged *
-        by_axis_2_2_h_converged);
+        (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4))) + (converged_part_6 *
+        ((by_axis_2_1_g_converged * by_axis_2_3_e_cost_4) - (by_axis_2_3_g_converged * by_axis_2_1_e_cost_4)));
+    const float across_converged_2 = (by_axis_2_2_g_converged * by_axis_2_3_h_converged) -
+        (by_axis_2_3_g_converged * by_axis_2_2_h_converged);
     const float n_inverse = 1.0f / (damping + ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) +
         (by_axis_2_2_g_converged * by_axis_2_2_g_converged) + (by_axis_2_3_g_converged * by_axis_2_3_g_converged)));
     const float right_converged = ((converged_part_4 + (across_converged * ((by_axis_1_2_g_converged *
@@ -1245,8 +1245,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (converged_part_2 * converged_part_2) + (converged_part_3 * converged_part_3) + (across_converged *
         across_converged)) * axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) +
         (by_axis_2_2_h_converged * by_axis_2_2_h_converged) + (by_axis_2_3_h_converged * by_axis_2_3_h_converged))) +
-        (converged_part_5 * converged_part_5) + (converged_part_6 * converged_part_6) + (across_converged_2 *
-        across_converged_2)) * n_inverse);
+        (converged_part_5 * converged_part_5) + (converged_part_6 * converged_part_6) +
+        (across_converged_2 * across_converged_2)) * n_inverse);
     const float converged_part_8 = 1.0f / (yaw_damping + data_converged);
     const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) + (by_axis_1_2_g_converged *
         by_axis_1_2_e_cost_4) + (by_axis_1_3_g_converged * by_axis_1_3_e_cost_4) - (damping * at_1_cost_4);
@@ -1263,8 +1263,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             max_yaw_step);
         at_3_yaw_change_sine_2 = untried_3;
         const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
-        at_1_X = hall_position_three_limit(at_1_cost_4 + ((axes_1_slope_converged - (axes_1_coupling_converged *
-            yaw_change_X)) * axes_1_inverse), 0.5f);
+        at_1_X = hall_position_three_limit(at_1_cost_4 +
+            ((axes_1_slope_converged - (axes_1_coupling_converged * yaw_change_X)) * axes_1_inverse), 0.5f);
         at_2_Y = hall_position_three_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
     } else {
         if (better_converged) {
@@ -1281,8 +1281,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t estimator_searching = state->estimator_searching;
     bool lost_yaw_change_sine = gate_exceeded;
     if (estimator_ambiguity_resolved == 0u) {
-        lost_yaw_change_sine = (estimator_searching != 0u) && !(fabsf(prediction_yaw + at_3_yaw_change_sine_2 -
-            estimator_yaw_last_good) <= yaw_window);
+        lost_yaw_change_sine = (estimator_searching != 0u) &&
+            !(fabsf(prediction_yaw + at_3_yaw_change_sine_2 - estimator_yaw_last_good) <= yaw_window);
     }
     const bool integrity_residual_fault = ((squared_residual_limit * freedom) < squares_cost_4) || lost_yaw_change_sine;
     const bool tracking = estimator_searching == 0u;
@@ -1357,16 +1357,16 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y * by_yaw_Y * yaw_deviation_X));
     const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
     const float residual = sqrtf(least_square + (squares_cost_4 / freedom));
-    const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) + (n_coupling_times_n_inverse *
-        n_coupling_times_n_inverse)) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
+    const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) +
+        (n_coupling_times_n_inverse * n_coupling_times_n_inverse)) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
     const bool damped = damped_weight < weight;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
     const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
     const float size = fabsf(yaw);
     const bool accepted = counted && (size <= yaw_limit);
     const bool resolved_valid = (integrity_good && ((hall_position_three_flag(excluded_1) +
-        hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) && (weight <=
-        unambiguous_weight) && tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
+        hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) &&
+        (weight <= unambiguous_weight) && tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
     const bool valid = integrity_good && resolved_valid && (estimator_lock_lost == 0u) && accepted;
     out->lock_lost = (float)estimator_lock_lost;
@@ -1406,13 +1406,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float squares_1 = terms_1_cost_0 + terms_4_cost_0;
         const float square = terms_3_cost_0 + terms_6_cost_0;
         const float squares_2_max_squares_1 = hall_position_three_max(squares_2, squares_1);
-        const float others = hall_position_three_min(squares_2, squares_1) + hall_position_three_min(square,
-            squares_2_max_squares_1);
+        const float others = hall_position_three_min(squares_2, squares_1) +
+            hall_position_three_min(square, squares_2_max_squares_1);
         if (integrity_residual_fault && ((squared_inconsistent * freedom) < squares_cost_4) &&
                 (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (others <= others_agree) &&
                 ((contrast * others) <= hall_position_three_max(square, squares_2_max_squares_1))) {
-            state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f : ((squares_1 <
-                squares_2) ? 2.0f : 1.0f));
+            state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f :
+                ((squares_1 < squares_2) ? 2.0f : 1.0f));
         }
     }
     if (resolved_valid && estimator_yaw_last_good_test) {
@@ -1431,8 +1431,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     state->estimator_motion_x = hall_position_three_limit(estimator_motion_x_part_2, 0.5f);
     state->estimator_motion_y = hall_position_three_limit(estimator_motion_y_part_2, 0.5f);
     state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, max_yaw_step);
-    state->estimator_residual_faults = (integrity_residual_fault) ? ((exhausted) ? 0u : (estimator_residual_faults +
-        1u)) : 0u;
+    state->estimator_residual_faults = (integrity_residual_fault) ?
+        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_three_flag(resolved_valid || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&

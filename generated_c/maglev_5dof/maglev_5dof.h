@@ -296,8 +296,8 @@ typedef struct {
 } maglev_5dof_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
-    maglev_5dof_diagnostics_t *diagnostics);
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
+    maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -77,8 +77,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 }
 
 uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
-    maglev_5dof_phase_output_t *out,
-    maglev_5dof_phase_diagnostics_t *diagnostics)
+    maglev_5dof_phase_output_t *out, maglev_5dof_phase_diagnostics_t *diagnostics)
 #else
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
     maglev_5dof_phase_output_t *out)

@@ -130,8 +130,8 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float prediction_p = now + angle_part;
     const float prediction_s = angle_part + a;
     float angle = now;
-    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <=
-            parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
+    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) &&
+            (fabsf(prediction_s) <= parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
         state->p = prediction_p;
         state->s = prediction_s;
         state->h = a;
@@ -154,8 +154,7 @@ typedef struct {
  *     d_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
-    planar_6dof_leadlag_loop_state_t *state,
-    float gain, float ref_held, float value)
+    planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
     return (planar_6dof_leadlag_loop_output_t){.error = error, .d = (gain * error) + state->lead + state->integral};
@@ -190,8 +189,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 }
 
 uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
-    planar_6dof_leadlag_output_t *out,
-    planar_6dof_leadlag_diagnostics_t *diagnostics)
+    planar_6dof_leadlag_output_t *out, planar_6dof_leadlag_diagnostics_t *diagnostics)
 #else
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
     planar_6dof_leadlag_output_t *out)
@@ -260,12 +258,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
     /* 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
-    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {0.30911008f, 0.05698819f, 0.0026284785f,
-        0.05f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-        0.2f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-        0.2f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f, .k_s = 0.05698819f,
+        .k_h = 0.0026284785f, .largest_prediction = 0.05f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -315,9 +313,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
-            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
-            sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) +
+            (sensing_first_r_2 * sensing_first_r_2) +
+            (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -353,10 +351,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
-            fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
-            !is_jump) || common;
+            (sensing_first_r_2_size <= significant_r) &&
+            (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
+            (both_m_exceed_suspect_V_ax && !is_jump) || common;
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
@@ -458,8 +456,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float X_c_squared = X_c * X_c;
             const float X_s_times_X_c = X_s * X_c;
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
-                (product_m_x * sensing_power_2))));
+            const float m_x = X_s_squared + X_c_squared -
+                (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
             const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
             const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
             const float Y_s_squared = Y_s * Y_s;
@@ -467,18 +465,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
             const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-                (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-                sensing_slope_1)));
+            const float m_y = Y_s_squared + ratio_y_part_squared -
+                (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s -
+                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-                ratio_y_part);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
+                (Y_s - ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
-                    (squared_residual_limit < squared))) {
+            if ((guard_ready != 0u) && (squared_confirmation < squared) &&
+                    ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
@@ -492,8 +490,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_first_phi = filter_phi_p;
                 }
             } else {
-                const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) +
-                    least_square);
+                const float ratio_x = X_s_times_X_c /
+                    (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
                 /*@ admit -1.0f <= ratio_x <= 1.0f; */
                 const float ratio_x_squared = ratio_x * ratio_x;
                 const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
@@ -532,8 +530,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
                 x_raw = within_x_2 + offset_x;
                 sensing_within_x_next = within_x_2;
-                const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared,
-                    ratio_y_part_squared) + least_square));
+                const float ratio_y = -(Y_s_times_ratio_y_part /
+                    (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
                 /*@ admit -1.0f <= ratio_y <= 1.0f; */
                 const float ratio_y_squared = ratio_y * ratio_y;
                 const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
@@ -575,8 +573,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ?
-                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale -
+                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
                 accepted_phi_raw = true;
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
@@ -656,8 +654,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
             planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
         const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ *
-            loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) -
+            (sin_i_CQ * loop_x_output.d)), quadrature_limit - fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
         const float front_i_AD = loop_z_output.d - loop_theta_output.d;
@@ -696,8 +694,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
-            distance_front);
+        const float quarter_sine_front = distance_front *
+            quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));

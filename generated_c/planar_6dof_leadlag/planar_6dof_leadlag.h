@@ -221,8 +221,8 @@ typedef struct {
 } planar_6dof_leadlag_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
-    planar_6dof_leadlag_diagnostics_t *diagnostics);
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out, planar_6dof_leadlag_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -137,8 +137,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 }
 
 uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
-    planar_6dof_lqg_output_t *out,
-    planar_6dof_lqg_diagnostics_t *diagnostics)
+    planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics)
 #else
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
     planar_6dof_lqg_output_t *out)
@@ -286,9 +285,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
-            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
-            sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) +
+            (sensing_first_r_2 * sensing_first_r_2) +
+            (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -324,10 +323,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
-            fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
-            !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
+            (sensing_first_r_2_size <= significant_r) &&
+            (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
+            (both_m_exceed_suspect_V_ax && !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
@@ -446,20 +445,20 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float Y_s_squared = Y_s * Y_s;
             const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) +
-                least_square));
+            const float ratio_y = -(Y_s_times_ratio_y_part /
+                (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
-                (product_m_x * sensing_power_2))));
+            const float m_x = X_s_squared + X_c_squared -
+                (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-                (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-                sensing_slope_1)));
+            const float m_y = Y_s_squared + ratio_y_part_squared -
+                (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s -
+                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-                ratio_y_part);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
+                (Y_s - ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
@@ -530,13 +529,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
-            const float accepted_x_raw_3 = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3
-                * (m_x - m_y)))) / information);
+            const float accepted_x_raw_3 = sensing_phi_raw +
+                (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
             const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
             const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
-                    (squared_residual_limit < squared))) {
+            if ((guard_ready != 0u) && (squared_confirmation < squared) &&
+                    ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
@@ -561,8 +560,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale - (((guard_ready < 1u) ?
-                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale -
+                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
                 state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
             }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
@@ -707,18 +706,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_y = braking_y_gain * y_advance;
         } else {
             /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f)
-                ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
+            const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
+                0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
             d_x = law_x;
 
             /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f)
-                ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
+            const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
+                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
             d_y = law_y;
 
             /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral -
-                estimated_law_phi);
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
+                (lqg_phi_integral - estimated_law_phi);
             d_phi = law_phi;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -764,19 +763,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (is_small_law_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
-            estimated_law_x))) : lqg_x_integral_part;
+        state->lqg_x_integral = (is_small_law_x) ?
+            (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (is_small_law_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
-            estimated_law_y))) : lqg_y_integral_part;
+        state->lqg_y_integral = (is_small_law_y) ?
+            (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi
-            + estimated_law_phi));
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
+            (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) (continued) */
@@ -785,8 +784,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_z_integral = integral_4;
 
         /* loop_theta: lead-lag, (24) (continued) */
-        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input *
-            achieved_theta);
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) +
+            (loop_theta_integral_input * achieved_theta);
 
         /* loop_psi: lead-lag, (25) (continued) */
         const float integral_6 = (loop_psi_integral_decay * loop_psi_integral) +
@@ -802,8 +801,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
-            distance_front);
+        const float quarter_sine_front = distance_front *
+            quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -894,8 +893,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi),
-                half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >=
+                planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;

@@ -227,8 +227,8 @@ typedef struct {
 } planar_6dof_lqg_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
-    planar_6dof_lqg_diagnostics_t *diagnostics);
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

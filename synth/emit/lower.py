@@ -174,9 +174,8 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     """Return the nodes that compute an intermediate value of a law, with its name; other values are not computed."""
     if not block.intermediates:
         return {}
-    f = ca.Function(
-        "values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat([e for _, e in block.intermediates])]
-    )
+    shared = ca.cse([e for _, e in block.intermediates])  # it rewrites some operations, as in the program
+    f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     values, results = walk(f, loads, {})
     known = {node: k for k, node in reversed([*enumerate(nodes)])}
     index: list[int | None] = []

@@ -118,7 +118,7 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
         head = f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)"
         lines += [
             *routines.comment(about),
-            *routines.wrapped(head),
+            head,
             *("{", f"    {t} held = value;"),
             *(
                 [f"    if ({test}) {{", "        *last = value;", "    } else {"]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from synth.block import LATCH_BIT, Block
 from synth.blocks import safety
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import prose
+from synth.emit.c.lines import prose, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -88,7 +88,7 @@ def macro_name(block: Block) -> str:
 def prototype(name: str) -> str:
     """Return the prototype of the step with diagnostics, without the semicolon."""
     pointers = f"{name}_state_t *state, const {name}_input_t *in, {name}_output_t *out"
-    return f"uint32_t {name}_step_diagnosed({pointers},\n    {name}_diagnostics_t *diagnostics)"
+    return f"uint32_t {name}_step_diagnosed({pointers}, {name}_diagnostics_t *diagnostics)"
 
 
 def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
@@ -110,7 +110,7 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
         f"}} {block.name}_diagnostics_t;",
         "",
         "/* The step; `diagnostics` may be null. */",
-        f"{prototype(block.name)};",
+        *rows(f"{prototype(block.name)};"),
         "#endif",
         "",
     ]
@@ -139,7 +139,7 @@ def definition_head(block: Block, step: str, p: Program) -> list[str]:
     if of_program(p).is_empty:
         return [step]
     call = f"    return {block.name}_step_diagnosed(state, in, out, NULL);"
-    with_macro = [step, "{", call, "}", "", *prototype(block.name).splitlines()]
+    with_macro = [step, "{", call, "}", "", prototype(block.name)]
     return [f"#if defined({macro_name(block)})", *with_macro, "#else", step, "#endif"]
 
 

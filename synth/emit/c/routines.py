@@ -34,13 +34,6 @@ def comment(text: str, indent: str = "") -> list[str]:
     return [row.replace("\0", " ") for row in rows]
 
 
-def wrapped(head: str) -> list[str]:
-    """Return the head of a function in lines of at most 120 columns, broken between its arguments."""
-    text = head.replace(" ", "\0").replace(",\0", ", ")
-    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False, break_long_words=False)
-    return [row.replace("\0", " ") for row in rows]
-
-
 def inline(block: Block) -> str:
     """Return the macro that begins a function."""
     return f"{block.name.upper()}_INLINE"
@@ -125,10 +118,12 @@ def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
     constants = {c.name: c for c in block.constants}
     rows = []
     for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
-        values = [_value(node, constants, layout.scalar) for node in call.numbers]
+        values = [
+            f".{name} = {_value(node, constants, layout.scalar)}"
+            for name, node in zip(call.routine.parameters, call.numbers, strict=True)
+        ]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
-        text = f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};"
-        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False, break_long_words=False)
+        rows.append(f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};")
     return rows
 
 
@@ -150,7 +145,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
     head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
-    return wrapped(head)
+    return [head]
 
 
 def _common_constants(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
