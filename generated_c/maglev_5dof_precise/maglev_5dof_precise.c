@@ -100,24 +100,24 @@ static inline float theta_polynomial(float t)
  * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 1.7e-07. */
 static inline float f3_polynomial(float t)
 {
-    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f + (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t *
-        (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
+    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f +
+        (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
 /* f4_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
  * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 4.1e-07. */
 static inline float f4_polynomial(float t)
 {
-    return 9.996211f + (t * (999193.25f + (t * (2.861774e+10f + (t * (6.9027544e+13f + (t * (-1.7858385e+18f + (t *
-        (8.326026e+22f + (t * -1.11200714e+27f)))))))))));
+    return 9.996211f + (t * (999193.25f + (t * (2.861774e+10f +
+        (t * (6.9027544e+13f + (t * (-1.7858385e+18f + (t * (8.326026e+22f + (t * -1.11200714e+27f)))))))))));
 }
 
 /* f5_polynomial; x = max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
  * 0.0322000012, t = x - 0.0270996094; relative error at most 1.8e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 0.09471416f + (t * (-10.54297f + (t * (605.4601f + (t * (-24652.295f + (t * (835549.7f + (t *
-        (-2.6137324e+07f + (t * (7.651604e+08f + (t * (-2.1837736e+10f + (t * 9.9441194e+11f)))))))))))))));
+    return 0.09471416f + (t * (-10.54297f + (t * (605.4601f + (t * (-24652.295f + (t * (835549.7f +
+        (t * (-2.6137324e+07f + (t * (7.651604e+08f + (t * (-2.1837736e+10f + (t * 9.9441194e+11f)))))))))))))));
 }
 
 /* f6_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
@@ -125,8 +125,8 @@ static inline float f5_polynomial(float t)
  * 2.9e-07. */
 static inline float f6_polynomial(float t)
 {
-    return 7.0962987f + (t * (30.470612f + (t * (12.132695f + (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f +
-        (t * (33.817627f + (t * -9.12594f)))))))))))));
+    return 7.0962987f + (t * (30.470612f + (t * (12.132695f +
+        (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
 /* f7_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
@@ -134,52 +134,52 @@ static inline float f6_polynomial(float t)
  * 3.4e-07. */
 static inline float f7_polynomial(float t)
 {
-    return 3.9995112f + (t * (35.368217f + (t * (96.62395f + (t * (43.41592f + (t * (-94.85256f + (t * (156.29742f + (t
-        * (-135.105f + (t * (63.224297f + (t * -11.15244f)))))))))))))));
+    return 3.9995112f + (t * (35.368217f + (t * (96.62395f + (t * (43.41592f +
+        (t * (-94.85256f + (t * (156.29742f + (t * (-135.105f + (t * (63.224297f + (t * -11.15244f)))))))))))))));
 }
 
 /* f8_polynomial; x = max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) in 0.0124000004 ..
  * 0.0366000012, t = x - 0.0278320312; relative error at most 3.5e-07. */
 static inline float f8_polynomial(float t)
 {
-    return 0.08730759f + (t * (-9.694463f + (t * (553.8885f + (t * (-22339.771f + (t * (745134.3f + (t *
-        (-2.2892472e+07f + (t * (6.958852e+08f + (t * (-1.8420937e+10f + (t * (2.913493e+11f + (t * (-2.7054584e+13f +
-        (t * (1.3285515e+15f + (t * 7.068869e+16f)))))))))))))))))))));
+    return 0.08730759f + (t * (-9.694463f + (t * (553.8885f +
+        (t * (-22339.771f + (t * (745134.3f + (t * (-2.2892472e+07f + (t * (6.958852e+08f + (t * (-1.8420937e+10f +
+        (t * (2.913493e+11f + (t * (-2.7054584e+13f + (t * (1.3285515e+15f + (t * 7.068869e+16f)))))))))))))))))))));
 }
 
 /* f9_polynomial; x = max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) in 0.0124000004 ..
  * 0.0366000012, t = x - 0.0278320312; relative error at most 3.8e-07. */
 static inline float f9_polynomial(float t)
 {
-    return 127.256966f + (t * (-15460.488f + (t * (1.040542e+06f + (t * (-5.428546e+07f + (t * (2.5312876e+09f + (t *
-        (-1.1130862e+11f + (t * (4.6947615e+12f + (t * (-1.8493718e+14f + (t * (6.3679537e+15f + (t * (-2.9954384e+17f +
-        (t * (1.7261663e+19f + (t * (1.025815e+20f + (t * (-1.5879289e+22f + (t *
-        -2.5152914e+24f)))))))))))))))))))))))));
+    return 127.256966f +
+        (t * (-15460.488f + (t * (1.040542e+06f + (t * (-5.428546e+07f + (t * (2.5312876e+09f + (t * (-1.1130862e+11f +
+        (t * (4.6947615e+12f + (t * (-1.8493718e+14f + (t * (6.3679537e+15f + (t * (-2.9954384e+17f + (t *
+        (1.7261663e+19f + (t * (1.025815e+20f + (t * (-1.5879289e+22f + (t * -2.5152914e+24f)))))))))))))))))))))))));
 }
 
 /* f10_polynomial; x = max(min((y_fast_ahead + (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
  * 0.0322000012, t = x - 0.0270996094; relative error at most 4.7e-07. */
 static inline float f10_polynomial(float t)
 {
-    return 139.1608f + (t * (-17076.23f + (t * (1.1684658e+06f + (t * (-6.2335976e+07f + (t * (2.9734318e+09f + (t *
-        (-1.3453401e+11f + (t * (6.046653e+12f + (t * (-2.0021878e+14f + (t * (4.366026e+15f + (t *
-        -1.05180574e+18f)))))))))))))))));
+    return 139.1608f +
+        (t * (-17076.23f + (t * (1.1684658e+06f + (t * (-6.2335976e+07f + (t * (2.9734318e+09f + (t * (-1.3453401e+11f +
+        (t * (6.046653e+12f + (t * (-2.0021878e+14f + (t * (4.366026e+15f + (t * -1.05180574e+18f)))))))))))))))));
 }
 
 /* f11_polynomial; x = max(min((y_fast_ahead + (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
  * 0.0322000012, t = x - 0.0212402344; relative error at most 1.7e-07. */
 static inline float f11_polynomial(float t)
 {
-    return 0.0033713907f + (t * (0.46264914f + (t * (26.011005f + (t * (882.8625f + (t * (24526.818f + (t * (546523.3f +
-        (t * (8.632725e+06f + (t * 2.1987926e+08f)))))))))))));
+    return 0.0033713907f + (t * (0.46264914f + (t * (26.011005f +
+        (t * (882.8625f + (t * (24526.818f + (t * (546523.3f + (t * (8.632725e+06f + (t * 2.1987926e+08f)))))))))))));
 }
 
 /* f12_polynomial; x = max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
  * 0.0322000012, t = x - 0.0270996094; relative error at most 2e-07. */
 static inline float f12_polynomial(float t)
 {
-    return 11.796645f + (t * (-723.7755f + (t * (27320.176f + (t * (-965725.7f + (t * (3.542051e+07f + (t *
-        (-1.2921787e+09f + (t * (4.085271e+10f + (t * (-1.0480351e+12f + (t * 1.0354449e+14f)))))))))))))));
+    return 11.796645f + (t * (-723.7755f + (t * (27320.176f + (t * (-965725.7f + (t * (3.542051e+07f +
+        (t * (-1.2921787e+09f + (t * (4.085271e+10f + (t * (-1.0480351e+12f + (t * 1.0354449e+14f)))))))))))))));
 }
 
 typedef struct {
@@ -202,8 +202,8 @@ typedef struct {
  *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
  *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
-    maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state,
-    uint32_t ready, bool trusted, float held, float a_before, uint32_t unchanged)
+    maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
+    float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
@@ -413,8 +413,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 }
 
 uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
-    maglev_5dof_precise_output_t *out,
-    maglev_5dof_precise_diagnostics_t *diagnostics)
+    maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics)
 #else
 uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
     maglev_5dof_precise_output_t *out)
@@ -464,26 +463,30 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {-2907.9292f, -125.761116f,
-        1e-04f, -125761.12f, -6.0f, -179.71599f, -7.957013f, -34.303856f, -7.9948697f, -91.02718f, -7.904653f, -0.0003f,
-        0.0003f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {-1047.3546f, -53.8025f, 0.0003f,
-        -53802.504f, -1.5811388f, 15.710307f, -2.528555f, 37.087173f, -2.503874f, 17.101591f, -2.5164502f, -0.001f,
-        0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {-1047.3546f, -53.8025f, 0.0003f,
-        -53802.504f, -1.5811388f, 15.710307f, -2.528555f, 37.087173f, -2.503874f, 17.101591f, -2.5164502f, -0.001f,
-        0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {-1835.2612f, -93.11564f,
-        1e-04f, -93115.64f, -3.2863352f, -35.450283f, -4.378972f, 45.209007f, -4.3589425f, 19.147825f, -4.3713517f,
-        -0.0003f, 0.0003f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {0.6988058f, 272.3178f,
-        -0.1f, 0.1f, -2.0f, 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {0.6988058f, 272.3178f,
-        -0.1f, 0.1f, -2.0f, 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {0.6988058f,
-        272.3178f, -0.02f, 0.02f, -4.0f, 4.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast = {0.5276334f,
-        130.55266f, -0.031f, 0.031f, -4.0f, 4.0f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+        .k_de = -125.761116f, .high = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+        .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+        .high_2 = -0.0003f, .high_3 = 0.0003f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .high_2 = -0.001f, .high_3 = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .high_2 = -0.001f, .high_3 = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+        .k_de = -93.11564f, .high = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+        .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+        .high_2 = -0.0003f, .high_3 = 0.0003f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.02f, .high_2 = 0.02f, .high_3 = -4.0f, .high_4 = 4.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
+        {.alpha = 0.5276334f, .beta = 130.55266f, .high = -0.031f, .high_2 = 0.031f, .high_3 = -4.0f, .high_4 = 4.0f};
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -624,8 +627,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f <
-        fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -645,8 +648,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f <
-        fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -782,22 +785,22 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_5) != 0u;
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y1));
+                const float score_y1 = E_y1 +
+                    (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
                 const float best_y1 = maglev_5dof_precise_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y2));
+                const float score_y2 = E_y2 +
+                    (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
                 const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y3));
+                const float score_y3 = E_y3 +
+                    (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y4));
+                const float score_y4 = E_y4 +
+                    (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
                 const float best = maglev_5dof_precise_max(best_y3, score_y4);
                 const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-10.0f,
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best -
-                    maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) <
+                    (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
                     (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
@@ -809,14 +812,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 suspects_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
                 suspects_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
-                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted - ((least_upto_score_y1) ? r_2 :
-                    0.0f), 0.0322f), 0.0168f);
-                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted + ((least_upto_score_y2) ? r_2 :
-                    0.0f), 0.0366f), 0.0124f);
-                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted - ((least_upto_score_y3) ? r_2 :
-                    0.0f), 0.0322f), 0.0168f);
-                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted + ((least_upto_score_y4) ? r_2 :
-                    0.0f), 0.0366f), 0.0124f);
+                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
+                    ((least_upto_score_y1) ? r_2 : 0.0f), 0.0322f), 0.0168f);
+                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
+                    ((least_upto_score_y2) ? r_2 : 0.0f), 0.0366f), 0.0124f);
+                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
+                    ((least_upto_score_y3) ? r_2 : 0.0f), 0.0322f), 0.0168f);
+                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
+                    ((least_upto_score_y4) ? r_2 : 0.0f), 0.0366f), 0.0124f);
                 determined = waited == 0u;
                 bool contradictory = least_upto_score_y1;
                 bool contradictory_2 = least_upto_score_y2;
@@ -834,8 +837,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
                     (redundancy_contradictions_0 + 1u);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 && contradictory)
-                    + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_2) +
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 &&
+                    contradictory) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_2) +
                     maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_3);
                 redundancy_stuck_0_next = maglev_5dof_precise_flag((redundancy_stuck_0_part +
                     maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
@@ -851,8 +854,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
             suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
             const uint32_t gaps_sufficient_part = maglev_5dof_precise_flag((usable_y1) ? false : true) +
-                maglev_5dof_precise_flag((usable_y2) ? false : true) + maglev_5dof_precise_flag((usable_y3) ? false :
-                true);
+                maglev_5dof_precise_flag((usable_y2) ? false : true) +
+                maglev_5dof_precise_flag((usable_y3) ? false : true);
             const uint32_t missing = gaps_sufficient_part + maglev_5dof_precise_flag((usable_y4) ? false : true);
             gaps_sufficient = missing <= 2u;
             const bool missing_at_most_1 = missing <= 1u;
@@ -924,15 +927,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float observer_y_fast_q = state->observer_y_fast_q;
     const float nu_y_fast_estimate = y - observer_y_fast_q;
-    const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d + (observer_y_fast_gamma *
-        nu_y_fast_estimate), 50.0f);
+    const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
+        (observer_y_fast_gamma * nu_y_fast_estimate), 50.0f);
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
     const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
-    const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d + (observer_phi_fast_gamma *
-        nu_phi_fast_ahead), 200.0f);
+    const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
+        (observer_phi_fast_gamma * nu_phi_fast_ahead), 200.0f);
     const float pole = (theta_measured) ? 40.0f : 14.0f;
     bool enough = complete;
     float y_fast_estimate = y;
@@ -958,8 +961,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
         w_phi_tracking_part = 0.8f * phi_fast_ahead_part;
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d + (observer_theta_gamma *
-            nu_theta_disturbance), 200.0f);
+        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), 200.0f);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -1096,8 +1099,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate + (0.0005f * (y_rate +
-            faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
+            (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
         state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, 4.0f);
 
         /* observer_y_fast: predictive observer, alpha-beta-gamma
@@ -1108,8 +1111,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         (delay_w_y_last + y_fast_disturbance)), 0.0345), 0.0145)
          *     y_fast_rate_ahead = limit(y_fast_rate + 0.001 * (delay_w_y_last + y_fast_disturbance), 4) */
         const float faster_y_fast_ahead = y_fast_rate + (0.001f * (delay_w_y_last + y_fast_disturbance));
-        const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate + (0.0005f *
-            (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
+        const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
+            (0.0005f * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
         const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, 4.0f);
         state->observer_y_fast_q = y_fast_ahead;
         state->observer_y_fast_v = y_fast_rate_ahead;
@@ -1124,8 +1127,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_x: predictive observer, alpha-beta-gamma (continued) */
         const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
-        const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d + (observer_x_fast_gamma *
-            nu_x_fast_ahead), 20.0f);
+        const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
+            (observer_x_fast_gamma * nu_x_fast_ahead), 20.0f);
         const maglev_5dof_precise_observer_fast_t observer_x_fast =
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
             nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
@@ -1140,8 +1143,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_z: predictive observer, alpha-beta-gamma (continued) */
         const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
-        const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d + (observer_z_fast_gamma *
-            nu_z_fast_ahead), 20.0f);
+        const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
+            (observer_z_fast_gamma * nu_z_fast_ahead), 20.0f);
         const maglev_5dof_precise_observer_fast_t observer_z_fast =
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
             nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
@@ -1166,8 +1169,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate + (0.0005f * (theta_rate +
-            faster_observer_theta_q)), 0.031f);
+        state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
+            (0.0005f * (theta_rate + faster_observer_theta_q)), 0.031f);
         state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, 4.0f);
         const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
@@ -1215,8 +1218,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
                 (maglev_5dof_precise_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
             w_x_unprobed = demand_w_x;
-            const float target_w_y = maglev_5dof_precise_max(maglev_5dof_precise_min(0.005f + (25.0f * (0.031f -
-                r_w_y)), 0.08f), 0.001f);
+            const float target_w_y = maglev_5dof_precise_max(maglev_5dof_precise_min(0.005f +
+                (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
             const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
                 (maglev_5dof_precise_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
             w_y = demand_w_y;
@@ -1231,12 +1234,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
             /* landing: ramps and state feedback (continued) */
             const float faster_w_x = maglev_5dof_precise_slew(dr_w_x, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_precise_limit(r_w_x + (0.0005f * (dr_w_x +
-                faster_w_x)), 0.5f) : observer_x.estimate;
+            state->landing_r_x = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
             state->landing_dr_x = maglev_5dof_precise_limit(faster_w_x, 10.0f);
             const float faster_w_z = maglev_5dof_precise_slew(dr_w_z, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_precise_limit(r_w_z + (0.0005f * (dr_w_z +
-                faster_w_z)), 0.5f) : observer_z.estimate;
+            state->landing_r_z = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : observer_z.estimate;
             state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
@@ -1280,9 +1283,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             if (fabsf(moved_w_phi_tracking) <= 1e-04f) {
                 w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
             }
-            const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 + (servo_phi_fast_k_sum *
-                servo_phi_fast_sum) + (servo_phi_fast_k_p1 * servo_phi_fast_p1) + (servo_phi_fast_k_q1 *
-                servo_phi_fast_q1);
+            const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
+                (servo_phi_fast_k_sum * servo_phi_fast_sum) + (servo_phi_fast_k_p1 * servo_phi_fast_p1) +
+                (servo_phi_fast_k_q1 * servo_phi_fast_q1);
             const float w_phi_tracking_part_5 = w_phi_tracking_part_4 + (servo_phi_fast_k_p2 * servo_phi_fast_p2) +
                 (servo_phi_fast_k_q2 * servo_phi_fast_q2) + (servo_phi_fast_k_p3 * servo_phi_fast_p3);
             const float w_phi_tracking = w_phi_tracking_part_5 + (servo_phi_fast_k_q3 * servo_phi_fast_q3) -
@@ -1324,8 +1327,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 w_x_unprobed = w_x_unprobed + pulse_w_x;
                 if (7u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (7u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : (probe_x_attempt
-                        + 1u)) : 0u;
+                    state->probe_x_attempt = (7u <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
                     state->probe_x_towards = -probe_x_towards;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
@@ -1359,8 +1362,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 w_z_unprobed = w_z_unprobed + pulse_w_z;
                 if (7u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (7u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : (probe_z_attempt
-                        + 1u)) : 0u;
+                    state->probe_z_attempt = (7u <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
                     state->probe_z_towards = -probe_z_towards;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
@@ -1414,10 +1417,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float motors_4_half_c = f8_polynomial(f8_argument_2);
         const float half_4 = f7_polynomial(f6_argument_2) + (motors_4_half_c * i_q_4_squared);
         const float half_force = (3.45f * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
-        const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) + (half_3 -
-            half_1);
-        const float half_force_theta = (0.66347605f * (w_theta + (2850.0f * observer_theta_fast.fast_ahead))) + (half_2
-            - half_4);
+        const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) +
+            (half_3 - half_1);
+        const float half_force_theta = (0.66347605f * (w_theta + (2850.0f * observer_theta_fast.fast_ahead))) +
+            (half_2 - half_4);
         const float squares_2 = f9_polynomial(f8_argument);
         const float s2 = 1.0f / squares_2;
         const float squares_4 = f9_polynomial(f8_argument_2);
@@ -1425,8 +1428,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float s2_plus_s4 = s2 + s4;
         const float s3 = f11_polynomial(g_u_z_demand_2 - 0.021240234f);
         const float s1 = f11_polynomial(g_u_z_demand - 0.021240234f);
-        const float half_force_1_3 = ((s2_plus_s4 * half_force) + ((s2 - s4) * half_force_theta) - ((s3 - s1) *
-            half_force_phi)) / (s1 + s3 + s2_plus_s4);
+        const float half_force_1_3 = ((s2_plus_s4 * half_force) + ((s2 - s4) * half_force_theta) -
+            ((s3 - s1) * half_force_phi)) / (s1 + s3 + s2_plus_s4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float doubled_1 = half_force_1_3 - half_force_phi;
         const float currents_1 = 2.0f * doubled_1 / (f12_polynomial(f5_argument) +
@@ -1436,20 +1439,20 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float i_d2_balanced = maglev_5dof_precise_limit(2.0f * doubled_2 / (sqrtf(squares_2) +
             sqrtf(maglev_5dof_precise_max(squares_2 - (8.0f * (motors_2_half_c * doubled_2)), 0.0f))), direct_limit);
         const float doubled_3 = half_force_1_3 + half_force_phi;
-        const float currents_3 = 2.0f * doubled_3 / (f12_polynomial(f5_argument_2) +
-            sqrtf(maglev_5dof_precise_max(f10_polynomial(f5_argument_2) - (8.0f * (motors_3_half_c * doubled_3)),
-            0.0f)));
+        const float currents_3 = 2.0f * doubled_3 /
+            (f12_polynomial(f5_argument_2) + sqrtf(maglev_5dof_precise_max(f10_polynomial(f5_argument_2) -
+            (8.0f * (motors_3_half_c * doubled_3)), 0.0f)));
         const float i_d3_balanced = maglev_5dof_precise_limit(currents_3, direct_limit);
         const float doubled_4 = half_force_2_4 - half_force_theta;
         const float i_d4_balanced = maglev_5dof_precise_limit(2.0f * doubled_4 / (sqrtf(squares_4) +
             sqrtf(maglev_5dof_precise_max(squares_4 - (8.0f * (motors_4_half_c * doubled_4)), 0.0f))), direct_limit);
-        const float u_x_computed_part = squared_current_limit - maglev_5dof_precise_max(i_d2_balanced * i_d2_balanced,
-            i_d4_balanced * i_d4_balanced);
+        const float u_x_computed_part = squared_current_limit -
+            maglev_5dof_precise_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced);
         const float u_x_computed = maglev_5dof_precise_limit(u_x_demand, sqrtf(u_x_computed_part));
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
-        const float u_z_computed_part = squared_current_limit - maglev_5dof_precise_max(i_d1_balanced * i_d1_balanced,
-            i_d3_balanced * i_d3_balanced);
+        const float u_z_computed_part = squared_current_limit -
+            maglev_5dof_precise_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced);
         const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_part));
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
@@ -1472,21 +1475,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z,
-                room_i_d1_computed);
+            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z, room_z);
             out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float i_d2_computed_part = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x,
-                i_d2_computed_part);
+            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x, room_x);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z,
-                room_i_d1_computed);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z, room_z);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_precise_limit(i_d4_balanced + handed_x,
-                i_d2_computed_part);
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_precise_limit(i_d4_balanced + handed_x, room_x);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {

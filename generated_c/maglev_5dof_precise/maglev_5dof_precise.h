@@ -321,8 +321,8 @@ typedef struct {
 } maglev_5dof_precise_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out,
-    maglev_5dof_precise_diagnostics_t *diagnostics);
+uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -70,18 +70,18 @@ void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state)
 }
 
 #if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
-uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state, const
-    maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
 {
     return maglev_5dof_precise_phase_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state, const
-    maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
     maglev_5dof_precise_phase_diagnostics_t *diagnostics)
 #else
-uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state, const
-    maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
 #endif
 {
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */

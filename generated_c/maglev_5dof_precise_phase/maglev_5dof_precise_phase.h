@@ -120,7 +120,8 @@ typedef struct {
 } maglev_5dof_precise_phase_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state, const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
     maglev_5dof_precise_phase_diagnostics_t *diagnostics);
 #endif
 
