@@ -3,9 +3,9 @@
     encoders -> guard -> kinematics -> observers -> servos -> exact inversion and limits -> safe output
 
 Every coordinate has an observer of position, rate and disturbance, which predicts the state at which the command acts,
-and a servo with internal models at 0, 1, 2 and 3 times the frequency of the references, which cancels CANCELLED of the
-disturbance at once. The inversion solves the whole force law of each motor, one quadratic equation in its direct
-current, at the predicted gap, and limits the thrust to what the levitation leaves of the current.
+and a servo with internal models at 0, 1, 2 and 3 times the frequency of the references (0 and 1 for phi, which does not
+move). It cancels CANCELLED of the disturbance at once. The inversion solves the whole force law of each motor, one
+quadratic equation in its direct current, at the predicted gap, and limits the thrust to what the levitation leaves.
 
 The bandwidth of an observer is limited by the noise of its encoders, whose variance is resolution^2 / 12: with these
 bandwidths the loop turns a rounding of 2.9 um rms into 1.0 um rms of x. The gains are those of continuous LQR, as in
@@ -76,7 +76,7 @@ LOOPS: Mapping[str, Loop] = {
     "y": Loop((1e6, 1e4), (6, 4, 4, 4), 400.0, 4.0, 50.0, 3e-4, 0.1),
     "x": X,
     "z": X,
-    "phi": Loop((1e5, 5e3), (4, 2, 2, 2), 400.0, 4.0, 200.0, 1e-4, 0.1),
+    "phi": Loop((1e5, 5e3), (4, 2), 400.0, 4.0, 200.0, 1e-4, 0.1),
     "theta": Loop((3e5, 5e3), (6, 4, 4, 4), 250.0, 4.0, 200.0, 3e-4, 0.1),
 }
 TILTS = [a for a in AXES if a.name not in "xz"]  # the coordinates that the gaps determine
@@ -87,9 +87,14 @@ def name_in_loop(axis: Axis) -> str:
     return f"{axis.name}_fast"
 
 
+def frequencies(axis: Axis) -> tuple[float, ...]:
+    """Return the frequencies of the internal models of an axis; those of phi, which no reference moves, are two."""
+    return FREQUENCIES[: len(LOOPS[axis.name].speeds)]
+
+
 def axis_plant(axis: Axis) -> StateSpace:
     """Return the double integrator of an axis with its internal models."""
-    return platen.axis_plant(axis, FREQUENCIES)
+    return platen.axis_plant(axis, frequencies(axis))
 
 
 @cache
@@ -98,7 +103,7 @@ def gain(axis: Axis) -> lqr.Gain:
     loop, model = LOOPS[axis.name], axis_plant(axis)
     Q = np.zeros(model.A.shape)
     Q[0, 0], Q[1, 1] = loop.weights
-    Q[2:, 2:] = internal_weights(dict(zip(FREQUENCIES, loop.speeds, strict=True)), loop.weights[0])
+    Q[2:, 2:] = internal_weights(dict(zip(frequencies(axis), loop.speeds, strict=True)), loop.weights[0])
     return lqr.lqr(model, Q, np.eye(1), exact=True)
 
 
@@ -125,7 +130,7 @@ def servo(axis: Axis) -> Block:
         name_in_loop(axis),
         TIME,
         gain(axis),
-        FREQUENCIES,
+        frequencies(axis),
         measured=axis.position,
         reference=axis.reference,
         demand=axis.demand,
@@ -162,6 +167,9 @@ def inversion(plant: Plant) -> Block:
         thrust = maglev_stage.thrust_accelerations(limited, motors, values)
         named = [(Signal(n, "N", -1e6, 1e6), force) for n, force in direct.half_forces.items()]
         named += [(Signal(f"{n}_demand", "A", -1e6, 1e6), i) for n, i in demand.items()]
+        # All coefficients of a motor follow from these two, so only they become polynomials.
+        named += [(Signal(f"thrust_per_ampere_{j}", "N/A", 0, 100), m.h) for j, m in enumerate(motors, 1)]
+        named += [(Signal(f"half_a_over_h2_{j}", "A^2/N", 0, 100), m.ratio) for j, m in enumerate(motors, 1)]
         return Step(output | {f"a_{n}": a for n, a in thrust.items()}, named=named, numbers=numbers)
 
     outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(acceleration(a) for a in AXES if a.excess)]
@@ -204,8 +212,8 @@ def gains(scalar: type[np.floating]) -> dict[str, Any]:
 def _gain(axis: Axis, scalar: type[np.floating]) -> dict[str, Any]:
     K, loop = gain(axis), LOOPS[axis.name]
     return {
-        "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1 .. xi7",
-        "frequencies_rad_s": list(FREQUENCIES),
+        "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1, ..",
+        "frequencies_rad_s": list(frequencies(axis)),
         "decay_per_s": list(loop.speeds),
         "weights_Q": list(loop.weights),
         "weights_of_internal_models": np.asarray(K.Q)[2:, 2:].tolist(),

@@ -34,17 +34,20 @@ from designs.maglev.reference_stage import (
 from designs.maglev_5dof_precise import reference_gains
 
 WEIGHTS = ((1e6, 1e4), (1e5, 800.0), (1e5, 800.0), (1e5, 5e3), (3e5, 5e3))  # of e, e', for y, x, z, phi, theta
-SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2, 2, 2), (6, 4, 4, 4))  # 1/s
+SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2), (6, 4, 4, 4))  # 1/s
 BANDWIDTH = (400.0, 400.0, 400.0, 400.0, 250.0)  # rad/s
 ERROR, FASTEST = (3e-4, 1e-3, 1e-3, 1e-4, 3e-4), (0.1, 0.3, 0.3, 0.1, 0.1)  # m, rad; m/s, rad/s
 CANCELLED, MEMORY, DEMAND = 0.8, 10.0, 1e4
 PROBE = reference_probe.Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, both_sides=True)
-ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")
+ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")  # of an axis with four modes; phi has the first two
 
 
 @dataclass(frozen=True)
 class Constants:
-    """K (5, 9) on (e, e', eta) by axis, c (3,) of the internal models, and alpha, beta, gamma (5,) of the observers."""
+    """K (5, 9) on (e, e', eta) by axis, c (3,) of the internal models, and alpha, beta, gamma (5,) of the observers.
+
+    K is 0 where an axis has fewer internal models.
+    """
 
     K: Array
     c: Array
@@ -59,7 +62,9 @@ def constants() -> Constants:
     gains = {pair: reference_gains.on_eta(*pair) for pair in zip(WEIGHTS, SPEEDS, strict=True)}
     observers = [reference_gains.observer(w) for w in BANDWIDTH]
     by_name = {n: np.array([getattr(o, n) for o in observers]) for n in ("alpha", "beta", "gamma")}
-    K = np.array([gains[pair] for pair in zip(WEIGHTS, SPEEDS, strict=True)])
+    K = np.zeros((len(AXES), 2 + len(ETA)))
+    for row, pair in zip(K, zip(WEIGHTS, SPEEDS, strict=True), strict=True):
+        row[: len(gains[pair])] = gains[pair]
     return Constants(K, reference_gains.coordinates(4)[0], **by_name)
 
 
@@ -106,22 +111,23 @@ def law(
     ahead, rate, d = observe(state, q, ready, k)
     error = by_row(ERROR, q)
     e = np.clip(q - set_points, -error, error)
-    eta = np.array([rows(state, [f"servo_{s}_fast_{n}" for s in AXES]) for n in ETA])
+    absent = np.zeros(np.shape(q)[1:])
+    eta = np.array([[state.get(f"servo_{s}_fast_{n}", absent) for s in AXES] for n in ETA])
     moved = set_points - rows(state, [f"servo_{s}_fast_r" for s in AXES])
     step = np.where(np.abs(moved) <= by_row(FASTEST, q) * T, moved, 0.0)
     w = by_row(k.K[:, 0], q) * (ahead - set_points) + by_row(k.K[:, 1], q) * (rate - step / T) - CANCELLED * d
     w = w + sum(by_row(gain, q) * x for gain, x in zip(k.K[:, 2:].T, eta, strict=True))
     next_eta = [eta[0] + e]
-    for c, p, x in zip(k.c, eta[1::2], eta[2::2], strict=True):
-        next_eta += [p + c * x, x - (p + c * x) + e]
+    for j, (c, p, x) in enumerate(zip(k.c, eta[1::2], eta[2::2], strict=True), 1):
+        next_eta += [p + c * x, x - (p + c * x) + by_row([j < len(of) for of in SPEEDS], q) * e]
 
     def finish(demands: Array, gaps: Array, last: Array) -> tuple[Array, Array, dict[str, Any]]:
         next = {"q": ahead, "v": rate, "d": d}
         after = {f"observer_{s}_fast_{n}": row for n, each in next.items() for s, row in zip(AXES, each, strict=True)}
-        kept = np.where(np.abs(next_eta) <= MEMORY, next_eta, eta)
+        kept = np.where(np.sum(np.square(next_eta), axis=0) <= MEMORY**2, next_eta, eta)
         memory = zip((*ETA, "r"), (*kept, set_points), strict=True)
         after |= {f"servo_{s}_fast_{n}": row for n, each in memory for s, row in zip(AXES, each, strict=True)}
-        return *currents(demands, ahead), after
+        return *currents(demands, ahead), {n: column for n, column in after.items() if n in state}
 
     return np.clip(w, -DEMAND, DEMAND), finish
 

@@ -21,7 +21,8 @@ def law_states(
     states[f"observer_{axis}_fast_v"] = rng.normal(0, 0.02, n)
     states[f"observer_{axis}_fast_d"] = rng.normal(0, 0.5, n)
     states[f"servo_{axis}_fast_r"] = np.clip(position - error + rng.normal(0, 1e-4, n), *platen.BOX[axis])
-    for eta in reference.ETA:
+    modes = reference.SPEEDS[reference.AXES.index(axis)]
+    for eta in reference.ETA[: 2 * len(modes) - 1]:
         states[f"servo_{axis}_fast_{eta}"] = rng.normal(0, NEAR[eta.rstrip("123")], n)
     return states
 

@@ -96,90 +96,37 @@ static inline float theta_polynomial(float t)
     return 1.2594458f + (t * 0.33307245f);
 }
 
-/* f3_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+/* thrust_per_ampere_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
  * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 1.7e-07. */
-static inline float f3_polynomial(float t)
+static inline float thrust_per_ampere_1_polynomial(float t)
 {
     return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f +
         (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
-/* f4_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
- * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 4.1e-07. */
-static inline float f4_polynomial(float t)
+/* half_a_over_h2_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+ * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 2.8e-07. */
+static inline float half_a_over_h2_1_polynomial(float t)
 {
-    return 9.996211f + (t * (999193.25f + (t * (2.861774e+10f +
-        (t * (6.9027544e+13f + (t * (-1.7858385e+18f + (t * (8.326026e+22f + (t * -1.11200714e+27f)))))))))));
+    return 0.082106546f + (t * (372.6345f + (t * (2.9113838e+06f + (t * (2.5398596e+10f + (t * 2.6154908e+14f)))))));
 }
 
-/* f5_polynomial; x = max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
- * 0.0322000012, t = x - 0.0270996094; relative error at most 1.8e-07. */
-static inline float f5_polynomial(float t)
-{
-    return 0.09471416f + (t * (-10.54297f + (t * (605.4601f + (t * (-24652.295f + (t * (835549.7f +
-        (t * (-2.6137324e+07f + (t * (7.651604e+08f + (t * (-2.1837736e+10f + (t * 9.9441194e+11f)))))))))))))));
-}
-
-/* f6_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+/* thrust_per_ampere_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
  * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
  * 2.9e-07. */
-static inline float f6_polynomial(float t)
+static inline float thrust_per_ampere_2_polynomial(float t)
 {
     return 7.0962987f + (t * (30.470612f + (t * (12.132695f +
         (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
-/* f7_polynomial; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+/* half_a_over_h2_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
  * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
- * 3.4e-07. */
-static inline float f7_polynomial(float t)
+ * 3.3e-07. */
+static inline float half_a_over_h2_2_polynomial(float t)
 {
-    return 3.9995112f + (t * (35.368217f + (t * (96.62395f + (t * (43.41592f +
-        (t * (-94.85256f + (t * (156.29742f + (t * (-135.105f + (t * (63.224297f + (t * -11.15244f)))))))))))))));
-}
-
-/* f8_polynomial; x = max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) in 0.0124000004 ..
- * 0.0366000012, t = x - 0.0278320312; relative error at most 3.5e-07. */
-static inline float f8_polynomial(float t)
-{
-    return 0.08730759f + (t * (-9.694463f + (t * (553.8885f +
-        (t * (-22339.771f + (t * (745134.3f + (t * (-2.2892472e+07f + (t * (6.958852e+08f + (t * (-1.8420937e+10f +
-        (t * (2.913493e+11f + (t * (-2.7054584e+13f + (t * (1.3285515e+15f + (t * 7.068869e+16f)))))))))))))))))))));
-}
-
-/* f9_polynomial; x = max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) in 0.0124000004 ..
- * 0.0366000012, t = x - 0.0278320312; relative error at most 3.8e-07. */
-static inline float f9_polynomial(float t)
-{
-    return 127.256966f +
-        (t * (-15460.488f + (t * (1.040542e+06f + (t * (-5.428546e+07f + (t * (2.5312876e+09f + (t * (-1.1130862e+11f +
-        (t * (4.6947615e+12f + (t * (-1.8493718e+14f + (t * (6.3679537e+15f + (t * (-2.9954384e+17f + (t *
-        (1.7261663e+19f + (t * (1.025815e+20f + (t * (-1.5879289e+22f + (t * -2.5152914e+24f)))))))))))))))))))))))));
-}
-
-/* f10_polynomial; x = max(min((y_fast_ahead + (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
- * 0.0322000012, t = x - 0.0270996094; relative error at most 4.7e-07. */
-static inline float f10_polynomial(float t)
-{
-    return 139.1608f +
-        (t * (-17076.23f + (t * (1.1684658e+06f + (t * (-6.2335976e+07f + (t * (2.9734318e+09f + (t * (-1.3453401e+11f +
-        (t * (6.046653e+12f + (t * (-2.0021878e+14f + (t * (4.366026e+15f + (t * -1.05180574e+18f)))))))))))))))));
-}
-
-/* f11_polynomial; x = max(min((y_fast_ahead + (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
- * 0.0322000012, t = x - 0.0212402344; relative error at most 1.7e-07. */
-static inline float f11_polynomial(float t)
-{
-    return 0.0033713907f + (t * (0.46264914f + (t * (26.011005f +
-        (t * (882.8625f + (t * (24526.818f + (t * (546523.3f + (t * (8.632725e+06f + (t * 2.1987926e+08f)))))))))))));
-}
-
-/* f12_polynomial; x = max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) in 0.0167999994 ..
- * 0.0322000012, t = x - 0.0270996094; relative error at most 2e-07. */
-static inline float f12_polynomial(float t)
-{
-    return 11.796645f + (t * (-723.7755f + (t * (27320.176f + (t * (-965725.7f + (t * (3.542051e+07f +
-        (t * (-1.2921787e+09f + (t * (4.085271e+10f + (t * (-1.0480351e+12f + (t * 1.0354449e+14f)))))))))))))));
+    return 0.079422385f + (t * (0.020285927f +
+        (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
 typedef struct {
@@ -263,10 +210,7 @@ typedef struct {
 } maglev_5dof_precise_servo_fast_parameters_t;
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
- *     sum_next = sum + limit(e_y, 0.0003) if |sum + limit(e_y, 0.0003)| <= 10, else sum
- *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
- *     q1_next = q1 - (p1 + c1 * q1) + limit(e_y, 0.0003) if |q1 - (p1 + c1 * q1) + limit(e_y, 0.0003)| <=
- *         10, else q1; likewise q2_next, q3_next */
+ *     r_next = y_ref_held */
 MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float value, float e)
@@ -281,37 +225,27 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float sum = state->sum;
     const float e_2 = maglev_5dof_precise_limit(e, parameters->high_3);
     const float sum_next = sum + e_2;
-    if (fabsf(sum_next) <= 10.0f) {
-        state->sum = sum_next;
-    }
     const float p1 = state->p1;
     const float q1 = state->q1;
     const float p1_next = p1 + (c1 * q1);
-    if (fabsf(p1_next) <= 10.0f) {
-        state->p1 = p1_next;
-    }
     const float q1_next = q1 - p1_next + e_2;
-    if (fabsf(q1_next) <= 10.0f) {
-        state->q1 = q1_next;
-    }
     const float p2 = state->p2;
     const float q2 = state->q2;
     const float p2_next = p2 + (c2 * q2);
-    if (fabsf(p2_next) <= 10.0f) {
-        state->p2 = p2_next;
-    }
     const float q2_next = q2 - p2_next + e_2;
-    if (fabsf(q2_next) <= 10.0f) {
-        state->q2 = q2_next;
-    }
+    const float sum_part = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
+        (q2_next * q2_next);
     const float p3 = state->p3;
     const float q3 = state->q3;
     const float p3_next = p3 + (c3 * q3);
-    if (fabsf(p3_next) <= 10.0f) {
-        state->p3 = p3_next;
-    }
     const float q3_next = q3 - p3_next + e_2;
-    if (fabsf(q3_next) <= 10.0f) {
+    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 100.0f) {
+        state->sum = sum_next;
+        state->p1 = p1_next;
+        state->q1 = q1_next;
+        state->p2 = p2_next;
+        state->q2 = q2_next;
+        state->p3 = p3_next;
         state->q3 = q3_next;
     }
     const float r_2 = state->r;
@@ -423,6 +357,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float r = 0.397f;                              /* m; Table I */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+    static const float half_c_over_h2 = 0.0007232277f;
     static const float M_z = 8.6f;                              /* kg; Table I */
     static const float M_x = 10.6f;                             /* kg; Table I */
     static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
@@ -435,24 +371,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float observer_x_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
     static const float observer_z_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
     static const float observer_phi_fast_gamma = 35832.543f;    /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-    static const float servo_phi_fast_k_e = -933.4653f; /* 1/s^2; predictive servo with internal models: gain on e */
-    static const float servo_phi_fast_k_de = -82.86694f; /* 1/s; predictive servo with internal models: gain on de */
+    static const float servo_phi_fast_k_e = -711.21704f; /* 1/s^2; predictive servo with internal models: gain on e */
+    static const float servo_phi_fast_k_de = -80.14009f; /* 1/s; predictive servo with internal models: gain on de */
     /* 1/s^2; predictive servo with internal models: gain on sum */
     static const float servo_phi_fast_k_sum = -1.264911f;
-    static const float servo_phi_fast_k_p1 = 55.522804f; /* 1/s^2; predictive servo with internal models: gain on p1 */
-    static const float servo_phi_fast_k_q1 = -1.2369337f; /* 1/s^2; predictive servo with internal models: gain on q1 */
-    static const float servo_phi_fast_k_p2 = 77.92244f; /* 1/s^2; predictive servo with internal models: gain on p2 */
-    static const float servo_phi_fast_k_q2 = -1.0264046f; /* 1/s^2; predictive servo with internal models: gain on q2 */
-    static const float servo_phi_fast_k_p3 = 65.20474f; /* 1/s^2; predictive servo with internal models: gain on p3 */
-    static const float servo_phi_fast_k_q3 = -0.8596341f; /* 1/s^2; predictive servo with internal models: gain on q3 */
+    static const float servo_phi_fast_k_p1 = 16.527708f; /* 1/s^2; predictive servo with internal models: gain on p1 */
+    static const float servo_phi_fast_k_q1 = -1.2623228f; /* 1/s^2; predictive servo with internal models: gain on q1 */
     /* 1/s^2; predictive servo with internal models: k_de over the period */
-    static const float servo_phi_fast_k_step = -82866.945f;
+    static const float servo_phi_fast_k_step = -80140.09f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
     static const float servo_phi_fast_c1 = 2.2206568e-05f;
-    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00942478 */
-    static const float servo_phi_fast_c2 = 8.8825785e-05f;
-    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
-    static const float servo_phi_fast_c3 = 0.00019985616f;
     static const float observer_theta_fast_gamma = 10823.077f;  /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
@@ -1061,36 +989,25 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_theta = theta - theta_ref_held;
 
         /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, 0.0001) if |sum + limit(e_phi, 0.0001)| <= 10, else sum
-         *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if |q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001)|
-         *         <= 10, else q1; likewise q2_next, q3_next */
+         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 100, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
+         *         limit(e_phi, 0.0001))^2 <= 100, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
+         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 100, else q1 */
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
-        if (fabsf(servo_phi_fast_sum_next) <= 10.0f) {
-            state->servo_phi_fast_sum = servo_phi_fast_sum_next;
-        }
-        const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
         const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
+        const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
         const float servo_phi_fast_p1_next = servo_phi_fast_p1 + (servo_phi_fast_c1 * servo_phi_fast_q1);
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
-        if (fabsf(servo_phi_fast_q1_next) <= 10.0f) {
+        const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
+            (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
+        if (servo_phi_fast_sum_part <= 100.0f) {
+            state->servo_phi_fast_sum = servo_phi_fast_sum_next;
+            state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
-        }
-        const float servo_phi_fast_q2 = state->servo_phi_fast_q2;
-        const float servo_phi_fast_p2 = state->servo_phi_fast_p2;
-        const float servo_phi_fast_p2_next = servo_phi_fast_p2 + (servo_phi_fast_c2 * servo_phi_fast_q2);
-        const float servo_phi_fast_q2_next = servo_phi_fast_q2 - servo_phi_fast_p2_next + e_servo_phi_fast_sum;
-        if (fabsf(servo_phi_fast_q2_next) <= 10.0f) {
-            state->servo_phi_fast_q2 = servo_phi_fast_q2_next;
-        }
-        const float servo_phi_fast_q3 = state->servo_phi_fast_q3;
-        const float servo_phi_fast_p3 = state->servo_phi_fast_p3;
-        const float servo_phi_fast_p3_next = servo_phi_fast_p3 + (servo_phi_fast_c3 * servo_phi_fast_q3);
-        const float servo_phi_fast_q3_next = servo_phi_fast_q3 - servo_phi_fast_p3_next + e_servo_phi_fast_sum;
-        if (fabsf(servo_phi_fast_q3_next) <= 10.0f) {
-            state->servo_phi_fast_q3 = servo_phi_fast_q3_next;
         }
 
         /* delay: delay of one sample
@@ -1255,24 +1172,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 #endif
         } else {
             /* servo_y_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_y, 0.0003) if |sum + limit(e_y, 0.0003)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_y, 0.0003) if |q1 - (p1 + c1 * q1) + limit(e_y, 0.0003)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+             *     r_next = y_ref_held */
             w_y = w_y_tracking;
 
             /* servo_x_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_x, 0.001) if |sum + limit(e_x, 0.001)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_x, 0.001) if |q1 - (p1 + c1 * q1) + limit(e_x, 0.001)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+             *     r_next = x_ref_held */
             w_x_unprobed = w_x_tracking;
 
             /* servo_z_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_z, 0.001) if |sum + limit(e_z, 0.001)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_z, 0.001) if |q1 - (p1 + c1 * q1) + limit(e_z, 0.001)| <=
-             *         10, else q1; likewise q2_next, q3_next */
+             *     r_next = z_ref_held */
             w_z_unprobed = w_z_tracking;
 
             /* servo_phi_fast: predictive servo with internal models (continued) */
@@ -1286,17 +1194,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
                 (servo_phi_fast_k_sum * servo_phi_fast_sum) + (servo_phi_fast_k_p1 * servo_phi_fast_p1) +
                 (servo_phi_fast_k_q1 * servo_phi_fast_q1);
-            const float w_phi_tracking_part_5 = w_phi_tracking_part_4 + (servo_phi_fast_k_p2 * servo_phi_fast_p2) +
-                (servo_phi_fast_k_q2 * servo_phi_fast_q2) + (servo_phi_fast_k_p3 * servo_phi_fast_p3);
-            const float w_phi_tracking = w_phi_tracking_part_5 + (servo_phi_fast_k_q3 * servo_phi_fast_q3) -
-                w_phi_tracking_part;
+            const float w_phi_tracking = w_phi_tracking_part_4 - w_phi_tracking_part;
             w_phi = w_phi_tracking;
 
             /* servo_theta_fast: predictive servo with internal models
-             *     sum_next = sum + limit(e_theta, 0.0003) if |sum + limit(e_theta, 0.0003)| <= 10, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 10, else p1; likewise p2_next, p3_next
-             *     q1_next = q1 - (p1 + c1 * q1) + limit(e_theta, 0.0003) if |q1 - (p1 + c1 * q1) + limit(e_theta,
-             *         0.0003)| <= 10, else q1; likewise q2_next, q3_next */
+             *     r_next = theta_ref_held */
             w_theta = w_theta_tracking;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -1383,66 +1285,77 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
         const float tilts_3 = r * observer_phi_fast.fast_ahead;
-        const float g_u_z_demand = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f),
-            0.0168f);
-        const float f3_argument = (slot_pull / (g_u_z_demand + gap_offset)) - 4.196167e-05f;
-        const float f5_argument = g_u_z_demand - 0.02709961f;
-        const float motors_1_half_c = f5_polynomial(f5_argument);
-        const float g_u_z_demand_2 = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f),
-            0.0168f);
-        const float f3_argument_2 = (slot_pull / (g_u_z_demand_2 + gap_offset)) - 4.196167e-05f;
-        const float u_z_demand_part = f3_polynomial(f3_argument) + f3_polynomial(f3_argument_2);
+        const float thrust_per_ampere_1_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
+        const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
+        const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
+        const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument);
+        const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
+        const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
+        const float thrust_per_ampere_3_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
         const float i_q_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
         const float i_q_3_squared = i_q_3 * i_q_3;
-        const float half_1 = f4_polynomial(f3_argument) + (motors_1_half_c * i_q_3_squared);
+        const float half_1 = motors_1_half_a + (motors_1_half_c * i_q_3_squared);
         const float tilts_2 = r * observer_theta_fast.fast_ahead;
-        const float g_u_x_demand = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2, 0.0366f),
-            0.0124f);
-        const float f6_argument = 16384.0f * ((slot_pull / (g_u_x_demand + gap_offset)) - 3.4332275e-05f);
-        const float f8_argument = g_u_x_demand - 0.027832031f;
-        const float motors_2_half_c = f8_polynomial(f8_argument);
-        const float g_u_x_demand_2 = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f),
-            0.0124f);
-        const float f6_argument_2 = 16384.0f * ((slot_pull / (g_u_x_demand_2 + gap_offset)) - 3.4332275e-05f);
-        const float u_x_demand_part = f6_polynomial(f6_argument) + f6_polynomial(f6_argument_2);
+        const float thrust_per_ampere_2_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
+        const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
+        const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
+        const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
+        const float motors_2_half_a = thrust_per_ampere_2_squared * half_a_over_h2_2;
+        const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
+        const float thrust_per_ampere_4_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
         const float i_q_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
         const float i_q_4_squared = i_q_4 * i_q_4;
-        const float half_2 = f7_polynomial(f6_argument) + (motors_2_half_c * i_q_4_squared);
-        const float f5_argument_2 = g_u_z_demand_2 - 0.02709961f;
-        const float motors_3_half_c = f5_polynomial(f5_argument_2);
-        const float half_3 = f4_polynomial(f3_argument_2) + (motors_3_half_c * i_q_3_squared);
-        const float f8_argument_2 = g_u_x_demand_2 - 0.027832031f;
-        const float motors_4_half_c = f8_polynomial(f8_argument_2);
-        const float half_4 = f7_polynomial(f6_argument_2) + (motors_4_half_c * i_q_4_squared);
+        const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_4_squared);
+        const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
+        const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
+        const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_3_squared);
+        const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
+        const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
+        const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_4_squared);
         const float half_force = (3.45f * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
         const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) +
             (half_3 - half_1);
         const float half_force_theta = (0.66347605f * (w_theta + (2850.0f * observer_theta_fast.fast_ahead))) +
             (half_2 - half_4);
-        const float squares_2 = f9_polynomial(f8_argument);
+        const float squares_2 = thrust_per_ampere_2_squared + (16.0f * (motors_2_half_a * motors_2_half_c));
         const float s2 = 1.0f / squares_2;
-        const float squares_4 = f9_polynomial(f8_argument_2);
+        const float squares_4 = thrust_per_ampere_4_squared + (16.0f * (motors_4_half_a * motors_4_half_c));
         const float s4 = 1.0f / squares_4;
         const float s2_plus_s4 = s2 + s4;
-        const float s3 = f11_polynomial(g_u_z_demand_2 - 0.021240234f);
-        const float s1 = f11_polynomial(g_u_z_demand - 0.021240234f);
+        const float squares_3 = thrust_per_ampere_3_squared + (16.0f * (motors_3_half_a * motors_3_half_c));
+        const float s3 = 1.0f / squares_3;
+        const float squares_1 = thrust_per_ampere_1_squared + (16.0f * (motors_1_half_a * motors_1_half_c));
+        const float s1 = 1.0f / squares_1;
         const float half_force_1_3 = ((s2_plus_s4 * half_force) + ((s2 - s4) * half_force_theta) -
             ((s3 - s1) * half_force_phi)) / (s1 + s3 + s2_plus_s4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float doubled_1 = half_force_1_3 - half_force_phi;
-        const float currents_1 = 2.0f * doubled_1 / (f12_polynomial(f5_argument) +
-            sqrtf(maglev_5dof_precise_max(f10_polynomial(f5_argument) - (8.0f * (motors_1_half_c * doubled_1)), 0.0f)));
-        const float i_d1_balanced = maglev_5dof_precise_limit(currents_1, direct_limit);
+        const float i_d1_balanced = maglev_5dof_precise_limit(2.0f * doubled_1 / (sqrtf(squares_1) +
+            sqrtf(maglev_5dof_precise_max(squares_1 - (8.0f * (motors_1_half_c * doubled_1)), 0.0f))), direct_limit);
         const float doubled_2 = half_force_2_4 + half_force_theta;
         const float i_d2_balanced = maglev_5dof_precise_limit(2.0f * doubled_2 / (sqrtf(squares_2) +
             sqrtf(maglev_5dof_precise_max(squares_2 - (8.0f * (motors_2_half_c * doubled_2)), 0.0f))), direct_limit);
         const float doubled_3 = half_force_1_3 + half_force_phi;
-        const float currents_3 = 2.0f * doubled_3 /
-            (f12_polynomial(f5_argument_2) + sqrtf(maglev_5dof_precise_max(f10_polynomial(f5_argument_2) -
-            (8.0f * (motors_3_half_c * doubled_3)), 0.0f)));
-        const float i_d3_balanced = maglev_5dof_precise_limit(currents_3, direct_limit);
+        const float i_d3_balanced = maglev_5dof_precise_limit(2.0f * doubled_3 / (sqrtf(squares_3) +
+            sqrtf(maglev_5dof_precise_max(squares_3 - (8.0f * (motors_3_half_c * doubled_3)), 0.0f))), direct_limit);
         const float doubled_4 = half_force_2_4 - half_force_theta;
         const float i_d4_balanced = maglev_5dof_precise_limit(2.0f * doubled_4 / (sqrtf(squares_4) +
             sqrtf(maglev_5dof_precise_max(squares_4 - (8.0f * (motors_4_half_c * doubled_4)), 0.0f))), direct_limit);
@@ -1529,15 +1442,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->redundancy_degraded = redundancy_degraded_next;
 
         /* servo_phi_fast: predictive servo with internal models (continued) */
-        if (fabsf(servo_phi_fast_p1_next) <= 10.0f) {
-            state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
-        }
-        if (fabsf(servo_phi_fast_p2_next) <= 10.0f) {
-            state->servo_phi_fast_p2 = servo_phi_fast_p2_next;
-        }
-        if (fabsf(servo_phi_fast_p3_next) <= 10.0f) {
-            state->servo_phi_fast_p3 = servo_phi_fast_p3_next;
-        }
         state->servo_phi_fast_r = phi_ref_held;
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */

@@ -10,8 +10,8 @@
  * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
  * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
  * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.00023 m/s (z) and hits a stop at 0.0056 m/s (y); in motion the machine reaches
- * 0.0044 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
+ * turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at 0.0056 m/s (y); in motion the machine reaches
+ * 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
  * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -45,13 +45,13 @@ typedef struct {
 } maglev_5dof_precise_observer_fast_state_t;
 
 typedef struct {
-    float sum;                          /* m, -10 .. 10: internal model */
-    float p1;                           /* m, -10 .. 10: internal model */
-    float q1;                           /* m, -10 .. 10: internal model */
-    float p2;                           /* m, -10 .. 10: internal model */
-    float q2;                           /* m, -10 .. 10: internal model */
-    float p3;                           /* m, -10 .. 10: internal model */
-    float q3;                           /* m, -10 .. 10: internal model */
+    float sum;                          /* m, -10.0001 .. 10.0001: internal model */
+    float p1;                           /* m, -10.0001 .. 10.0001: internal model */
+    float q1;                           /* m, -10.0001 .. 10.0001: internal model */
+    float p2;                           /* m, -10.0001 .. 10.0001: internal model */
+    float q2;                           /* m, -10.0001 .. 10.0001: internal model */
+    float p3;                           /* m, -10.0001 .. 10.0001: internal model */
+    float q3;                           /* m, -10.0001 .. 10.0001: internal model */
     float r;                            /* m: set-point one sample ago */
 } maglev_5dof_precise_servo_fast_state_t;
 
@@ -141,13 +141,9 @@ typedef struct {
     maglev_5dof_precise_observer_fast_state_t observer_z_fast;
     maglev_5dof_precise_servo_fast_state_t servo_z_fast;
     maglev_5dof_precise_observer_fast_state_t observer_phi_fast;
-    float servo_phi_fast_sum;           /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_p1;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_q1;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_p2;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_q2;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_p3;            /* rad, -10 .. 10: internal model */
-    float servo_phi_fast_q3;            /* rad, -10 .. 10: internal model */
+    float servo_phi_fast_sum;           /* rad, -10.0001 .. 10.0001: internal model */
+    float servo_phi_fast_p1;            /* rad, -10.0001 .. 10.0001: internal model */
+    float servo_phi_fast_q1;            /* rad, -10.0001 .. 10.0001: internal model */
     float servo_phi_fast_r;             /* rad, -0.009 .. 0.009: set-point one sample ago */
     maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
@@ -194,11 +190,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_precise_input_t) == 48u, "size of maglev_5dof_precise_input_t");
 _Static_assert(sizeof(maglev_5dof_precise_output_t) == 40u, "size of maglev_5dof_precise_output_t");
-_Static_assert(sizeof(maglev_5dof_precise_state_t) == 560u, "size of maglev_5dof_precise_state_t");
+_Static_assert(sizeof(maglev_5dof_precise_state_t) == 544u, "size of maglev_5dof_precise_state_t");
 #else
 extern char maglev_5dof_precise_input_size_is_48[(sizeof(maglev_5dof_precise_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_precise_output_size_is_40[(sizeof(maglev_5dof_precise_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_precise_state_size_is_560[(sizeof(maglev_5dof_precise_state_t) == 560u) ? 1 : -1];
+extern char maglev_5dof_precise_state_size_is_544[(sizeof(maglev_5dof_precise_state_t) == 544u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

@@ -40,7 +40,7 @@ __all__ = ["Limits", "block"]
 class Limits:
     """Limits of the `error` into the internal models, of the set-point's rate (`fastest`), and of |eta| (`memory`).
 
-    A state of the internal models that would exceed its limit keeps its value.
+    A step after which the Euclidean norm of eta exceeds its limit leaves the internal models as they are.
     """
 
     error: float
@@ -87,7 +87,8 @@ def block(
             next[q] = x[q] - next[p] + e
         moved = r - x["r"]
         step = ca.if_else(ca.fabs(moved) <= limits.fastest * T, moved, 0)
-        next = {s: ca.if_else(ca.fabs(v) <= limits.memory, v, x[s]) for s, v in next.items()}
+        inside = sum((v**2 for v in next.values()), start=ca.SX(0)) <= limits.memory**2
+        next = {s: ca.if_else(inside, v, x[s]) for s, v in next.items()}
         w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - k["k_step"] * step
         w = sum((k[f"k_{s}"] * x[s] for s in eta), start=w) - cancelled * u[f"{name}_disturbance"]
         return Step({demand.name: clip(w, demand)}, {**next, "r": r})
@@ -101,7 +102,7 @@ def block(
         Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {phase:.6g}")
         for j, (c, phase) in enumerate(zip(model.c, phases, strict=True), 1)
     ]
-    unit, bound = measured.unit, limits.memory
+    unit, bound = measured.unit, limits.memory * (1 + 1e-5)  # with room for rounding
     inputs = [
         measured, reference,
         Signal(f"{name}_ahead", unit, measured.low, measured.high),
