@@ -51,7 +51,7 @@ CANCELLED = 0.8  # of the estimated disturbance
 # At rest a frozen code of one count beside the set-point makes this loop accelerate by 5 k_e e = 0.05 m/s^2, because
 # 0.8 of its own demand is cancelled as a disturbance. So the probe has to be fast: 77 ms, from 2.2 to 9.9 um.
 PROBE = probe.Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, both_sides=True)
-MEMORY = 10.0  # m, rad: bound of the states of the internal models
+MEMORY = 4.0  # m, rad: bound of the states of the internal models
 
 
 @dataclass(frozen=True)

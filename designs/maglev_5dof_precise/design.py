@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from designs.maglev import commutation, declaration
+import numpy as np
+
+from designs.maglev import commutation, declaration, platen
 from designs.maglev_5dof_precise import control, experiments, reference, verification
 from models import maglev_stage
 
@@ -19,6 +21,7 @@ DESIGN = declaration.design(
     law_alone=control.law_alone(PLANT),
     verify=verification.verify,
     require={"delay_margin": 3e-3},
+    surrogate_error=platen.SURROGATE_ERROR | {np.float64: 2e-15},
     limited=["observer_y_fast_d", "observer_y_d"],  # without current a stop takes the demand that the servo raises
     about=__doc__,
 )

@@ -37,7 +37,7 @@ WEIGHTS = ((1e6, 1e4), (1e5, 800.0), (1e5, 800.0), (1e5, 5e3), (3e5, 5e3))  # of
 SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2), (6, 4, 4, 4))  # 1/s
 BANDWIDTH = (400.0, 400.0, 400.0, 400.0, 250.0)  # rad/s
 ERROR, FASTEST = (3e-4, 1e-3, 1e-3, 1e-4, 3e-4), (0.1, 0.3, 0.3, 0.1, 0.1)  # m, rad; m/s, rad/s
-CANCELLED, MEMORY, DEMAND = 0.8, 10.0, 1e4
+CANCELLED, MEMORY, DEMAND = 0.8, 4.0, 1e4
 PROBE = reference_probe.Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, both_sides=True)
 ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")  # of an axis with four modes; phi has the first two
 
@@ -83,7 +83,8 @@ def observe(state: Columns, q: Array, ready: NDArray[np.bool_], k: Constants) ->
 
 def currents(w: Array, ahead: Array) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) for the demands w at the pose `ahead`, and the accelerations of x and z."""
-    p, (y, _, _, phi, theta) = Parameters(), ahead
+    # Demands far beyond the limits cancel in these sums: in double precision their rounding would show.
+    p, w, (y, _, _, phi, theta) = Parameters(), w.astype(np.longdouble), ahead.astype(np.longdouble)
     tilts = np.array([y - p.r * phi, y + p.r * theta, y + p.r * phi, y - p.r * theta])
     low, high = (by_row(ends, tilts) for ends in zip(ODD, EVEN, ODD, EVEN, strict=True))
     m = motor(np.clip(tilts, low, high), p)
@@ -101,7 +102,7 @@ def currents(w: Array, ahead: Array) -> tuple[Array, Array]:
     f = np.array([odd - d, even + e, odd + d, even - e]) / 2
     i_d = np.clip(2 * f / (m.b + np.sqrt(np.maximum(m.b**2 - 4 * m.c * f, 0))), -MAX_I_D, MAX_I_D)
     u = limit_thrust(demanded, i_d[[1, 0]], i_d[[3, 2]])
-    return np.concatenate([i_d, u]), -u * h / masses
+    return np.concatenate([i_d, u]).astype(float), (-u * h / masses).astype(float)
 
 
 def law(

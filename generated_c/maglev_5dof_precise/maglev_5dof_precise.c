@@ -239,7 +239,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float q3 = state->q3;
     const float p3_next = p3 + (c3 * q3);
     const float q3_next = q3 - p3_next + e_2;
-    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 100.0f) {
+    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -990,11 +990,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* servo_phi_fast: predictive servo with internal models
          *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 100, else sum
+         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
          *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
-         *         limit(e_phi, 0.0001))^2 <= 100, else p1
+         *         limit(e_phi, 0.0001))^2 <= 16, else p1
          *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
-         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 100, else q1 */
+         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
@@ -1004,7 +1004,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
         const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
-        if (servo_phi_fast_sum_part <= 100.0f) {
+        if (servo_phi_fast_sum_part <= 16.0f) {
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;

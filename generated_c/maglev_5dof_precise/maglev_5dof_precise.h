@@ -45,13 +45,13 @@ typedef struct {
 } maglev_5dof_precise_observer_fast_state_t;
 
 typedef struct {
-    float sum;                          /* m, -10.0001 .. 10.0001: internal model */
-    float p1;                           /* m, -10.0001 .. 10.0001: internal model */
-    float q1;                           /* m, -10.0001 .. 10.0001: internal model */
-    float p2;                           /* m, -10.0001 .. 10.0001: internal model */
-    float q2;                           /* m, -10.0001 .. 10.0001: internal model */
-    float p3;                           /* m, -10.0001 .. 10.0001: internal model */
-    float q3;                           /* m, -10.0001 .. 10.0001: internal model */
+    float sum;                          /* m, -4.00004 .. 4.00004: internal model */
+    float p1;                           /* m, -4.00004 .. 4.00004: internal model */
+    float q1;                           /* m, -4.00004 .. 4.00004: internal model */
+    float p2;                           /* m, -4.00004 .. 4.00004: internal model */
+    float q2;                           /* m, -4.00004 .. 4.00004: internal model */
+    float p3;                           /* m, -4.00004 .. 4.00004: internal model */
+    float q3;                           /* m, -4.00004 .. 4.00004: internal model */
     float r;                            /* m: set-point one sample ago */
 } maglev_5dof_precise_servo_fast_state_t;
 
@@ -141,9 +141,9 @@ typedef struct {
     maglev_5dof_precise_observer_fast_state_t observer_z_fast;
     maglev_5dof_precise_servo_fast_state_t servo_z_fast;
     maglev_5dof_precise_observer_fast_state_t observer_phi_fast;
-    float servo_phi_fast_sum;           /* rad, -10.0001 .. 10.0001: internal model */
-    float servo_phi_fast_p1;            /* rad, -10.0001 .. 10.0001: internal model */
-    float servo_phi_fast_q1;            /* rad, -10.0001 .. 10.0001: internal model */
+    float servo_phi_fast_sum;           /* rad, -4.00004 .. 4.00004: internal model */
+    float servo_phi_fast_p1;            /* rad, -4.00004 .. 4.00004: internal model */
+    float servo_phi_fast_q1;            /* rad, -4.00004 .. 4.00004: internal model */
     float servo_phi_fast_r;             /* rad, -0.009 .. 0.009: set-point one sample ago */
     maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
