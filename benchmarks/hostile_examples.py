@@ -16,6 +16,7 @@ import numpy as np
 from synth.analyse import discretise, equilibrium, operating_points, singularity
 from synth.block import Block, Constant, State, Step
 from synth.block import build as block
+from synth.blocks import predictive_servo
 from synth.plant import build as plant
 from synth.signals import Parameter, Signal
 from synth.statespace import StateSpace
@@ -100,6 +101,14 @@ def example_regulator() -> Call:
     error, rate, demand = (Signal(n, u, -1.0, 1.0) for n, u in (("e", "m"), ("de", "m/s"), ("w", "m/s^2")))
     gain = lqr.dlqr(model, np.eye(5), np.eye(1))
     return {"gain": gain, "error": error, "rate": rate, "demand": demand, "bounds": [1.0, 1.0, 1.0], "time": TIME}
+
+
+def example_predictive_servo() -> Call:
+    measured, reference, demand = (Signal(n, u, -1.0, 1.0) for n, u in (("q", "m"), ("r", "m"), ("w", "m/s^2")))
+    signals = {"measured": measured, "reference": reference, "demand": demand}
+    limits = predictive_servo.Limits(1e-3, 0.1, 1.0)
+    numbers = {"frequencies": [0.0, 6.0], "cancelled": 0.8, "disturbance": 1.0, "limits": limits}
+    return {"name": "q", "time": TIME, "gain": example_regulator()["gain"], **signals, **numbers}
 
 
 @functools.cache

@@ -24,7 +24,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, design, experiments
+from designs.maglev import experiments, motions, platen
+from designs.maglev_5dof import design
+from designs.maglev_5dof.experiments import LIMITS
 from synth import standard_tasks, study_jobs
 from synth.check import Check
 from synth.plant import Plant
@@ -57,7 +59,7 @@ class Motion:
 
     def run(self, rig: Rig) -> Experiment:
         """Run the motion."""
-        trajectory, courses = experiments.tracking(rig, True, DURATION_S)
+        trajectory, courses = motions.tracking(rig, True, DURATION_S)
         return Experiment(self.name, "", "", trajectory, (), courses)
 
 
@@ -72,7 +74,7 @@ def scenario(rig: Rig, duration_s: float) -> Scenario:
         raise _Captured(scenario)
 
     try:
-        experiments.tracking(replace(rig, simulate=simulate), True, duration_s)
+        motions.tracking(replace(rig, simulate=simulate), True, duration_s)
     except _Captured as captured:
         motion: Scenario = captured.args[0]
         return motion
@@ -88,7 +90,7 @@ def casadi_loop(motion: Scenario, samples: int) -> Callable[[], ca.DM]:
     u = ca.vcat([waiting[commands.index(str(motion.actuators[name]))] for name in signal_names(plant.inputs)])
     y = plant.h(x, u, plant.values)
     counts = {
-        name: control.RESOLUTION * ca.floor(y[outputs.index(of)] / control.RESOLUTION + 0.5)
+        name: platen.RESOLUTION * ca.floor(y[outputs.index(of)] / platen.RESOLUTION + 0.5)
         for name, of in motion.sensors.items()
     }
     wired = counts | {name: references[k] for k, name in enumerate(motion.references)}
@@ -147,14 +149,14 @@ def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Call
 
     The loop records what these figures read, as in a study, where the first batch shows it.
     """
-    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in experiments.COURSES}
+    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in motions.COURSES}
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
     def run(plants: list[Plant]) -> list[tuple[Mapping[str, float], tuple[Check, ...]]]:
         known = replace(recording, columns=frozenset(recording.read) if recording.read else None)
         trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, known)
         kept = [t for t in trajectories if t is not None]
-        finished = (experiments.tracking_experiment(t, courses, True, 10.0, DURATION_S) for t in kept)
+        finished = (experiments.tracking_experiment(t, courses, LIMITS.tracking, 10.0, DURATION_S) for t in kept)
         return [(each.figures, each.checks) for each in finished]  # no trajectory, as in a study
 
     return run

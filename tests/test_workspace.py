@@ -116,9 +116,9 @@ def test_simulate_prints_one_document(root: Path) -> None:
 
 @pytest.mark.slow
 def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from designs.maglev_5dof import experiments
+    from designs.maglev import motions
 
-    monkeypatch.setattr(experiments, "BAND", 1e-9)  # m, rad: nothing settles into it
+    monkeypatch.setattr(motions, "BAND", 1e-9)  # m, rad: nothing settles into it
     result = RUNNER.invoke(app, ["simulate", "maglev_5dof", "--json"])
     assert result.exit_code == 1
     assert "Infinity" not in result.stdout

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from designs.maglev import platen
 from designs.maglev_5dof import control
 from synth.emit.c import digits
 from synth.statespace import readonly
@@ -18,7 +19,7 @@ def document(scalar: type[np.floating]) -> dict[str, Any]:
 
 
 def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
-    model, period, Q, R = control.axis_plant(axis), control.TIME.period_s, np.diag(axis.weights), np.eye(1)
+    model, period, Q, R = control.axis_plant(axis), platen.TIME.period_s, np.diag(axis.weights), np.eye(1)
     published, T = control.gain(axis), internal_model.leapfrog(control.FREQUENCIES, period).T
     constants = {c.name: c.value for c in control.regulator_block(axis).rounded(scalar).constants}
     on_xi = np.linalg.solve(T.T, [constants[f"k_{s}"] for s in ("sum", "p1", "q1")])

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from designs.maglev_5dof import commutation, commutation_tables, control, experiments
+from designs.maglev import commutation, commutation_tables, motions, platen
+from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.analyse import robustness
 from synth.declaration import Stage
@@ -28,7 +29,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     """Return the report as one HTML document; arguments as `template.report`."""
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(
-        experiments.UNITS, experiments.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
+        motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
     )
     loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)
@@ -38,10 +39,10 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
 
 def _values(plant: Plant) -> dict[str, Value]:
     """Return the values named in report.md beyond the standard ones."""
-    phi, theta = control.COMPENSATED.values()
+    phi, theta = platen.COMPENSATED.values()
     k_s, stiffness = plant.parameter("k_s_phi").value, -float(control.gain(control.AXES[3]).K[0, 0])
     margins: dict[str, Value] = {"advance": commutation.ADVANCE, "descent": commutation.DESCENT}
-    margins |= {"stride_mm": 1e3 * commutation.SPEED["x"] * control.TIME.period_s}
+    margins |= {"stride_mm": 1e3 * commutation.SPEED["x"] * platen.TIME.period_s}
     margins |= {"stiffness": stiffness, "stable_above": (phi * k_s - stiffness) / k_s}
     return {"compensated_phi": phi, "compensated_theta": theta, **margins}
 

@@ -13,82 +13,43 @@ controllers; internally, axes, motors or currents are rows of one array. Lengths
 in A rms.
 """
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
-from math import pi, sin, sqrt
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from designs.maglev import reference_faults
+from designs.maglev.reference_stage import (
+    AXES,
+    COMPENSATED,
+    LAST,
+    MAX_I_D,
+    OUTPUTS,
+    QUADRATURE,
+    SAFE,
+    SENSORS,
+    SLEW,
+    Array,
+    Columns,
+    Motor,
+    Parameters,
+    guard,
+    limit_thrust,
+    motor,
+    pose,
+    rows,
+)
 from designs.maglev_5dof import reference_gains
 
-Array = NDArray[np.float64]
-Columns = Mapping[str, NDArray[Any]]
-
-AXES = ("y", "x", "z", "phi", "theta")
-CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
-MAX_I_D = CURRENT * (1 - 1e-4)  # A rms: keeps sqrt(CURRENT^2 - i_d^2) away from 0
-BAD_SAMPLES = 5
-SLEW = 100.0 / 1000  # A in a sample
-COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the fraction of each guide spring that the corrected law compensates
-BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
-ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
-LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
-SENSORS = len(LIMITS)
-LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
-LOW, HIGH = np.array([*LIMITS.values()]).T
-BITS = 1 << np.arange(len(LIMITS))
-HELD = tuple(f"guard_last_{s}" for s in LIMITS)
 ETA = ("sum", "p1", "q1")
 ETA_BOUNDS = (600.0, 3.0, 600.0)
 STATES = (*(f"filter_{{}}_{n}" for n in ("q_prev", "s", "r")), *(f"regulator_{{}}_{n}" for n in ETA))  # of an axis
 MEMORY = tuple(name.format(s) for name in STATES for s in AXES)
-SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}
-LAST = tuple(f"safe_output_last_{s}" for s in SAFE)
-QUADRATURE = [5, 4, 5, 4]  # of SAFE: the thrust currents of motors 1 to 4
-OUTPUTS = tuple(f"i_{axis}{j}" for axis in "dq" for j in (1, 2, 3, 4))
 WEIGHTS = {"y": (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7)}
 WEIGHTS |= dict.fromkeys(("x", "z"), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6))
 WEIGHTS |= dict.fromkeys(("phi", "theta"), (4e4, 4e4, 4e9, 4e7, 4e7))
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """F table I; p counts poles, H_c stands for sigma_m, and the springs are torque over inertia."""
-
-    t1: float = 0.01905  # m
-    b0: float = 0.0127  # m
-    W: float = 900.0
-    k_w1: float = 1.0
-    p: float = 6.0
-    h_m: float = 0.005  # m
-    L_A: float = 0.05  # m
-    p_m: float = 4.0
-    tau: float = 0.05715  # m
-    tau_p: float = 0.02858  # m
-    H_c: float = 875400.0  # A/m
-    mu0: float = 4e-7 * pi  # H/m
-    mu_rec: float = 1.0
-    M_x: float = 10.6  # kg
-    M_y: float = 6.9  # kg
-    M_z: float = 8.6  # kg
-    r: float = 0.397  # m
-    I: float = 0.5268  # kg m^2
-    k_s_phi: float = 15000.0  # 1/s^2
-    k_s_theta: float = 3000.0  # 1/s^2
-    G: float = 9.81  # m/s^2
-
-
-@dataclass(frozen=True)
-class Motor:
-    """Coefficients of one motor's forces at its gap: a in N, b and h in N/A, c in N/A^2."""
-
-    a: Array
-    b: Array
-    c: Array
-    h: Array
 
 
 @dataclass(frozen=True)
@@ -106,57 +67,12 @@ class Constants:
     corrected: bool = True
 
 
-def motor(g: Array, p: Parameters) -> Motor:
-    """Return the force coefficients at a gap g in m. F(2)-(4), with csch^2 in L_v3."""
-    k = pi / p.tau
-    s, c = np.sinh(k * (p.h_m + g)), np.cosh(k * (p.h_m + g))
-    slot = p.b0 / (2 * g)
-    gamma = 4 / pi * (slot * np.arctan(slot) - 0.5 * np.log1p(slot**2))
-    inverse_carter = 1 - g * gamma / p.t1
-    leakage = 1 - p.b0**2 / (4 * p.t1 * (g + p.b0 / 2 + p.h_m / p.mu_rec))
-    sheet = 4 / pi * p.mu0 * p.H_c * sin(pi * p.tau_p / (2 * p.tau)) * np.sinh(k * p.h_m)  # B_pmy1 sinh(k (h_m + g))
-    area, turns = p.L_A * p.p_m, p.W * p.k_w1 / p.p
-    return Motor(
-        a=area * p.tau / (4 * p.mu0) * leakage * (sheet / s) ** 2,
-        b=3 * sqrt(2) * area * turns * leakage * inverse_carter * sheet * c / s**2,
-        c=18 * area * turns**2 * p.mu0 / p.tau * leakage * (inverse_carter / s) ** 2,
-        h=3 * sqrt(2) * area * turns * leakage * inverse_carter * sheet / s,
-    )
-
-
 @cache
 def constants(corrected: bool = True) -> Constants:
     """Return the constants; `corrected=False` is F(12) as printed."""
     model, filter = reference_gains.internal_model(), reference_gains.derivative_filter()
     K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
     return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, corrected)
-
-
-def rows(columns: Columns, names: Iterable[str]) -> Array:
-    """Return some columns (n,) as the rows of one array (m, n)."""
-    return np.array([columns[name] for name in names], dtype=np.float64)
-
-
-def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
-    """Return the values to use (11, n), the guard's next state and the fault word. NaN is outside every range."""
-    u = rows(inputs, LIMITS)
-    with np.errstate(invalid="ignore"):
-        good = ((u.T >= LOW) & (u.T <= HIGH)).T
-    values = np.where(good, u, rows(state, HELD))
-    complete = good[:SENSORS].all(axis=0)
-    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
-    after = dict(zip(HELD, values, strict=True))
-    after["guard_left"] = np.maximum(left, 1)
-    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
-    return values, after, np.asarray(BITS @ ~good + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
-
-
-def pose(values: Array, r: float) -> Array:
-    """Return y, x, z, phi and theta (5, n) from six encoders (6, n). F(5) inverted."""
-    y1, y2, y3, y4, x, z = values
-    phi, theta = np.arcsin((y3 - y1) / (2 * r)), np.arcsin((y2 - y4) / (2 * r))
-    return np.array([(y1 + y2 + y3 + y4) / 4, x, z, phi, theta])
 
 
 def rate(e: Array, memory: Array, ready: NDArray[np.bool_], k: Constants) -> tuple[Array, list[Array]]:
@@ -198,12 +114,6 @@ def direct_currents(w: Array, pose: Array, m: Motor, load: Array, k: Constants) 
     return np.array([s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2])
 
 
-def limit_thrust(u: Array, first: Array, second: Array) -> Array:
-    """Return thrust currents limited to sqrt(CURRENT^2 - i_d^2) of both of their motors. F section III."""
-    limit = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
-    return np.clip(u, -limit, limit)
-
-
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) and by axis (5, n) u limited less u demanded. F(12), (17), levitation first.
 
@@ -222,6 +132,32 @@ def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tu
     return np.concatenate([i_d, u]), excess
 
 
+def law(
+    state: Columns, q: Array, set_points: Array, ready: NDArray[np.bool_], k: Constants
+) -> tuple[Array, reference_faults.Finish]:
+    """Return the demands w (5, n) at a pose q, and the function that computes currents from the demands to use."""
+    memory = rows(state, MEMORY)
+    filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
+    e = q - set_points
+    v, filtered = rate(e, filters, ready, k)
+
+    def finish(w: Array, gaps: Array, last: Array) -> tuple[Array, Array, dict[str, Any]]:
+        computed, excess = currents(w, q, gaps, last, k)
+        p, h = k.parameters, motor(gaps, k.parameters).h
+        thrust = np.array([-computed[4] * (h[1] + h[3]) / p.M_x, -computed[5] * (h[0] + h[2]) / p.M_z])
+        next_memory = np.array([*filtered, *model_step(e, excess, eta, k)])
+        return computed, thrust, dict(zip(MEMORY, next_memory.reshape(memory.shape), strict=True))
+
+    return demand(e, v, eta, k), finish
+
+
+def with_fault_handling(
+    state: Columns, inputs: Columns, k: Constants | None = None
+) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
+    """Return (next state, outputs, fault word) of one sample of the shipped controller, columns by name."""
+    return reference_faults.step(state, inputs, partial(law, k=k or constants()))
+
+
 def step(
     state: Columns, inputs: Columns, k: Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
@@ -229,15 +165,10 @@ def step(
     k = k or constants()
     values, after, word = guard(state, inputs)
     ready, latched = np.asarray(state["guard_ready"]) > 0, after["guard_latched"] > 0
-    memory, last = rows(state, MEMORY), rows(state, LAST)
-    filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
-    q = pose(values[:SENSORS], k.parameters.r)
-    e = q - values[SENSORS:]
-    v, filtered = rate(e, filters, ready, k)
-    w = demand(e, v, eta, k)
-    computed, excess = currents(w, q, values[:4], last, k)
-    next_memory = np.array([*filtered, *model_step(e, excess, eta, k)])
-    after |= zip(MEMORY, np.where(latched, memory, next_memory.reshape(memory.shape)), strict=True)
+    last = rows(state, LAST)
+    w, finish = law(state, pose(values[:SENSORS], k.parameters.r), values[SENSORS:], ready, k)
+    computed, _, next_memory = finish(w, values[:4], last)
+    after |= {n: np.where(latched, state[n], v) for n, v in next_memory.items()}
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
     return after, dict(zip(OUTPUTS, np.concatenate([out[:4], out[QUADRATURE]]), strict=True)), word

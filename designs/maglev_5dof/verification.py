@@ -1,222 +1,30 @@
-"""Verification of the emitted C beyond the standard: random steps in operation over the whole range of poses.
+"""Verification of the paper's design: that of the stage, with random states of its filters and regulators."""
 
-Most random steps do not saturate the motors, because a limit hides differences. Edge steps have states anywhere in
-their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single precision are
-compared with double.
-"""
-
-from collections.abc import Callable, Mapping
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import commutation, control, experiments, reference, reference_faults, reference_phase
-from synth.block import Block
-from synth.check import Check
-from synth.companion import Companion
-from synth.declaration import Stage
-from synth.simulate import rig as simulation
-from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
-from synth.verify import agree, sampling, standard, suite
-from synth.verify.agree import Agreement
-from synth.verify.evidence import Evidence
+from designs.maglev import verification
+from designs.maglev_5dof import control, reference
 from synth.verify.sampling import Columns
 
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
-RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
-SEED = 20_090_901
-CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
 NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
-RARE = 0.01  # share of excluded encoders, of unanswered probes and of landings
-INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
-FLOOR = 1.0  # A
-# A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
-# polynomials, up to 1e-14 of each term, is a thousand times larger relative to the sum. These currents are compared
-# relative to the limit.
-EDGE_FLOOR = control.CURRENT
-POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
-MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
-STEPS = 1000  # of the test vectors
-BAD, BAD_SET_POINT = slice(700, 703), slice(800, 810)  # samples with the x encoder or y_ref out of range
 
 
-def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
-    """Compare all witnesses, over the `whole` replay or over a short one."""
-    by = standard.witnesses(stage)
-    progress("random steps")
-    samples = random_steps(by.block, RANDOM_STEPS)
-    compared = suite.compare("random steps", by, *samples, FLOOR)
-    share = float(np.mean(is_saturated(by.by_name["c64"](*samples).outputs)))
-    double, single = suite.in_both_precisions(by, *samples)
-    pair = ("c64", double), ("c32", single)
-    in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
-    progress("edge steps")
-    samples = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    edge = suite.compare("edge steps", by, *samples, EDGE_FLOOR)
-    progress("replays of closed loops")
-    rigs = [simulation.of_stage(stage, c) for c in (by.c32, by.c64)]
-    runs = replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY)
-    compared += suite.replay(by, {what: run.measured for what, run in runs.items()}, FLOOR)
-    progress("commutation")
-    phases, precisions = compare_commutations(stage, runs)
-    compared += phases
-    progress("single against double over 60 s")
-    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
-    checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
-    return Evidence(stage.name, (*compared, in_single, precisions, *edge), tuple(checks))
-
-
-def compare_commutations(stage: Stage, runs: Mapping[str, Trajectory]) -> tuple[list[Agreement], Agreement]:
-    """Compare all witnesses of the commutation over random and edge steps and `runs`, and single with double.
-
-    The random states include every stage of a handover between the motors.
-    """
-    block = commutation.phase_currents(stage.plant)
-    by, rng = suite.witnesses(block, reference_phase.step, stage.surrogate_error), np.random.default_rng(SEED + 2)
-    random, edge = sampling.anywhere(block, rng, RANDOM_STEPS), sampling.edge_steps(block, rng, EDGE_STEPS)
-    compared = suite.compare("commutation, random steps", by, *random, FLOOR)
-    compared += suite.compare("commutation, edge steps", by, *edge, FLOOR)
-    companion = Companion(block)
-    recorded = {
-        f"commutation, {what}": companion.select_inputs(run.measured, run.commands) for what, run in runs.items()
+def law_states(
+    rng: np.random.Generator, axis: str, position: NDArray[np.float64], error: NDArray[np.float64]
+) -> Columns:
+    """Return states of the filter and the regulator of an axis, (n,), that belong to a tracking error."""
+    n = len(error)
+    states = {
+        f"filter_{axis}_q_prev": error + rng.normal(0, 1e-6, n),
+        f"filter_{axis}_s": rng.normal(0, 5e-6, n),
+        f"filter_{axis}_r": rng.normal(0, 1e-5, n),
     }
-    double, single = suite.in_both_precisions(by, *random)
-    pair = ("c64", double), ("c32", single)
-    in_single = agree.compare("commutation, random steps", *pair, FLOOR, block, np.float32)
-    return [*compared, *suite.replay(by, recorded, FLOOR)], in_single
-
-
-def _unit(floor: float) -> str:
-    return f"max({floor:.3g} A, |i|)"
-
-
-def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, and few motors saturate.
-
-    The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
-    current close below its limit, where the limit of i_q falls steeply, are left to the edge steps.
-    """
-    states, inputs = _in_operation(block, n + n // 4)
-    outputs = reference_faults.step(states, inputs)[1]
-    size = np.abs([outputs[f"i_d{j}"] for j in control.MOTORS])
-    near_limit = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
-    chosen = np.flatnonzero(~near_limit)[:n]
-    return {s: v[chosen] for s, v in states.items()}, {s: v[chosen] for s, v in inputs.items()}
-
-
-def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
-    rng = np.random.default_rng(SEED)
-    states, inputs = sampling.anywhere(block, rng, n)
-    bounds = {a.name: (a.reference.low + INSIDE, a.reference.high - INSIDE) for a in control.AXES}
-    pose = {name: rng.uniform(*ends, n) for name, ends in bounds.items()}
-    r = reference.Parameters().r
-    tilt, roll = r * np.sin(pose["phi"]), r * np.sin(pose["theta"])
-    inputs |= {"y1": pose["y"] - tilt, "y3": pose["y"] + tilt, "y2": pose["y"] + roll, "y4": pose["y"] - roll}
-    inputs |= {"x": pose["x"], "z": pose["z"]}
-    for name, ends in bounds.items():
-        error = rng.uniform(-1, 1, n) * 10.0 ** rng.uniform(-6, -3.3, n)
-        inputs[f"{name}_ref"] = np.clip(pose[name] - error, *ends)
-        states[f"filter_{name}_q_prev"] = error + rng.normal(0, 1e-6, n)
-        states[f"filter_{name}_s"] = rng.normal(0, 5e-6, n)
-        states[f"filter_{name}_r"] = rng.normal(0, 1e-5, n)
-        for eta, bound in zip(reference.ETA, control.ETA_BOUNDS, strict=True):
-            states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
-    states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
-    states |= _fault_handling(rng, n, inputs)
-    inputs["y1"] = inputs["y1"] + np.where(rng.uniform(size=n) < RARE, rng.uniform(-1e-3, 1e-3, n), 0.0)
-    for s in control.CURRENTS:
-        held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
-        last = held + rng.uniform(-0.5, 0.5, n)
-        states[f"safe_output_last_{s.name}"] = np.clip(last, s.low + INSIDE, s.high - INSIDE)
-    return states, inputs
-
-
-def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Columns:
-    """Return states of the fault handling near the readings: few encoders are excluded, few platens land."""
-    states: Columns = {}
-    readings: Any = np.array([inputs[name] for name in reference_faults.NAMES])
-    for s, q in zip(reference.AXES, reference.pose(readings, reference.Parameters().r), strict=True):
-        states[f"observer_{s}_q"] = q + rng.normal(0, 1e-5, n)
-        states[f"observer_{s}_v"], states[f"observer_{s}_d"] = rng.normal(0, 0.02, n), rng.normal(0, 0.5, n)
-        states[f"delay_{reference_faults.DEMANDS[s]}_last"] = rng.normal(0, 0.5, n)
-    for name, y in zip(reference_faults.NAMES, readings, strict=True):
-        states[f"redundancy_code_{name}"] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
-        states[f"redundancy_excluded_{name}"] = (rng.uniform(size=n) < RARE).astype(float)
-    for name in "xz":
-        states[f"redundancy_doubts_{name}"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
-        states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
-        states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
-        attempts = reference_faults.ATTEMPTS
-        states[f"probe_{name}_attempt"] = np.where(rng.uniform(size=n) < RARE, attempts, rng.integers(0, attempts, n))
-    states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
-    for flag in ("undecided", "stuck"):
-        states[f"redundancy_{flag}_0"] = (rng.uniform(size=n) < RARE).astype(float)
-    states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)
-    states["landing_landing"] = (rng.uniform(size=n) < RARE).astype(float)
-    for s in ("y", "x", "z"):
-        states[f"landing_r_{s}"] = states[f"observer_{s}_q"] + rng.normal(0, 1e-4, n)
-        states[f"landing_dr_{s}"] = rng.uniform(-0.05, 0.05, n)
-    states["landing_r_y"] = np.minimum(states["landing_r_y"], control.GAP[1])
+    for eta, bound in zip(reference.ETA, control.ETA_BOUNDS, strict=True):
+        states[f"regulator_{axis}_{eta}"] = rng.normal(0, NEAR * bound, n)
     return states
 
 
-def _neighbours(rng: np.random.Generator, y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return readings one count from y."""
-    return np.asarray(y + np.where(rng.uniform(size=len(y)) < 0.5, -1e-5, 1e-5))
-
-
-def holding_current(gap: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the direct current in A with which a motor at a gap in m carries a quarter of the platen, F(2)."""
-    p = reference.Parameters()
-    m = reference.motor(gap, p)
-    load = m.a - p.M_y * p.G / 4
-    return 2 * load / (m.b + np.sqrt(m.b**2 - 4 * m.c * load))
-
-
-def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
-    """Return for each sample whether a motor is at its limit."""
-    motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in control.MOTORS]
-    return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
-
-
-def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
-    """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
-
-    Single samples of y2 and x_ref are bad, then four in a row of x, and finally z permanently, which latches.
-    """
-    time = sample_times(2.0, rig.period_s)
-    masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
-    bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
-    return {
-        f"replay of {replay_s:g} s": experiments.tracking(rig, True, replay_s)[0],
-        "replay of a saturated step": experiments.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
-        "replay of faults": rig.run(2.0, overrides=bad),
-    }
-
-
-def single_against_double(single: Rig, double: Rig) -> list[Check]:
-    """Compare 60 s of 4-DOF tracking in both types: point by point with ideal sensing, by mean errors with encoders."""
-    checks, units = [], experiments.UNITS
-    one, two = (experiments.tracking(rig.ideal, True)[0] for rig in (single, double))
-    for axis, limit in POINTWISE.items():
-        worst = float(np.max(np.abs(one[axis] - two[axis])))
-        checks.append(Check(f"single less double, {axis}", worst, limit, units[axis], "60 s, ideal sensing"))
-    means = [experiments.mean_errors(*experiments.tracking(rig, True)) for rig in (single, double)]
-    for axis, limit in MEANS.items():
-        gap = abs(means[0][axis] - means[1][axis])
-        checks.append(Check(f"mean error, single less double, {axis}", gap, limit, units[axis], "60 s, encoders"))
-    return checks
-
-
-def vectors(rig: Rig) -> Mapping[str, Any]:
-    """Return a lift-off from the stop with moves in x, z and theta, three bad encoder samples and a bad set-point."""
-    time = sample_times(STEPS * rig.period_s, rig.period_s)
-    wave = np.sin(control.OMEGA0 * time)
-    references = {"y_ref": 0.031 - 0.006 * time, "x_ref": 0.005 * wave, "z_ref": -0.005 * wave}
-    references["theta_ref"] = 0.001 * wave
-    references["y_ref"][BAD_SET_POINT] = 0.05
-    bad = Override(np.isin(np.arange(STEPS), np.r_[BAD]), np.full(STEPS, 0.2))
-    return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
+verify = partial(verification.verify, law_states)

@@ -74,6 +74,7 @@ def block(
     disturbance: float,
     flags: Flags | None = None,
     gain: Gain | None = None,
+    ahead: bool = False,
 ) -> Block:
     """Return the observer of `measured` with the poles -`bandwidth` rad/s.
 
@@ -81,7 +82,8 @@ def block(
     ``<q>_expected``, the prediction for this sample, and ``<q>_estimate``, ``<q>_rate`` and ``<q>_disturbance`` after
     the correction; q is `name`. `rate` and `disturbance` bound the states v and d. With `flags`, in samples in which
     the measurement is not trusted, the disturbance is 0, the gain stays, and the rate that was learnt since the
-    measurement last changed is taken back.
+    measurement last changed is taken back. With `ahead` the prediction for the next sample, when a command with a delay
+    of one sample acts, is given too, as ``<q>_ahead`` and ``<q>_rate_ahead``.
 
     Raises SignalError for a bandwidth that is not positive or not below 1/T, bounds that are not positive, units of
     measurement and demand that do not fit, or a learnt gain without `flags` or with bounds that exclude 1.
@@ -107,6 +109,9 @@ def block(
         Signal(f"{name}_rate", f"{unit}/s", -fastest, fastest, f"rate of {name} after the correction"),
         Signal(f"{name}_disturbance", f"{unit}/s^2", -disturbance, disturbance, "acceleration that the demand lacks"),
     ]
+    if ahead:
+        signals.append(Signal(f"{name}_ahead", unit, measured.low, measured.high, f"{name} one sample later"))
+        signals.append(Signal(f"{name}_rate_ahead", f"{unit}/s", -rate, rate, f"rate of {name} one sample later"))
     inputs = [measured, demand, Signal("ready", "1", 0, 1, "an earlier sample was complete")]
     if flags:
         inputs.append(Signal(flags.trusted, "1", 0, 1, "the measurement is used"))
@@ -124,10 +129,13 @@ def block(
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
         faster = v + T * a
-        next |= {"q": q + T / 2 * (v + faster), "v": faster, "d": d}
+        further = q + T / 2 * (v + faster)
+        next |= {"q": further, "v": faster, "d": d}
         if gain:
             next["g"] = x["g"] + gain.rate * T * (u[demand.name] * d)
-        return Step(dict(zip((s.name for s in signals), (x["q"], q, v, d), strict=True)), next)
+        values = [x["q"], q, v, d]
+        values += [clip(further, states[0].signal), clip(faster, states[1].signal)] if ahead else []
+        return Step(dict(zip((s.name for s in signals), values, strict=True)), next)
 
     states = [
         State(Signal("q", unit, measured.low, measured.high, "prediction"), (measured.low + measured.high) / 2),

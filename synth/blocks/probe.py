@@ -6,7 +6,9 @@ At rest a working sensor stays in one count only while nothing moves the body. A
 the probe moves it, at first by `step`, then by 2 `step` and so on, towards the set-point. Each pair runs to its end,
 so it leaves no speed. The first after which the code has changed is the last. Without `attempts` answers the sensor is
 frozen, and who reads ``unanswered`` decides what follows. A body that moves by one `step` more in each pair passes the
-edge of a count by at most one `step`.
+edge of a count by at most one `step`. With `both_sides` pair k moves it by (1 + k/2) `step`, to the other side than
+the pair before: the nearer edge of a count is at most half a count away, so smaller and fewer pairs are enough, and the
+body passes the edge by at most 1.5 `step`.
 
 Friction F of a mass m allows no motion while a <= F/m, and viscous friction makes the motion smaller: `attempts` pairs
 must move the body by more than one count in spite of both. A body on a stop is not to be probed: ``free`` is then 0.
@@ -32,12 +34,16 @@ ANSWER = 3  # samples from the end of a pair to the last answer: delay, rounding
 @arguments.checked
 @dataclass(frozen=True)
 class Probe:
-    """Samples without a change before it, samples n of a quarter, the first displacement a (n T)^2, pairs at most."""
+    """Samples without a change before it, samples n of a quarter, the first displacement a (n T)^2, pairs at most.
+
+    With `both_sides` the pairs alternate between both directions.
+    """
 
     quiet: int
     quarter: int
     step: float
     attempts: int
+    both_sides: bool = False
 
     @property
     def pair(self) -> int:
@@ -77,9 +83,12 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], x["attempt"] + 1)
         after = ca.if_else(ends, ca.if_else(still >= pair, failures, 0), x["attempt"])
         attempt = ca.if_else(runs, after, x["attempt"])
-        towards = ca.if_else(runs, x["towards"], ca.if_else(u[error.name] > 0, -a, a))
+        other = ca.if_else(ends, -x["towards"], x["towards"]) if probe.both_sides else x["towards"]
+        to_set_point = ca.if_else(u[error.name] > 0, -a, a)
+        to_set_point = ca.if_else(x["attempt"] >= 1, x["towards"], to_set_point) if probe.both_sides else to_set_point
+        towards = ca.if_else(runs, other, to_set_point)
         inner = ca.logic_and(x["sample"] > n, x["sample"] <= 3 * n)
-        push = x["towards"] * (x["attempt"] + 1)
+        push = x["towards"] * ((x["attempt"] / 2 if probe.both_sides else x["attempt"]) + 1)
         pulse = ca.if_else(x["sample"] <= 4 * n, ca.if_else(inner, -push, push), 0.0)
         output = {
             demand.name: ca.if_else(active, ca.if_else(runs, clip(w + pulse, demand), w), w),

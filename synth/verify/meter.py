@@ -113,6 +113,7 @@ def with_law_alone(cost: Cost, law: EmittedCode, inputs: Columns) -> Cost:
     Raises as `measure`.
     """
     controller, candidate = host.load(law.files, law.manifest), replace(baselines.emitted_c(law), name=LAW_ALONE)
+    inputs = {name: column for name, column in inputs.items() if name in (controller.inputs.names or ())}
     recorded = steps.without_faults(controller, steps.record(controller, "law alone", inputs))
     shared = steps.thinned(recorded, cost.compared[0].steps)
     alone = [step_cost(candidate, shared, build, controller) for build in builds()]

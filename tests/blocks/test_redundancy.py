@@ -117,17 +117,19 @@ def test_wrong_declarations_are_refused() -> None:
 
 
 W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)
-PROBE = probe.Probe(10, 3, 4e-6, 4)
+PROBE, BOTH_SIDES = probe.Probe(10, 3, 4e-6, 4), probe.Probe(10, 1, 2e-6, 6, both_sides=True)
 
 
-def probe_a_body(offset: float, factor: float = 1.0, frozen: bool = False, free: float = 1.0) -> tuple[Any, Any, bool]:
+def probe_a_body(
+    offset: float, factor: float = 1.0, frozen: bool = False, free: float = 1.0, by: probe.Probe = PROBE
+) -> tuple[Any, Any, bool]:
     """Return positions, speeds between the pairs and whether no pair was answered, of a body with counts of 10 um."""
-    runner, x, v, still, code = Runner(probe.block(TIME, "x", ERROR, W, PROBE)), offset, 0.0, 0.0, 0.0
+    runner, x, v, still, code = Runner(probe.block(TIME, "x", ERROR, W, by)), offset, 0.0, 0.0, 0.0
     xs, vs, unanswered = [], [], False
     for _ in range(150):
         now = code if frozen else round(x / 1e-5)
         still, code = (still + 1 if now == code else 0.0), now
-        out = runner(w_unprobed=0.0, x_unchanged=min(still, PROBE.count_limit), e=1e-5 * code, free=free)
+        out = runner(w_unprobed=0.0, x_unchanged=min(still, by.count_limit), e=1e-5 * code, free=free)
         x, v = x + T * v + T * T / 2 * factor * out["w"], v + T * factor * out["w"]
         xs.append(x)
         vs.append(v if runner.state[0] == 0 else 0.0)
@@ -141,6 +143,21 @@ def test_the_probe_changes_the_code_of_a_body_by_one_count_and_leaves_no_speed(o
     x, v, unanswered = probe_a_body(offset, factor)
     assert not unanswered and 0 < np.abs(np.round(x / 1e-5)).max() == 1
     assert np.abs(x).max() < 5e-6 + 1.1 * PROBE.step and np.abs(v).max() < 1e-9
+
+
+@pytest.mark.parametrize("offset", [-4.9e-6, -1e-6, 0.0, 2e-6, 4.9e-6])
+def test_pairs_to_both_sides_change_the_code_of_a_body_by_one_count_and_leave_no_speed(offset: float) -> None:
+    x, v, unanswered = probe_a_body(offset, 0.9, by=BOTH_SIDES)
+    assert not unanswered and np.abs(np.round(x / 1e-5)).max() == 1
+    assert np.abs(x).max() < 5e-6 + 1.5 * BOTH_SIDES.step and np.abs(v).max() < 1e-9
+
+
+def test_pairs_to_both_sides_of_a_frozen_sensor_move_the_body_there_and_back() -> None:
+    x, v, unanswered = probe_a_body(1e-6, frozen=True, by=BOTH_SIDES)
+    assert unanswered and np.abs(v).max() < 1e-9
+    # Where nothing takes the demand over after the sixth pair, further ones move the body by 8 um.
+    assert x.max() == pytest.approx(1e-6 + 8e-6, rel=1e-3) and x.min() == pytest.approx(1e-6 - 8e-6, rel=1e-3)
+    assert BOTH_SIDES.samples < 60
 
 
 def test_a_frozen_sensor_does_not_answer_and_a_body_on_a_stop_is_not_probed() -> None:

@@ -14,7 +14,7 @@ from synth.campaign import SafeOutput, read_safe_output
 from synth.commands import SAFE_OUTPUT
 
 ROOT = Path(__file__).parents[2]
-CLOSED = ("maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg")
+CLOSED = ("maglev_5dof", "maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg")
 DIGITS = 0.03  # relative: three digits, and 1 % of a closed loop
 SLOW = 1e-3  # of a unit per second: below it a speed is compared as such
 

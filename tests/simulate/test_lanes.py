@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import design, experiments
+from designs.maglev import motions
+from designs.maglev_5dof import design
 from models import maglev_stage
 from synth import standard_tasks
 from synth.errors import WiringError
@@ -42,7 +43,7 @@ def scenario_of(rig: Rig, run: Callable[[Rig], object]) -> Scenario:
 
 def course(rig: Rig, duration_s: float = 2.0) -> Scenario:
     """Return the scenario of the 4-DOF motion."""
-    return scenario_of(rig, lambda r: experiments.tracking(r, True, duration_s))
+    return scenario_of(rig, lambda r: motions.tracking(r, True, duration_s))
 
 
 def wrong_plants(rig: Rig, n: int) -> list[Plant]:

@@ -19,7 +19,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import motions, platen
+from designs.maglev_5dof import control
 from models import maglev_loop, maglev_stage
 from models.maglev_loop import Motion, Regulator
 from synth import cache
@@ -69,7 +70,7 @@ class AuditSetup:
 
     stage: Stage
     plant: Plant
-    duration_s: float = experiments.TRACK_TO
+    duration_s: float = motions.TRACK_TO
     cells: int = 12
 
     @cached_property
@@ -89,9 +90,9 @@ def ideal(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2
 
     `lv3` names the factor in L_v3, of both plant and law.
     """
-    courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
+    courses = {axis: motions.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
-        courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
+        courses |= {"phi": Sine(0.0, platen.OMEGA0), "theta": motions.COURSES["theta"]}
     return run(setup.pair(springs), courses, {"y": 0.020, "x": -0.03}, setup.duration_s / 3, lv3)
 
 
@@ -131,8 +132,8 @@ def encoder_errors(
     plant, assumed = setup.pair(springs)
     disturbance = maglev_stage.guide_disturbance(setup.plant, FRICTION, setup.cells) if guided else None
     rig = Rig(setup.stage, plant, _controller(assumed, corrected), disturbance=disturbance)
-    trajectory, courses = experiments.tracking(rig, four, setup.duration_s)
-    return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, setup.duration_s / 6).items()}
+    trajectory, courses = motions.tracking(rig, four, setup.duration_s)
+    return {a: 1e6 * e for a, e in motions.mean_errors(trajectory, courses, setup.duration_s / 6).items()}
 
 
 @lru_cache(maxsize=CACHED_RUNS)
@@ -190,12 +191,12 @@ def linear_step(name: str, step: float) -> metrics.StepResponse:
     for k in range(len(time)):
         error[k] = state[0]
         state = transition @ state
-    return metrics.step_response(time, error + step, 0.0, step, experiments.BAND, experiments.COUNTS[name])
+    return metrics.step_response(time, error + step, 0.0, step, motions.BAND, motions.COUNTS[name])
 
 
 def gap_step(plant: Plant, low: float, size: float) -> metrics.StepResponse:
     """Return the metrics over 6 s of a gap step from `low` by `size` in m, for the nonlinear plant under (12)."""
     high = low + size
-    motion = run((plant, plant), {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
+    motion = run((plant, plant), {"y": Sine(0.0, platen.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
     gap = motion.error["y"] + low + size
-    return metrics.step_response(motion.time, gap, low, high, experiments.BAND, control.RESOLUTION)
+    return metrics.step_response(motion.time, gap, low, high, motions.BAND, platen.RESOLUTION)

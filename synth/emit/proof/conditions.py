@@ -3,6 +3,10 @@
     low <= u && u <= high   true:  low <= u <= high, and u is not NaN
                             false: no information that one interval can express
     fabs(u) <= h            true:  -h <= u <= h
+    u^2 + v^2 + .. <= h     true:  -sqrt(h) <= u <= sqrt(h), v likewise
+
+Rounding to nearest is monotone, so a sum of numbers that are not negative is not below any of them, and the rounded
+square of u is at most h. Then u^2 is below the number after h.
 
 A comparison with NaN is false. Only a comparison that holds therefore implies that its sides are not NaN.
 """
@@ -30,8 +34,17 @@ def narrowable_nodes(nodes: Sequence[Node], condition: int) -> frozenset[int]:
 
 
 def _chain(nodes: Sequence[Node], k: int) -> frozenset[int]:
-    """Return a node and its operands through negations and absolute values."""
-    return frozenset({k}) | (_chain(nodes, nodes[k].args[0]) if nodes[k].op in ("neg", "fabs") else frozenset())
+    """Return a node and its operands through negations, absolute values, squares and sums of such."""
+    passed = nodes[k].op in ("neg", "fabs") or _is_square(nodes[k]) or _is_sum_of_squares(nodes, k)
+    return frozenset({k}).union(*(_chain(nodes, a) for a in nodes[k].args if passed))
+
+
+def _is_square(node: Node) -> bool:
+    return node.op == "sq" or (node.op == "mul" and node.args[0] == node.args[1])
+
+
+def _is_sum_of_squares(nodes: Sequence[Node], k: int) -> bool:
+    return nodes[k].op == "add" and all(_is_square(nodes[a]) or _is_sum_of_squares(nodes, a) for a in nodes[k].args)
 
 
 def narrow(
@@ -119,10 +132,23 @@ def _unless(mask: Array, narrowed: Interval, before: Interval) -> Interval:
 
 
 def _propagate(nodes: Sequence[Node], k: int, a: Interval) -> Narrowing:
-    """Propagate an interval of node k back through negations and absolute values."""
-    op = nodes[k].op
-    if op == "neg":
-        return {k: a} | _propagate(nodes, nodes[k].args[0], Interval(-a.high, -a.low, a.nan))
-    if op == "fabs":
-        return {k: a} | _propagate(nodes, nodes[k].args[0], Interval(-a.high, a.high, a.nan))
+    """Propagate an interval of node k back through negations, absolute values, squares and sums of squares."""
+    node = nodes[k]
+    if node.op == "neg":
+        return {k: a} | _propagate(nodes, node.args[0], Interval(-a.high, -a.low, a.nan))
+    if node.op == "fabs":
+        return {k: a} | _propagate(nodes, node.args[0], Interval(-a.high, a.high, a.nan))
+    if _is_square(node):
+        root = _upper_root(a.high)
+        return {k: a} | _propagate(nodes, node.args[0], Interval(-root, root, a.nan))
+    if _is_sum_of_squares(nodes, k):
+        part = Interval(np.zeros_like(a.low), a.high, a.nan)
+        return {k: a} | intersect(_propagate(nodes, n, part) for n in node.args)
     return {k: a}
+
+
+def _upper_root(high: Array) -> Array:
+    """Return a bound of |u| where the rounded u^2 is at most `high`; it is negative where there is none."""
+    above = high.dtype.type(inf)
+    root = np.nextafter(np.sqrt(np.nextafter(np.maximum(high, 0), above)), above)
+    return np.where(high < 0, -root, root)

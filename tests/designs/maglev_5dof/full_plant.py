@@ -3,18 +3,19 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from designs.maglev import reference_stage
 from designs.maglev_5dof import reference
 
 Array = NDArray[np.float64]
 
 
-def motors(y: Array, phi: Array, theta: Array, p: reference.Parameters) -> reference.Motor:
+def motors(y: Array, phi: Array, theta: Array, p: reference_stage.Parameters) -> reference_stage.Motor:
     """Return the four motors (4, ...) at a pose. F(5)."""
     tilt, roll = p.r * np.sin(phi), p.r * np.sin(theta)
-    return reference.motor(np.stack([y - tilt, y + roll, y + tilt, y - roll]), p)
+    return reference_stage.motor(np.stack([y - tilt, y + roll, y + tilt, y - roll]), p)
 
 
-def plant(state: Array, currents: Array, p: reference.Parameters) -> Array:
+def plant(state: Array, currents: Array, p: reference_stage.Parameters) -> Array:
     """Return the derivative of x1..x10 (10, ...) under i_d1..i_d4, i_q1..i_q4 (8, ...). F(2), F(6)-(7), F table II."""
     y, v_y, _, v_x, _, v_z, phi, v_phi, theta, v_theta = state
     m, i_d, i_q = motors(y, phi, theta, p), currents[:4], currents[4:]
@@ -27,7 +28,7 @@ def plant(state: Array, currents: Array, p: reference.Parameters) -> Array:
 
 def initial_state() -> dict[str, float]:
     """Return the state of the controller after init, by name."""
-    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in reference.LIMITS}
-    state |= {"guard_left": reference.BAD_SAMPLES, "guard_latched": 0.0, "guard_ready": 0.0}
+    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in reference_stage.LIMITS}
+    state |= {"guard_left": reference_stage.BAD_SAMPLES, "guard_latched": 0.0, "guard_ready": 0.0}
     state |= dict.fromkeys(reference.MEMORY, 0.0)
-    return state | {f"safe_output_last_{s}": value for s, value in reference.SAFE.items()}
+    return state | {f"safe_output_last_{s}": value for s, value in reference_stage.SAFE.items()}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import commutation, control, experiments, reference_phase
+from designs.maglev import commutation, motions, platen, reference_phase
 from designs.maglev_5dof.design import DESIGN, PHASES
 from models import maglev_stage
 from synth import standard_tasks
@@ -21,7 +21,7 @@ from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.verify import replays, sampling, suite
 
-ERROR = control.SURROGATE_ERROR
+ERROR = platen.SURROGATE_ERROR
 STOP = 0.031  # m, the gap at the lower stop
 
 
@@ -38,7 +38,7 @@ def behind(block: Block) -> Rig:
 
 def errors(of: Rig) -> dict[str, float]:
     """Return the mean errors of 12 s of the 4-DOF tracking after 8 s."""
-    return experiments.mean_errors(*experiments.tracking(of, True, 12.0), 8.0, 12.0)
+    return motions.mean_errors(*motions.tracking(of, True, 12.0), 8.0, 12.0)
 
 
 def test_the_errors_through_both_blocks_are_those_of_ideal_currents() -> None:
@@ -49,7 +49,7 @@ def test_the_errors_through_both_blocks_are_those_of_ideal_currents() -> None:
 
 @pytest.mark.parametrize("samples", [0.0, 1.0, 2.0])
 def test_any_other_advance_is_worse_by_far(samples: float) -> None:
-    worse = errors(behind(commutation.phase_currents(maglev_stage.plant(), samples)))
+    worse = errors(behind(commutation.phase_currents(DESIGN.name, maglev_stage.plant(), samples)))
     assert min(worse["x"], worse["z"]) > 6e-6
 
 
@@ -83,7 +83,7 @@ def lose(
     lost = {s: Override(time >= onset, np.full(len(time), np.nan)) for s in sensors}
     if onset_s is None:
         return of.run(onset + watch_s, {"y": gap}, overrides=lost)
-    courses = {axis: course(time) for axis, course in experiments.COURSES.items()}
+    courses = {axis: course(time) for axis, course in motions.COURSES.items()}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
     references = {f"{axis}_ref": course for axis, course in courses.items()}
     return of.run(onset + watch_s, start, references, overrides=lost)
@@ -105,7 +105,7 @@ def test_at_rest_without_a_position_the_platen_lands_and_only_then_hands_its_cur
     assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and run.impacts["y"] < 0.02
     bit = 1 << (10 + "xz".index(sensor))
     word, latched = run.drive_faults[PHASES.name], int(np.flatnonzero(run.faults >> 31)[0])
-    assert np.flatnonzero(word & bit)[0] == latched + control.BAD_SAMPLES - 1
+    assert np.flatnonzero(word & bit)[0] == latched + platen.BAD_SAMPLES - 1
     assert run["y"][latched] == pytest.approx(STOP, abs=1e-6)
 
 
@@ -115,12 +115,12 @@ def test_the_commutation_follows_the_prediction_until_the_platen_has_landed(sens
     landing = slice(600, int(np.flatnonzero(run.faults >> 31)[0]))
     predicted = run.commands[f"{sensor}_commutation"][landing].astype(float)
     assert np.abs(predicted - run[sensor][landing]).max() < 1e-4 < np.ptp(run[sensor][landing])
-    assert (run.commands[f"{sensor}_commutation"][landing.stop :] == np.float32(control.LOST)).all()
+    assert (run.commands[f"{sensor}_commutation"][landing.stop :] == np.float32(platen.LOST)).all()
 
 
 def test_a_commutation_that_keeps_a_stale_angle_pushes_the_platen_to_its_stop(monkeypatch: Any) -> None:
     monkeypatch.setattr(commutation, "BAD_SAMPLES", 10**6)
-    stale = lose(behind(commutation.phase_currents(maglev_stage.plant())), ("x",), watch_s=3.0)
+    stale = lose(behind(commutation.phase_currents(DESIGN.name, maglev_stage.plant())), ("x",), watch_s=3.0)
     assert stale.impacts["x"] > 0.4
 
 
@@ -138,16 +138,16 @@ def test_with_both_positions_lost_the_currents_end() -> None:
     assert max(abs(float(run.driven[s.name][-1])) for s in PHASES.outputs) == 0.0
 
 
-@pytest.mark.parametrize("lost", [np.nan, control.LOST])
+@pytest.mark.parametrize("lost", [np.nan, platen.LOST])
 def test_direct_currents_go_to_the_motors_whose_position_is_known(lost: float) -> None:
     """From 1 A in each motor, 2 A in two; a position that is found again gets its currents back."""
     n = 120
-    inputs = {f"i_d{j}": np.ones(n) for j in control.MOTORS} | {f"i_q{j}": np.zeros(n) for j in control.MOTORS}
+    inputs = {f"i_d{j}": np.ones(n) for j in platen.MOTORS} | {f"i_q{j}": np.zeros(n) for j in platen.MOTORS}
     inputs |= {"x_commutation": np.zeros(n), "z_commutation": np.zeros(n)}
     inputs["x_commutation"][10:60] = lost
     c64 = build.compile_block(PHASES, np.float64, error=ERROR[np.float64])
     out = replays.replay(c64, inputs).outputs
-    sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in control.MOTORS}
+    sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in platen.MOTORS}
     for j, before, during in ((1, 1.0, 2.0), (2, 1.0, 0.0), (3, 1.0, 2.0), (4, 1.0, 0.0)):
         assert sizes[j][9] == pytest.approx(before) and sizes[j][59] == pytest.approx(during, abs=1e-12)
         assert sizes[j][-1] == pytest.approx(before)

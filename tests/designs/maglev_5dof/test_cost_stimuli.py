@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from designs.maglev import platen
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from synth.check import Check
@@ -54,7 +55,7 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
     assert {"tracking", "windup_with", "set_down_18.1", "faults", "latches"} <= set(sequences)
     taken = {name: steps.evaluate(controller, s) for name, s in sequences.items()}
     windup = taken["windup_with"].outputs
-    assert float(np.hypot(windup["i_d2"], windup["i_q2"]).max()) > 0.999 * control.CURRENT  # a motor at its limit
+    assert float(np.hypot(windup["i_d2"], windup["i_q2"]).max()) > 0.999 * platen.CURRENT  # a motor at its limit
     assert (taken["set_down_25"].faults >> 31).any() and not taken["tracking"].faults.any()
     bounds = {f["name"]: f["high"] for f in EMITTED.manifest["structs"]["state"]["fields"]}
     drawn = sequences["random states and inputs"].states
@@ -74,3 +75,11 @@ def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:
     short = {name: column[-2000:] for name, column in inputs.items()}
     checks: tuple[Check, ...] = on_target.verify(EMITTED, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
+
+
+def test_the_law_alone_is_measured_without_the_count_of_missed_calls(inputs: dict[str, Any]) -> None:
+    law = DESIGN.cost_stimuli.law_alone
+    assert law is not None and "missed_calls" in inputs
+    whole = meter.brief(EMITTED, DESIGN.cost_stimuli.block(), inputs)
+    alone = meter.with_law_alone(whole, law(), inputs).compared[-1]
+    assert alone.executed.mean < 0.7 * whole.compared[0].executed.mean

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import reference, reference_gains, verification
+from designs.maglev import verification
+from designs.maglev_5dof import reference, reference_gains
 from designs.maglev_5dof.design import DESIGN
 from synth.emit.write import EmittedCode
 from synth.execute import host

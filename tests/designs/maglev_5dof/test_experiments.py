@@ -6,8 +6,10 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import motions, platen
+from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.experiments import LIMITS
 from synth.block import Block, Constant
 from synth.check import Check
 from synth.execute import build, host
@@ -56,7 +58,7 @@ def test_zero_current_slams_up_and_the_safe_output_does_not(all_runs: dict[str, 
 @pytest.mark.parametrize("gap", np.arange(0.0181, 0.031, 0.0003).tolist())
 def test_the_safe_output_lets_the_platen_down_from_every_gap(emitted_rig: Rig, gap: float) -> None:
     """From rest, under the safe output alone; zero current instead slams it up from 28.7 mm and below."""
-    safe = {f"i_d{j}": control.SAFE_CURRENT for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
+    safe = {f"i_d{j}": platen.SAFE_CURRENT for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
     direct = emitted_rig.without_drive
     y = direct.run(2.0, {"y": gap}, {}, actuators={}, forcing=safe)["y"]
     assert y[-1] == pytest.approx(0.031, abs=1e-9) and np.diff(y).min() > -1e-9
@@ -78,16 +80,16 @@ def _with_gain(block: Block, name: str) -> Block:
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
     block = _with_gain(control.controller(stage).block, "regulator_y_k_de")
-    wrong = build.compile_block(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
-    run = experiments.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
-    assert run.response.t_s > experiments.Y_LIMITS[1]
+    wrong = build.compile_block(block, np.float32, error=platen.SURROGATE_ERROR[np.float32])
+    run = motions.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
+    assert run.response.t_s > LIMITS.y[1]
 
 
 @pytest.mark.parametrize("parameter", ["k_s_theta", "G"])
 def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Controller, parameter: str) -> None:
     wrong = stage.with_parameters(**MappingProxyType({parameter: -stage.parameter(parameter).value}))
-    runs = [experiments.step(Rig(DESIGN.stage, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
-    late, gone = experiments.THETA_LIMITS[1], 1e-3
+    runs = [motions.step(Rig(DESIGN.stage, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
+    late, gone = LIMITS.theta[1], 1e-3
     caught = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
     assert caught == [False, True]
 

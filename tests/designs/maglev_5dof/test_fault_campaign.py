@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import motions, platen
+from designs.maglev.fault_handling import DEGRADED
 from designs.maglev_5dof.design import DESIGN
-from designs.maglev_5dof.fault_handling import DEGRADED
 from models import maglev_stage
 from synth import standard_tasks
 from synth.progress import silent
@@ -23,7 +23,7 @@ from synth.simulate.sensors import Override
 pytestmark = pytest.mark.slow
 
 PLANTS, ONSET = 4, 1000
-MEASURED = [s.name for s in control.INTERFACE.sensors]
+MEASURED = [s.name for s in platen.INTERFACE.sensors]
 
 
 def runs(target: str, kind: str, condition: str) -> list[FaultRun]:
@@ -65,7 +65,7 @@ def test_an_encoder_that_freezes_at_rest_does_not_answer_the_probe_and_the_plate
         named = 1 << 11 + MEASURED.index(sensor)
         assert 0 <= bits[0] - ONSET < 200 and run.faults[bits[0]] == named | 1 << DEGRADED.bit
         assert np.abs(run[sensor] - run[sensor][ONSET]).max() < 10e-3 and run.impacts[sensor] == 0
-        assert run.impacts["y"] < 0.02 and run["y"][-1] == pytest.approx(control.GAP[1])
+        assert run.impacts["y"] < 0.02 and run["y"][-1] == pytest.approx(platen.GAP[1])
 
 
 def test_without_the_probe_an_encoder_that_freezes_at_rest_ends_at_a_stop() -> None:
@@ -88,7 +88,7 @@ def test_at_rest_the_probe_has_no_false_alarm_and_keeps_the_platen_within_one_co
 
 @pytest.mark.parametrize("kind", ["not finite", "frozen"])
 def test_a_lost_gap_encoder_is_named_and_the_loop_continues(kind: str) -> None:
-    for j in control.MOTORS:
+    for j in platen.MOTORS:
         lost = runs(f"y{j}", kind, campaign.IN_MOTION)
         assert all(run.named and not run.wrong_names and run.notice_s <= 0.05 for run in lost)
         assert all(math.isinf(run.latch_s) and not any(run.impacts.values()) for run in lost)
@@ -104,7 +104,7 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
         perturbed = replace(rig, plant=campaign.plant_number(rig.plant, i))
         lost = {name: Override(k >= onset, np.full(len(k), np.nan)) for name in pair}
         run = perturbed.run(motion.duration_s, motion.start, motion.references, overrides=lost)
-        assert 0 < run.impacts["y"] < 0.1 and run["y"][-1] == pytest.approx(control.GAP[1])  # m/s
+        assert 0 < run.impacts["y"] < 0.1 and run["y"][-1] == pytest.approx(platen.GAP[1])  # m/s
         assert max(run.impacts["phi"], run.impacts["theta"]) < 0.25  # rad/s, 0.10 m/s at the motors
 
 
@@ -130,9 +130,9 @@ def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: i
     rig = replace(rig, plant=true, disturbance=guides)
     lift_off = 0.031 - 0.006 * np.clip(np.arange(6000) * rig.period_s - 1.0, 0.0, 1.0)
     healthy = [
-        experiments.tracking(rig, True)[0],
-        *(experiments.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
-        rig.run(6.0, {"y": control.GAP[1]}, {"y_ref": lift_off}),
+        motions.tracking(rig, True)[0],
+        *(motions.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
+        rig.run(6.0, {"y": platen.GAP[1]}, {"y_ref": lift_off}),
     ]
     assert not any(run.faults.any() for run in healthy)
 
@@ -148,7 +148,7 @@ def test_without_its_detection_a_frozen_encoder_of_x_harms_the_machine() -> None
 def test_pairs_of_faults_are_the_redundant_gap_encoders_and_each_sensor_with_its_motor() -> None:
     """The four gap encoders see three coordinates, y1 + y3 = y2 + y4; x and z have one encoder each."""
     assert DESIGN.stage is not None
-    gaps = {f"y{j}" for j in control.MOTORS}
+    gaps = {f"y{j}" for j in platen.MOTORS}
     pairs = injections.sensor_pairs(DESIGN.stage)
     assert len(pairs) == 6 and all(set(pair) <= gaps for pair in pairs)
     motors = {sensor: current[-1] for sensor, current in injections.driven_sensors(DESIGN.stage)}  # i_a1 .. i_c4

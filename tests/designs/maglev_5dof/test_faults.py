@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import motions, platen
+from designs.maglev.fault_handling import DEGRADED, MISSED_CALLS
+from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
-from designs.maglev_5dof.fault_handling import DEGRADED, MISSED_CALLS
 from synth import stage as stages
 from synth.emit import write
 from synth.execute import host
@@ -19,7 +20,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 
-INPUTS = stages.guarded_inputs(control.INTERFACE)
+INPUTS = stages.guarded_inputs(platen.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]
 MEASURED = [g.signal.name for g in INPUTS if g.measurement]
 LATCHED = 1 << 31
@@ -68,7 +69,7 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("bad", BAD)
 def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: Rig, name: str, bad: float) -> None:
-    time = sample_times(1.5, control.TIME.period_s)
+    time = sample_times(1.5, platen.TIME.period_s)
     mask = (time >= 0.5) & (time < 0.5015)
     signal = next(g.signal for g in INPUTS if g.signal.name == name)
     in_range = signal.low <= bad <= signal.high
@@ -77,18 +78,18 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: R
     expected = np.where(mask & (not in_range), bits, 0)
     np.testing.assert_array_equal(trajectory.faults, expected)
     assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
-    assert experiments.motor_currents(trajectory).max() <= LIMIT
+    assert motions.motor_currents(trajectory).max() <= LIMIT
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_permanently_bad_lands_without_x_or_z_alone(emitted_rig: Rig, name: str) -> None:
-    time = sample_times(3.0, control.TIME.period_s)
+    time = sample_times(3.0, platen.TIME.period_s)
     lost = Override(time >= 0.5, np.full(len(time), np.nan))
     trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
     latched = trajectory.faults & LATCHED != 0
     if name in "xz":
         assert 0.3 < time[np.argmax(latched)] - 0.5 < 0.6 and latched[-1]
-        assert trajectory.impacts["y"] < 0.02 and trajectory["y"][-1] == pytest.approx(control.GAP[1])  # m/s
+        assert trajectory.impacts["y"] < 0.02 and trajectory["y"][-1] == pytest.approx(platen.GAP[1])  # m/s
         require_safe_output(trajectory, latched)
     else:
         assert not latched.any()
@@ -100,15 +101,15 @@ def require_safe_output(trajectory: Trajectory, latched: np.ndarray) -> None:
     currents = {n: trajectory.commands[n].astype(float) for n in safe_output}
     assert {n: i[-1] for n, i in currents.items()} == {n: pytest.approx(v) for n, v in safe_output.items()}
     steps = [np.abs(np.diff(i[latched])).max() for i in currents.values()]
-    assert max(steps) <= control.SLEW * control.TIME.period_s * (1 + 1e-5)
+    assert max(steps) <= platen.SLEW * platen.TIME.period_s * (1 + 1e-5)
 
 
 def test_three_lost_gap_encoders_latch_at_once(emitted_rig: Rig) -> None:
-    time = sample_times(3.0, control.TIME.period_s)
+    time = sample_times(3.0, platen.TIME.period_s)
     lost = {f"y{j}": Override(time >= 0.5, np.full(len(time), np.nan)) for j in (1, 2, 4)}
     trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides=lost)
     latched = trajectory.faults & LATCHED != 0
-    assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]
+    assert np.argmax(latched) == np.argmax(time >= 0.5) + platen.BAD_SAMPLES - 1 and latched[-1]
     require_safe_output(trajectory, latched)
 
 
@@ -127,7 +128,7 @@ def test_once_latched_filters_and_internal_models_stand_still(single: host.Contr
     n, k = 400, 200
     inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
     inputs["missed_calls"] = np.zeros(n)
-    bad = (np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES)
+    bad = (np.arange(n) >= k) & (np.arange(n) < k + platen.BAD_SAMPLES)
     inputs |= {name: np.where(bad, np.nan, inputs[name]) for name in ("y1", "y2", "y3")}
     at = [single.replay({name: v[:stop] for name, v in inputs.items()}).state for stop in (k + 4, k + 5, k + 6, n)]
     loops = [m for m in at[0].dtype.names or () if m.startswith(("filter_", "regulator_"))]
@@ -149,7 +150,7 @@ def test_a_latch_stays_until_init(single: host.Controller) -> None:
 
 
 def _emitted(stage: Plant) -> write.EmittedCode:
-    error = control.SURROGATE_ERROR[np.float32]
+    error = platen.SURROGATE_ERROR[np.float32]
     return write.emit(control.controller(stage).block, np.float32, error=error)
 
 
@@ -168,7 +169,7 @@ def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        (f"{np.float32(control.DIRECT)!s}f", "7.5f"),
+        (f"{np.float32(platen.DIRECT)!s}f", "7.5f"),
         ("24.5f", "60.0f"),
         ("(sum_next) <= 600.0f", "(sum_next) <= 6e9f"),
     ],

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from designs.maglev import platen
+from designs.maglev.motions import WIRES
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
-from designs.maglev_5dof.experiments import WIRES
 from synth.analyse import discretise, loop, operating_points, robustness
 from synth.composition import compose
 from synth.plant import Plant
@@ -14,7 +15,7 @@ from tests import tolerances
 
 OpenLoops = dict[tuple[str, int], robustness.OpenLoop]
 GAPS = (18, 25, 31)  # mm
-CUT = [*(s.name for s in control.OUTPUTS), "y_out"]
+CUT = [*(s.name for s in platen.OUTPUTS), "y_out"]
 # axis, gap mm: phase margin in degrees at the fastest crossing, gain margin above 1, peak sensitivity
 MARGINS = {
     ("y", 18): (47.4, 2.85, 1.83),
@@ -54,9 +55,9 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
         operating_points.trim(stage, {"y": gap * 1e-3}, list(WIRES)),
         robustness.equilibrium_at(loops, f"{gap} mm"),
     )
-    for s in control.CURRENTS:
+    for s in platen.CURRENTS:
         assert rest.state[f"safe_output_last_{s.name}"] == pytest.approx(point[s.name], abs=1e-6)
-    assert abs(point["i_d1"] - control.SAFE_CURRENT) > 1e-3
+    assert abs(point["i_d1"] - platen.SAFE_CURRENT) > 1e-3
     assert rest.inputs["y1"] == pytest.approx(gap * 1e-3, abs=1e-9)
 
 
@@ -64,8 +65,8 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
 def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, open_loops: OpenLoops, gap: int) -> None:
     """The whole loop is put together here, from the controller as it ships and the plant under its delay."""
     rest = robustness.equilibrium_at(loops, f"{gap} mm")
-    K, sensors = rest.controller, {s.name: s.of for s in control.INTERFACE.sensors}
-    P = discretise.with_delay(discretise.zero_order_hold(rest.plant, control.TIME.period_s), 1)
+    K, sensors = rest.controller, {s.name: s.of for s in platen.INTERFACE.sensors}
+    P = discretise.with_delay(discretise.zero_order_hold(rest.plant, platen.TIME.period_s), 1)
     S = np.array([[float(sensors.get(i) == o) for o in P.outputs] for i in K.inputs])
     U = np.array([[float(WIRES[i] == o) for o in K.outputs] for i in P.inputs])
     A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])
@@ -96,6 +97,6 @@ def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, open_loops: 
     block = compose("cut", loop.cut(DESIGN.stage.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
     K = loop.linearise_block(block, rest.state, {**rest.inputs, "y": 0.025})
     partial = loop.open_loop(rest.plant, K, "y", of.sensors, of.actuators)
-    z = np.exp(1j * np.array([20.0]) * control.TIME.period_s)
+    z = np.exp(1j * np.array([20.0]) * platen.TIME.period_s)
     whole, part = (np.abs(L.response(z)[0, 0, 0]) for L in (open_loops["y", 25].L, partial))
     assert abs(whole / part - 1) > 0.1

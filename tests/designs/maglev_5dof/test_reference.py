@@ -14,11 +14,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy import linalg, signal
 
+from designs.maglev import reference_stage
 from designs.maglev_5dof import reference, reference_gains
 from tests.designs.maglev_5dof import full_plant
 
 Array = NDArray[np.float64]
-P = reference.Parameters()
+P = reference_stage.Parameters()
 T = 1e-3
 # Largest |error|: |s| stays below twice that over 1 - 1/e, and |r| below twice that over 1 - 2/e.
 ERRORS = {"y": 0.0165, "x": 0.15, "z": 0.15, "phi": 0.023, "theta": 0.045}
@@ -45,13 +46,13 @@ def any_state(rng: np.random.Generator, n: int) -> dict[str, Array]:
         state[f"filter_{s}_r"] = rng.uniform(-1, 1, n) * 2 * widest / (1 - 2 * exp(-1))
         bounds = zip(reference.ETA, reference.ETA_BOUNDS, strict=True)
         state |= {f"regulator_{s}_{name}": rng.uniform(-b, b, n) for name, b in bounds}
-    for s in reference.SAFE:
+    for s in reference_stage.SAFE:
         state[f"safe_output_last_{s}"] = rng.uniform(-4.9, 4.9, n)
     return state
 
 
 def any_inputs(rng: np.random.Generator, n: int) -> dict[str, Array]:
-    return {s: rng.uniform(low, high, n) for s, (low, high) in reference.LIMITS.items()}
+    return {s: rng.uniform(low, high, n) for s, (low, high) in reference_stage.LIMITS.items()}
 
 
 class TestMotor:
@@ -59,10 +60,10 @@ class TestMotor:
     TABLE = ((0.018, 60.423, 21.730, 18.519), (0.025, 25.937, 13.446, 12.488), (0.031, 13.040, 9.3391, 8.9890))
 
     @staticmethod
-    def worst(parameters: reference.Parameters) -> float:
+    def worst(parameters: reference_stage.Parameters) -> float:
         errors = []
         for gap, *expected in TestMotor.TABLE:
-            m = reference.motor(np.array(gap), parameters)
+            m = reference_stage.motor(np.array(gap), parameters)
             errors += [
                 abs(coefficient / value - 1) for coefficient, value in zip((m.a, m.b, m.h), expected, strict=True)
             ]
@@ -78,13 +79,13 @@ class TestMotor:
     def test_forces_come_from_one_field(self) -> None:
         """With csch^2 in c, b^2 = 4 a c cosh^2 and h = b tanh."""
         g = np.linspace(0.0124, 0.0366, 50)
-        m, x = reference.motor(g, P), pi / P.tau * (P.h_m + g)
+        m, x = reference_stage.motor(g, P), pi / P.tau * (P.h_m + g)
         np.testing.assert_allclose(m.b**2, 4 * m.a * m.c * np.cosh(x) ** 2, rtol=1e-13)
         np.testing.assert_allclose(m.h, m.b * np.tanh(x), rtol=1e-13)
 
     def test_quadratic_attraction_of_finite_differences(self) -> None:
         """0.11962 N per A^2 of phase peak at 25 mm with real slots."""
-        assert reference.motor(np.array(0.025), P).c / 2 == pytest.approx(0.11962, rel=2e-3)
+        assert reference_stage.motor(np.array(0.025), P).c / 2 == pytest.approx(0.11962, rel=2e-3)
 
 
 # F section IV-A: printed closed-loop poles, to their last digit
@@ -134,12 +135,12 @@ class TestGains:
         error = np.abs(self.poles(gain("theta")) - np.array(POLES["y"]))
         assert not np.all(error < DIGITS["y"])
 
-    @pytest.mark.parametrize("axis", reference.AXES)
+    @pytest.mark.parametrize("axis", reference_stage.AXES)
     def test_first_internal_gain_is_a_square_root(self, axis: str) -> None:
         """p(s) p(-s) = d(s) d(-s) + sum q_i n_i(s) n_i(-s) at s = 0 gives K_3^2 = q_3, to the last bit."""
         assert gain(axis)[2] == -sqrt(reference.WEIGHTS[axis][2])
 
-    @pytest.mark.parametrize("axis", reference.AXES)
+    @pytest.mark.parametrize("axis", reference_stage.AXES)
     def test_gains_solve_the_riccati_equation(self, axis: str) -> None:
         """SciPy's solution, made better by Newton-Kleinman steps on residuals in exact arithmetic."""
         Q = np.diag(reference.WEIGHTS[axis])
@@ -180,9 +181,9 @@ class TestDiscretisation:
         np.testing.assert_allclose(to_xi @ after(zero, 0, 1), E, rtol=1e-8)
         assert k.c == pytest.approx((2 * sin(reference_gains.OMEGA0 * T / 2)) ** 2, rel=1e-15)
 
-    @pytest.mark.parametrize("axis", reference.AXES)
+    @pytest.mark.parametrize("axis", reference_stage.AXES)
     def test_the_gain_on_eta_is_that_on_xi(self, axis: str) -> None:
-        K = reference.constants().K[reference.AXES.index(axis)]
+        K = reference.constants().K[reference_stage.AXES.index(axis)]
         to_xi = np.array(reference_gains.internal_model().T.tolist(), dtype=float)
         np.testing.assert_array_equal(K[:2], gain(axis)[:2])
         np.testing.assert_allclose(np.linalg.solve(to_xi.T, K[2:]), gain(axis)[2:], rtol=1e-9)
@@ -227,20 +228,20 @@ class TestDiscretisation:
 
 class TestGuard:
     @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1.0, -1.0, 1e308])
-    @pytest.mark.parametrize("name", list(reference.LIMITS))
+    @pytest.mark.parametrize("name", list(reference_stage.LIMITS))
     @pytest.mark.filterwarnings("error")
     def test_a_bad_input_is_held_and_flagged(self, name: str, bad: float) -> None:
         state, _, word = reference.step(start(), inputs())
         assert word[0] == 0
         held, out, word = reference.step(state, inputs(**{name: bad}))
-        assert word[0] == 1 << list(reference.LIMITS).index(name)
+        assert word[0] == 1 << list(reference_stage.LIMITS).index(name)
         assert held[f"guard_last_{name}"] == state[f"guard_last_{name}"]
         _, expected, _ = reference.step(state, inputs(**{name: state[f"guard_last_{name}"][0]}))
         assert {s: i[0] for s, i in out.items()} == {s: i[0] for s, i in expected.items()}
 
     def test_ranges(self) -> None:
         """Motor gaps over the box of gap and angles; twice the stroke; the box itself."""
-        assert reference.LIMITS == {
+        assert reference_stage.LIMITS == {
             "y1": (0.0168, 0.0322),
             "y2": (0.0124, 0.0366),
             "y3": (0.0168, 0.0322),
@@ -255,7 +256,7 @@ class TestGuard:
         }
 
     def test_bounds_are_inside(self) -> None:
-        for name, (low, high) in reference.LIMITS.items():
+        for name, (low, high) in reference_stage.LIMITS.items():
             for value, good in (
                 (low, True),
                 (high, True),
@@ -326,7 +327,7 @@ def samples() -> tuple[dict[str, Array], dict[str, Array]]:
     """Return poses in the box of the stage and moderate demands."""
     rng = np.random.default_rng(2)
     bounds = {"y": 3.0, "x": 2.0, "z": 2.0, "phi": 10.0, "theta": 10.0}
-    q = {s: rng.uniform(*reference.BOX[s], 2000) for s in ODE}
+    q = {s: rng.uniform(*reference_stage.BOX[s], 2000) for s in ODE}
     return q, {s: rng.uniform(-b, b, 2000) for s, b in bounds.items()}
 
 
@@ -366,8 +367,8 @@ class TestLaw:
         self, w: dict[str, Array], q: dict[str, Array], gaps: Array, before: Array, k: reference.Constants
     ) -> tuple[Array, Array]:
         """Return the currents (6, n) and what the limits add to those of the axes (5, n), for columns by axis."""
-        flat = {s: np.zeros_like(q["y"]) for s in reference.AXES} | q
-        both = (reference.rows(columns, reference.AXES) for columns in (w, flat))
+        flat = {s: np.zeros_like(q["y"]) for s in reference_stage.AXES} | q
+        both = (reference_stage.rows(columns, reference_stage.AXES) for columns in (w, flat))
         return reference.currents(*both, gaps, before, k)
 
     @staticmethod
@@ -381,7 +382,7 @@ class TestLaw:
         before = rng.uniform(-3, 3, (len(q["y"]), 6)).T
         out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(corrected=False))
         i_d, i_q = self.stacked(out)[:4], self.stacked(before)[4:]
-        free = np.max(np.abs(i_d), axis=0) < 0.99 * reference.CURRENT
+        free = np.max(np.abs(i_d), axis=0) < 0.99 * reference_stage.CURRENT
         assert np.mean(free) > 0.5
         expected = self.printed(q, w, i_q)
         np.testing.assert_allclose(i_d[:, free], expected[:, free], atol=1e-11)
@@ -393,15 +394,15 @@ class TestLaw:
         The pose and the demands stand still until the currents do.
         """
         q, w = samples
-        out = np.tile([*reference.SAFE.values()], (len(q["y"]), 1)).T
+        out = np.tile([*reference_stage.SAFE.values()], (len(q["y"]), 1)).T
         for _ in range(40):
             out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(corrected=corrected))
         u = self.stacked(out)
-        free = (np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT) & (excess == 0).all(axis=0)
+        free = (np.max(np.abs(u), axis=0) < 0.9 * reference_stage.CURRENT) & (excess == 0).all(axis=0)
         assert np.mean(free) > 0.5
         derivative = self.at(q["y"], q["phi"], q["theta"], u)
         for row, axis, k_s in ((7, "phi", P.k_s_phi), (9, "theta", P.k_s_theta)):
-            derivative[row] += (1 - reference.COMPENSATED[axis] if corrected else 0) * k_s * q[axis]
+            derivative[row] += (1 - reference_stage.COMPENSATED[axis] if corrected else 0) * k_s * q[axis]
         rows = ODE | {"x": 3, "z": 5}
         return lambda s: np.abs(derivative[rows[s]] - w[s])[free]
 
@@ -423,7 +424,7 @@ class TestLaw:
         before = rng.uniform(-1, 1, (len(q["y"]), 6)).T
         out, _ = self.currents(w, q, self.gaps(q), before, k)
         u, v = self.stacked(out), self.stacked(before)
-        free = np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT
+        free = np.max(np.abs(u), axis=0) < 0.9 * reference_stage.CURRENT
         change = u[:4] ** 2 + u[4:] ** 2 - v[:4] ** 2 - v[4:] ** 2
         c = full_plant.motors(q["y"], q["phi"], q["theta"], P).c
         error = self.at(q["y"], q["phi"], q["theta"], u)[ODE["y"]] - w["y"]
@@ -431,8 +432,8 @@ class TestLaw:
 
     def test_each_motor_is_taken_at_its_own_gap(self) -> None:
         """A warp, of which the pose tells nothing, changes the currents; so do gaps past the box of the stage."""
-        w = {s: np.array(0.5) for s in reference.AXES}
-        before, k = np.array([*reference.SAFE.values()]), reference.constants()
+        w = {s: np.array(0.5) for s in reference_stage.AXES}
+        before, k = np.array([*reference_stage.SAFE.values()]), reference.constants()
         q = {"y": np.array(0.018), "phi": np.array(0.003), "theta": np.array(-0.014)}
         past = {"y": np.array(0.0172), "phi": np.array(0.0031), "theta": np.array(-0.0141)}
         currents = [
@@ -470,7 +471,7 @@ class TestLaw:
         memory = np.array([state["filter_x_q_prev"], np.zeros(2), np.zeros(2)])
         v, _ = reference.rate(at["x"], memory, np.array(True), k)
         w = k.K[1, 0] * at["x"] + k.K[1, 1] * v
-        m = reference.motor(np.array(0.025), P)
+        m = reference_stage.motor(np.array(0.025), P)
         excess = out["i_q2"] + P.M_x * w / (2 * m.h)
         assert excess[0] == pytest.approx(0, abs=1e-12)
         assert abs(excess[1]) > 1
@@ -483,7 +484,7 @@ def test_kinematics_invert_5() -> None:
     at = {"y": 0.024, "phi": 0.0025, "theta": -0.012}
     tilt, roll = P.r * sin(at["phi"]), P.r * sin(at["theta"])
     v = np.array([at["y"] - tilt, at["y"] + roll, at["y"] + tilt, at["y"] - roll, 0.01, 0.02])
-    y, x, z, phi, theta = reference.pose(v, P.r)
+    y, x, z, phi, theta = reference_stage.pose(v, P.r)
     pose = {"y": y, "x": x, "z": z, "phi": phi, "theta": theta}
     assert pose == pytest.approx(at | {"x": 0.01, "z": 0.02}, abs=1e-16)
     assert phi == pytest.approx(asin(tilt / P.r), rel=1e-12)

@@ -11,11 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy import linalg, signal
 
+from designs.maglev import reference_stage
 from designs.maglev_5dof import reference, reference_gains
 from tests.designs.maglev_5dof import full_plant
 
 Array = NDArray[np.float64]
-P = reference.Parameters()
+P = reference_stage.Parameters()
 T = 1e-3
 
 
@@ -27,7 +28,7 @@ class Run:
     references: dict[str, Array]
 
     def error(self, axis: str, column: int) -> Array:
-        row = 2 * reference.AXES.index(axis)
+        row = 2 * reference_stage.AXES.index(axis)
         return self.x[:, row, column] - self.references[axis][:, column]
 
 
@@ -60,7 +61,7 @@ def scenario(duration: float) -> tuple[Array, dict[str, Array]]:
     """Return starts and set-points: y by 7 mm; x by 30 mm; 4-DOF references, F IV-B; y after 10 ms; x by 10 mm."""
     t = np.arange(0, duration, T)
     wave = reference_gains.OMEGA0 * t
-    r = {s: np.zeros((len(t), 5)) for s in reference.AXES}
+    r = {s: np.zeros((len(t), 5)) for s in reference_stage.AXES}
     r["y"][:] = 0.029, 0.025, 0.025, 0.029, 0.025
     r["y"][:10, KICK] = 0.022
     r["x"][:, THRUST], r["x"][:, SMALL] = 0.03, 0.01

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import control, fault_handling, reference, reference_faults, verification
+from designs.maglev import platen, reference_stage, verification
+from designs.maglev_5dof import control, reference
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.verification import law_states
 from models import maglev_stage
 from synth.block import Block
 from synth.emit import write
@@ -32,24 +34,25 @@ Steps = tuple[verification.Columns, verification.Columns]
 @pytest.fixture(scope="module")
 def random_steps(stage: Plant) -> Steps:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
-    block = fault_handling.controller(stage).block
+    block = control.with_fault_handling(stage).block
     rng = np.random.default_rng(verification.SEED + 1)
-    random, edge = verification.random_steps(block, 2000), sampling.edge_steps(block, rng, 2000)
+    random = verification.random_steps(block, reference.with_fault_handling, law_states, 2000)
+    edge = sampling.edge_steps(block, rng, 2000)
     joined = [{n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(random, edge, strict=True)]
     return joined[0], joined[1]
 
 
 def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
-    expected = agree.reference(reference_faults.step)(*random_steps)
+    expected = agree.reference(reference.with_fault_handling)(*random_steps)
     block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*random_steps)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     """Far from a limit, not latched, few suspects, the last currents those of a platen at rest: the law is compared."""
-    block = fault_handling.controller(stage).block
-    states, inputs = verification.random_steps(block, 5000)
-    after, outputs, faults = reference_faults.step(states, inputs)
+    block = control.with_fault_handling(stage).block
+    states, inputs = verification.random_steps(block, reference.with_fault_handling, law_states, 5000)
+    after, outputs, faults = reference.with_fault_handling(states, inputs)
     assert 0.01 < np.mean(faults > 0) < 0.1 and not np.any(faults >> 31)
     assert set(states) == {s.name for s in block.states}
     assert 0.01 < np.mean(verification.is_saturated(outputs)) < 0.2
@@ -65,12 +68,12 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 
 def _compiled(plant: Plant) -> host.Controller:
-    error = control.SURROGATE_ERROR[np.float64]
-    return build.compile_block(fault_handling.controller(plant).block, np.float64, error=error)
+    error = platen.SURROGATE_ERROR[np.float64]
+    return build.compile_block(control.with_fault_handling(plant).block, np.float64, error=error)
 
 
 def _emitted(block: Block) -> write.EmittedCode:
-    return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
+    return write.emit(block, np.float64, error=platen.SURROGATE_ERROR[np.float64])
 
 
 def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> None:
@@ -95,7 +98,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
     ],
 )
 def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, old: str, new: str) -> None:
-    emitted = _emitted(fault_handling.controller(stage).block)
+    emitted = _emitted(control.with_fault_handling(stage).block)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     before, _, after = text.rpartition(old)
@@ -104,7 +107,7 @@ def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, 
 
 
 def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
-    block = fault_handling.controller(stage).block
+    block = control.with_fault_handling(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
     assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), random_steps))
@@ -122,7 +125,7 @@ def test_the_plant_agrees_with_the_reference_plant() -> None:
     u = np.array([rng.uniform(s.low, s.high, 500) for s in plant.inputs])
     derivative = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
     currents = np.array([*u[:4], u[5], u[4], u[5], u[4]])
-    expected = full_plant.plant(x, currents, reference.Parameters())
+    expected = full_plant.plant(x, currents, reference_stage.Parameters())
     np.testing.assert_allclose(derivative, expected, rtol=1e-9, atol=1e-9)
-    turned = full_plant.plant(x, -currents, reference.Parameters())
+    turned = full_plant.plant(x, -currents, reference_stage.Parameters())
     assert np.abs(derivative - turned).max() > 1.0

@@ -46,6 +46,14 @@ BELOW, ABOVE = float(np.nextafter(F32(1), F32(0))), float(np.nextafter(F32(1), F
         ([Node("neg", (0,)), Node("le", (3, 2))], True, (-1, 5, False)),
         ([Node("neg", (0,)), Node("lt", (2, 3))], True, (-3, -ABOVE, False)),
         ([Node("fabs", (0,)), Node("le", (3, 2))], True, (-1, 1, False)),
+        ([Node("sq", (0,)), Node("le", (3, 2))], True, (-ABOVE, ABOVE, False)),
+        (
+            [Node("mul", (0, 0)), Node("sq", (1,)), Node("add", (3, 4)), Node("le", (5, 2))],
+            True,
+            (-ABOVE, ABOVE, False),
+        ),
+        ([Node("sq", (0,)), Node("add", (3, 1)), Node("le", (4, 2))], True, (-3, 5, True)),  # y may be negative
+        ([Node("mul", (0, 1)), Node("le", (3, 2))], True, (-3, 5, True)),
         ([Node("le", (0, 2)), Node("not", (3,))], True, (ABOVE, 5, True)),
         ([Node("le", (0, 2)), Node("le", (2, 0)), Node("and", (3, 4))], True, (1, 1, False)),
         ([Node("lt", (0, 2)), Node("lt", (2, 0)), Node("or", (3, 4))], False, (1, 1, True)),
@@ -54,7 +62,7 @@ BELOW, ABOVE = float(np.nextafter(F32(1), F32(0))), float(np.nextafter(F32(1), F
     ],
 )
 def test_the_interval_of_x_is_narrowed(nodes: list[Node], holds: bool, expected: tuple[float, float, bool]) -> None:
-    assert narrow(*nodes, holds=holds, x=(-3, 5, True))[0] == pytest.approx(expected, abs=1e-44)
+    assert narrow(*nodes, holds=holds, x=(-3, 5, True)).get(0, (-3, 5, True)) == pytest.approx(expected, abs=1e-44)
 
 
 @pytest.mark.parametrize(("op", "holds"), [("eq", False), ("ne", True)])
@@ -99,11 +107,11 @@ def test_an_impossible_condition_gives_an_empty_interval() -> None:
 def test_no_value_that_meets_a_random_condition_is_lost(holds: bool) -> None:
     rng = np.random.default_rng(7)
     grid = [-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, nan, inf]
-    for _ in range(150):
+    for _ in range(300):
         nodes: list[Node] = list(LOADS)
         for _ in range(rng.integers(1, 6)):
-            op = str(rng.choice(["le", "lt", "eq", "ne", "and", "or", "not", "fabs", "neg"]))
-            count = 1 if op in ("not", "fabs", "neg") else 2
+            op = str(rng.choice(["le", "lt", "eq", "ne", "and", "or", "not", "fabs", "neg", "sq", "add"]))
+            count = 1 if op in ("not", "fabs", "neg", "sq") else 2
             nodes.append(Node(op, tuple(int(rng.integers(len(nodes))) for _ in range(count))))
         program = Program(tuple(nodes), (), {}, {})
         R = {0: interval(-2, inf, True, F32), 1: interval(-2, inf, True, F32)}

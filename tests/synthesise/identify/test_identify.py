@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import reference
+from designs.maglev import reference_stage
 from models import maglev_stage
 from synth.analyse import operating_points
 from synth.errors import ModelError, SignalError
@@ -95,7 +95,7 @@ def by_hand(log: Log, angle: str, row: int) -> float:
     """Return k of 0 = torque - k angle from the NumPy reference's torque without springs, by the mean of products."""
     state = np.array([log.samples[n] for n in ("y", "vy", "x", "vx", "z", "vz", "phi", "wphi", "theta", "wtheta")])
     currents = [log.samples[f"i_d{j}"] for j in (1, 2, 3, 4)] + [log.samples[q] for q in ("u_z", "u_x") * 2]
-    loose = reference.Parameters(k_s_phi=0.0, k_s_theta=0.0)
+    loose = reference_stage.Parameters(k_s_phi=0.0, k_s_theta=0.0)
     torque, at = full_plant.plant(state, np.array(currents), loose)[row], log.samples[angle]
     return float(at @ torque / (at @ at))
 

@@ -21,18 +21,17 @@ from math import hypot, sqrt
 
 import casadi as ca
 
-from designs.maglev_5dof.control import (
+from designs.maglev.handover import FADE, OF_AXIS, TRANSFER, next_transfer, parts, with_taken_over
+from designs.maglev.platen import (
     BAD_SAMPLES,
     COMMUTATED,
     CURRENT,
     INTERFACE,
     MOTORS,
-    NAME,
     OUTPUTS,
     SAFE_CURRENT,
     TIME,
 )
-from designs.maglev_5dof.handover import FADE, OF_AXIS, TRANSFER, next_transfer, parts, with_taken_over
 from models import maglev_phases, maglev_stage
 from synth.block import Block, Certificate, Exprs, State, Step, build, clip
 from synth.blocks import advance, phasor, safety
@@ -137,8 +136,8 @@ def _phase_bound(u: float, e: float) -> float:
     return sqrt(2) * hypot(CURRENT, CURRENT) * (1 + e) * (1 + 32 * u)
 
 
-def phase_currents(plant: Plant, samples: float = ADVANCE) -> Block:
-    """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
+def phase_currents(name: str, plant: Plant, samples: float = ADVANCE) -> Block:
+    """Return the Block from the motors' currents and the position to 12 phase currents, behind the controller `name`.
 
     Bad inputs are held. This Block does not latch; the controller that computes the currents does.
     """
@@ -146,5 +145,5 @@ def phase_currents(plant: Plant, samples: float = ADVANCE) -> Block:
     guarded += [safety.GuardedInput(s, 0.0, False) for s in ALONG.values()]
     blocks = [safety.guard(TIME, guarded, BAD_SAMPLES), positions(samples), commutation(plant, samples)]
     inputs = signal_names(g.signal for g in guarded)
-    block = compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=signal_names(PHASES))
+    block = compose(f"{name}_phase", blocks, inputs=inputs, outputs=signal_names(PHASES))
     return block.renamed({n: s.name for n, s in COMMUTATED.items()})

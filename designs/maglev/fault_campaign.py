@@ -2,7 +2,7 @@
 
 from math import pi
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev import motions, platen
 from synth.campaign import FaultCampaign, FaultLimit
 
 GONE = ("not finite", "out of range", "frozen")
@@ -25,8 +25,8 @@ LIMITS = (  # one encoder that fails does not harm the machine; docs/decisions/m
 )
 INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
 FAULTS = FaultCampaign(
-    {f"{n}_ref": course for n, course in experiments.COURSES.items()},
-    2 * pi / control.OMEGA0,
+    {f"{n}_ref": course for n, course in motions.COURSES.items()},
+    2 * pi / platen.OMEGA0,
     watch_s=2.0,
     limits=LIMITS,
     inertias=INERTIAS,

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from designs.maglev_5dof.control import COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
+from designs.maglev.platen import COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
 from models import maglev_phases
 from synth.block import Block, Exprs, State, Step, build
 from synth.signals import Signal

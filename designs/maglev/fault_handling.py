@@ -1,6 +1,6 @@
 """Fault handling of the maglev controller: readings replaced by parity and prediction, frozen encoders, landing.
 
-    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> probe -> decoupling -> safe output
+    guard -> redundancy -> [ kinematics, laws of the axes ] -> landing -> probe -> [ currents ] -> safe output
                  ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
 
 One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
@@ -8,23 +8,24 @@ loss of x, of z or of two gap encoders starts the landing; with fewer than two g
 currents go to the safe output at once. The commutation gets x and z as they are used, predictions included.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import casadi as ca
 
-from designs.maglev_5dof import control, handover
-from designs.maglev_5dof.control import (
+from designs.maglev import handover, platen
+from designs.maglev.platen import (
     AXES,
     COMMUTATED,
     HELD,
     INTERFACE,
     LOST,
     MOTORS,
-    NAME,
     OUTPUTS,
     RESOLUTION,
     TIME,
     Axis,
+    acceleration,
 )
 from models import maglev_stage, pmlsm
 from synth import stage
@@ -46,7 +47,7 @@ LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not pr
 DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
-STOP, RAMP_BOUND = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
+STOP, RAMP_BOUND = platen.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
     "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, RAMP_BOUND),
     "x": landing.Braking("x", 4.0, 30.0, RAMP_BOUND),
@@ -71,7 +72,7 @@ INTERFACE_OF_ALL = replace(
 
 def courses(plant: Plant) -> list[landing.Course]:
     """Return the course of each axis of a landing; phi is left to the guide spring that the law compensates."""
-    spring = control.COMPENSATED["k_s_phi"] * plant.parameter("k_s_phi").value
+    spring = platen.COMPENSATED["k_s_phi"] * plant.parameter("k_s_phi").value
     return [COURSES.get(a.name, landing.Release(a.name, spring)) for a in AXES]
 
 
@@ -95,12 +96,6 @@ def predict_gaps(plant: Plant) -> Block:
     return build("gap_prediction", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")
 
 
-def acceleration(axis: Axis) -> Signal:
-    """Return the acceleration by the limited currents: of x and z from the model, of the others the demanded one."""
-    about = f"acceleration by u_{axis.name}"
-    return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
-
-
 def _with_free_range(w: Signal) -> Signal:
     """Return an acceleration with a range that no demand leaves, so that none is limited."""
     return replace(w, low=-1e6, high=1e6)
@@ -117,6 +112,11 @@ def accelerations(plant: Plant) -> Block:
 
     outputs = [acceleration(a) for a in AXES if a.excess]
     return build("accelerations", TIME, law, inputs=[*HELD, *currents], outputs=outputs, tag="F(6)")
+
+
+def delayed_accelerations() -> Block:
+    """Return the Block that delays the accelerations by one sample: those that act until the next one."""
+    return predictor.delay("delay", TIME, [_with_free_range(acceleration(a)) for a in AXES])
 
 
 def observer(axis: Axis) -> Block:
@@ -164,35 +164,41 @@ def positions_to_commutate() -> Block:
     return build("angles", TIME, law, inputs=inputs, outputs=outputs, tag="positions for the commutation")
 
 
-def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
-    """Return the laws of `control` with the fault handling around them."""
-    tracking = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES}
-    law = control.laws(plant, corrected, anti_windup)
-    changed = {"decoupling": handover.BALANCED, **{f"regulator_{a.name}": tracking for a in AXES}}
+def laws(plant: Plant, law: Sequence[Block], at_rest: probe.Probe) -> list[Block]:
+    """Return a law with the fault handling around it, and the probe `at_rest`.
+
+    What the law demands and its direct currents pass through the fault handling. Where the law also computes the
+    accelerations of x and z by the thrust currents, these are used.
+    """
+    diverted = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES} | handover.BALANCED
+    computed = {s.name for block in law for s in block.outputs}
+    modelled = [] if {acceleration(a).name for a in AXES if a.excess} <= computed else [accelerations(plant)]
     readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
     readings = replace(readings, faults=(DEGRADED,))
-    descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], control.BAD_SAMPLES)
+    descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], platen.BAD_SAMPLES)
     return [
         readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),
         sufficiency(),
         predict_gaps(plant),
-        *(b.renamed(changed.get(b.name, {})) for b in law),
+        *(b.renamed({s.name: diverted[s.name] for s in b.outputs if s.name in diverted}) for b in law),
         handover.block(),
-        accelerations(plant),
-        predictor.delay("delay", TIME, [_with_free_range(acceleration(a)) for a in AXES]),
+        *modelled,
+        delayed_accelerations(),
         *(observer(a) for a in AXES),
         descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
-        *(probe.block(TIME, a.name, a.error, a.demand, PROBE) for a in AXES if a.excess),
+        *(probe.block(TIME, a.name, a.error, a.demand, at_rest) for a in AXES if a.excess),
         positions_to_commutate(),
     ]
 
 
-def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
-    """Return the shipped controller: the law of `control` with its fault handling."""
+def controller(
+    name: str, plant: Plant, law: Callable[[], Sequence[Block]], at_rest: probe.Probe = PROBE
+) -> stage.Controller:
+    """Return the controller `name`: a law with its fault handling."""
     return stage.controller(
-        NAME,
+        name,
         TIME,
         INTERFACE_OF_ALL,
-        lambda: laws(plant, corrected, anti_windup),
+        lambda: laws(plant, law(), at_rest),
         signal_names((*OUTPUTS, *COMMUTATED.values())),
     )

@@ -6,25 +6,29 @@
                  q + alpha nu, v + beta nu, d + gamma nu; triple pole p = exp(-w T), alpha = 1 - p^3,
                  beta = 3/2 (1 - p)^2 (1 + p) / T, gamma = (1 - p)^3 / T^2
     isolation    of a gap encoder for |y1 - y2 + y3 - y4| > 48 um, by codes that stand still and by innovations
-    probe        pairs of doublets of a (k + 1), k = 0 .. 4, at a code of x or z that stands still
+    probe        pairs of doublets of a (k + 1), k = 0, 1 .., at a code of x or z that stands still
     landing      w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, down to the stop at 31 mm
 
 `step` is that of the shipped controller, columns (n,) by name as in `reference`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import exp
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import reference, reference_phase
-from designs.maglev_5dof.reference import AXES, HIGH, LAST, LIMITS, LOW, MEMORY, OUTPUTS, SAFE, SENSORS, SLEW, STATES
+from designs.maglev import reference_phase, reference_probe, reference_stage
+from designs.maglev.reference_stage import AXES, HIGH, LAST, LIMITS, LOW, OUTPUTS, SAFE, SENSORS, SLEW
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Columns = Mapping[str, NDArray[Any]]
+# Of the demands, gaps and last currents: the currents (6, n), accelerations of x and z by them (2, n), and next states.
+Finish = Callable[[Array, Array, Array], tuple[Array, Array, dict[str, Any]]]
+# Of the states, the pose (5, n), the set-points (5, n) and whether it is ready: the demands (5, n) and what follows.
+Law = Callable[[Columns, Array, Array, Flags], tuple[Array, Finish]]
 
 T = 1e-3  # s
 NAMES = tuple(LIMITS)[:SENSORS]
@@ -33,8 +37,7 @@ THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encod
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
-QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
-PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
+LIFTED, LONGEST = 0.0305, 40  # m, of the probe; samples counted without a change
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -46,7 +49,6 @@ END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e
 DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
 WIDE, REACH = 10.0, 0.5  # m/s, m: bounds of the ramps
-MEMORY_OF_PROBE = ("sample", "attempt", "towards")
 MISSED_CALLS = 40
 
 
@@ -57,26 +59,28 @@ def by_row(values: Any, like: Array) -> Array:
 
 def flags(state: Columns, names: Any) -> Flags:
     """Return some states as rows of flags."""
-    return reference.rows(state, names) > 0
+    return reference_stage.rows(state, names) > 0
 
 
-def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Flags, dict[str, Any]]:
+def readings(state: Columns, y: Array, good: Flags, q: Array, attempts: int) -> tuple[Array, Flags, dict[str, Any]]:
     """Return the readings to use (6, n), the suspects (6, n), and the next states with the flags of the sample."""
-    r = reference.Parameters().r
+    r = reference_stage.Parameters().r
     expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
-    same = y == reference.rows(state, [f"redundancy_code_{n}" for n in NAMES])
+    same = y == reference_stage.rows(state, [f"redundancy_code_{n}" for n in NAMES])
     excluded = flags(state, [f"redundancy_excluded_{n}" for n in NAMES])
-    usable, longest = good & ~excluded, by_row([STILL] * 4 + [QUIET] * 2, y)
-    count = reference.rows(state, [f"redundancy_still_{n}" for n in NAMES])
+    usable, longest = good & ~excluded, by_row([STILL] * 4 + [LONGEST] * 2, y)
+    count = reference_stage.rows(state, [f"redundancy_still_{n}" for n in NAMES])
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     gaps, named, after = _group(state, y[:4], value[:4], expected[:4], usable[:4], still[:4], ready)
     moved = (~same[:4] & excluded[:4] & good[:4]).any(axis=0)
     undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & moved)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
-    before = np.where(same[4:], reference.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:])
-    unanswered = reference.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= ATTEMPTS
-    doubts = reference.rows(state, ["redundancy_doubts_x", "redundancy_doubts_z"])
+    before = np.where(
+        same[4:], reference_stage.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:]
+    )
+    unanswered = reference_stage.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= attempts
+    doubts = reference_stage.rows(state, ["redundancy_doubts_x", "redundancy_doubts_z"])
     changed = np.where(np.abs(expected[4:] - y[4:]) > GATE, DOUBTS, np.maximum(doubts - 1, 0))
     suspicious = ((doubts == 0) & (np.abs(expected[4:] - before) > GATE)) | unanswered
     stands = (still[4:] >= FRESH) & (np.abs(y[4:]) < TRAVEL) & suspicious
@@ -144,21 +148,21 @@ def observe(
 ) -> tuple[Array, Array, Array, dict[str, Array]]:
     """Return position, rate and disturbance (5, n) after the correction by the pose q, and the next states."""
     p = by_row([exp(-w * T) for w in BANDWIDTH], q)
-    before, v, d = (reference.rows(state, [f"observer_{s}_{n}" for s in AXES]) for n in "qvd")
+    before, v, d = (reference_stage.rows(state, [f"observer_{s}_{n}" for s in AXES]) for n in "qvd")
     nu = q - before
     low, high = (by_row(ends, q) for ends in zip(*RANGES, strict=True))
     rate, most = by_row(RATES, q), by_row(DISTURBANCES, q)
     position = np.where(ready, before + (1 - p**3) * nu, q)
     correction = 1.5 * (1 - p) ** 2 * (1 + p) / T * nu
-    learnt = reference.rows(state, ["observer_x_learnt", "observer_z_learnt"])
+    learnt = reference_stage.rows(state, ["observer_x_learnt", "observer_z_learnt"])
     corrected = v + correction
     corrected[1:3] = np.where(trusted, corrected[1:3], v[1:3] - learnt)
     since = np.where(ready & trusted & (still >= 1), (1 - LEAK) * learnt + correction[1:3], 0.0)
     v = np.where(ready, corrected, 0.0)
     d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
     d[1:3] = np.where(trusted, d[1:3], 0.0)
-    demand = reference.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
-    g = reference.rows(state, ["observer_x_g", "observer_z_g"])
+    demand = reference_stage.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
+    g = reference_stage.rows(state, ["observer_x_g", "observer_z_g"])
     after_gain = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
     demand[1:3] *= g
     a = demand + d
@@ -178,9 +182,9 @@ def land(
     waiting = ~regular & (np.asarray(state["guard_ready"]) > 0)
     left, was = np.asarray(state["landing_left"]), np.asarray(state["landing_landing"]) > 0
     landing = was | (waiting & (left <= 1))
-    next: dict[str, Any] = {"landing_left": np.where(waiting, np.maximum(left - 1, 1), reference.BAD_SAMPLES)}
+    next: dict[str, Any] = {"landing_left": np.where(waiting, np.maximum(left - 1, 1), reference_stage.BAD_SAMPLES)}
     next["landing_landing"] = landing
-    ramp, rate = (np.where(was, reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]]), x[:3])
+    ramp, rate = (np.where(was, reference_stage.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]]), x[:3])
                   for n, x in (("r", q), ("dr", v)))  # fmt: skip
     speed = np.clip(TOUCH + DESCENT / SPEED * (END - ramp[0]), PRESS, SPEED)
     most = by_row([DESCENT * T, BRAKE * T, BRAKE * T], q)
@@ -192,31 +196,10 @@ def land(
     high = by_row([END + 4 * BEYOND, REACH, REACH], q)
     ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -REACH, high)
     for n, x in (("r", ahead), ("dr", np.clip(rate + change, -WIDE, WIDE))):
-        before = reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]])
+        before = reference_stage.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]])
         next |= {f"landing_{n}_{s}": row for s, row in zip(AXES[:3], np.where(landing, x, before), strict=True)}
     landed = was & (np.asarray(state["landing_r_y"]) >= END + BEYOND)
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
-
-
-def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tuple[Array, dict[str, Array]]:
-    """Return the demands of x and z (2, n) with the pairs of the probe, and its next states."""
-    sample, attempt, towards = (reference.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
-    runs, waits = sample > 0, still >= QUIET
-    ends, failures = sample >= PAIR, np.minimum(attempt + 1, ATTEMPTS)
-    starts = waits & free
-    after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
-    new = (
-        np.where(runs, np.where(ends, 0, sample + 1), starts),
-        np.where(runs, after, attempt),
-        np.where(runs, towards, np.where(e > 0, -PUSH, PUSH)),
-    )
-    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), dict[str, Array]()
-    for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
-        rows = np.where(runs | waits, value, other)
-        next |= {f"probe_{s}_{n}": row for s, row in zip("xz", rows, strict=True)}
-    push, inner = towards * (attempt + 1), (sample > QUARTER) & (sample <= 3 * QUARTER)
-    pulse = np.where(sample <= 4 * QUARTER, np.where(inner, -push, push), 0.0)
-    return np.where(runs, np.clip(w + pulse, -1e4, 1e4), w), next
 
 
 def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[Array, Array]:
@@ -239,37 +222,30 @@ def exceeds_limit(count: Any) -> Flags:
 
 
 def step(
-    state: Columns, inputs: Columns, k: reference.Constants | None = None
+    state: Columns, inputs: Columns, law: Law, at_rest: reference_probe.Probe = reference_probe.PROBE
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
-    """Return (next state, outputs, fault word) of one sample, columns by name."""
-    k = k or reference.constants()
-    values, after, word = reference.guard(state, inputs)
-    good = np.array([(word & bit) == 0 for bit in reference.BITS[:SENSORS]])
+    """Return (next state, outputs, fault word) of one sample of a law with its fault handling, columns by name."""
+    values, after, word = reference_stage.guard(state, inputs)
+    good = np.array([(word & bit) == 0 for bit in reference_stage.BITS[:SENSORS]])
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
-    q = reference.rows(state, [f"observer_{s}_q" for s in AXES])
-    used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
+    q = reference_stage.rows(state, [f"observer_{s}_q" for s in AXES])
+    used, suspects, after_readings = readings(state, values[:SENSORS], good, q, at_rest.attempts)
     flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
-    pose = reference.pose(used, k.parameters.r)
+    pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     q, v, d, after_observers = observe(state, pose, flag["trusted"], still, ready)
-    memory, last = reference.rows(state, MEMORY), reference.rows(state, LAST)
-    filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
-    e = pose - values[SENSORS:]
-    rate, filtered = reference.rate(e, filters, ready, k)
-    w, after_landing = land(
-        state, reference.demand(e, rate, eta, k), (q, v, d), pose[3], flag["regular"], flag["determined"]
-    )
-    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
-    computed, excess = reference.currents(w, pose, used[:4], last, k)
+    last, e = reference_stage.rows(state, LAST), pose - values[SENSORS:]
+    w, finish = law(state, pose, values[SENSORS:], ready)
+    w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])
+    free = flag["regular"] & (state["observer_y_q"] < LIFTED)
+    w[1:3], after_probe = reference_probe.probe(w[1:3], e[1:3], state, still, free, at_rest)
+    computed, thrust, after_law = finish(w, used[:4], last)
     transfer, computed = without_positions(state, computed, flag["trusted"])
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))
-    left = np.where(enough, reference.BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    left = np.where(enough, reference_stage.BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
     latched = was_latched | (left < 1) | after_landing.pop("landed")
     after |= {"guard_left": np.maximum(left, 1), "guard_latched": latched}
-    h = reference.motor(used[:4], k.parameters).h
-    p = k.parameters
-    a_x, a_z = -computed[4] * (h[1] + h[3]) / p.M_x, -computed[5] * (h[0] + h[2]) / p.M_z
-    demands = {"w_y": w[0], "a_x": a_x, "a_z": a_z, "w_phi": w[3], "w_theta": w[4]}
+    demands = {"w_y": w[0], "a_x": thrust[0], "a_z": thrust[1], "w_phi": w[3], "w_theta": w[4]}
     next: dict[str, Any] = (
         after_readings
         | after_observers
@@ -278,8 +254,7 @@ def step(
         | {f"delay_{n}_last": np.clip(x, -DELAYED, DELAYED) for n, x in demands.items()}
     )
     next["handover_transfer"] = transfer
-    next_memory = np.array([*filtered, *reference.model_step(e, excess, eta, k)])
-    next |= zip(MEMORY, next_memory.reshape(memory.shape), strict=True)
+    next |= after_law
     after |= {n: np.where(latched, state[n], x) for n, x in next.items()}
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
@@ -290,7 +265,7 @@ def step(
         | (exceeds_limit(inputs["missed_calls"]).astype(np.uint32) << 18)
         | (latched.astype(np.uint32) << 31)
     )
-    outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
+    outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference_stage.QUADRATURE]]), strict=True))
     positions = np.where(latched & ~flag["trusted"], LOST, used[4:])
     outputs |= {"x_commutation": positions[0], "z_commutation": positions[1]}
     return after, outputs, np.asarray(word).astype(np.uint32)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import control
+from designs.maglev import platen
 from synth.blocks import phasor
 from synth.companion import Companion
 from synth.declaration import Stage
@@ -50,7 +50,7 @@ def instructions(companion: Companion, emitted: EmittedCode, tracking: Experimen
     run, controller = tracking.trajectory, host.load(emitted.files, emitted.manifest)
     recorded = {n: v[SAMPLES].copy() for n, v in companion.select_inputs(run.measured, run.commands).items()}
     healthy = steps.record(controller, "4-DOF tracking", recorded)
-    x, z = (recorded[s.name] for s in control.COMMUTATED.values())
+    x, z = (recorded[s.name] for s in platen.COMMUTATED.values())
     x[LOST] = x[BOTH] = z[BOTH] = np.nan
     lost = steps.record(controller, "positions lost", recorded)
     rows: list[tuple[page.Cell, ...]] = [

@@ -1,0 +1,39 @@
+"""What both designs of the maglev stage declare alike."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from designs.maglev import fault_campaign, motions, platen, verification
+from models import maglev_phases, maglev_stage, papers
+from synth import stage
+from synth.block import Block
+from synth.plant import Plant
+from synth.stage import Companion, Drive
+from synth.workspace import Design
+
+
+def design(
+    controller: stage.Controller, plant: Plant, phases: Block, folder: Path, limited: Sequence[str] = (), **fields: Any
+) -> Design:
+    """Return the design of a controller with the commutation `phases`; `fields` are those of `stage.design`.
+
+    `limited` names states of the law that may reach their bounds.
+    """
+    common: dict[str, Any] = {
+        "operating_points": {f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
+        "coordinates": platen.POSE,
+        "surrogate_error": platen.SURROGATE_ERROR,
+        "start": {"y": 0.025},
+        "stops": {name: platen.BOX[name] for name in ("y", "phi", "theta")},
+        "velocities": maglev_stage.RATE,
+        "wires": motions.WIRES,
+        "faults": fault_campaign.FAULTS,
+        "header_notes": [f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
+        "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
+        "safe_output": stage.read_safe_output(folder / "safe_output.json"),
+        "recording": verification.vectors,
+        "companions": [Companion(phases)],
+        "drive": Drive(maglev_phases.plant(), (phases,)),
+    }
+    return stage.design(controller, plant, **(common | fields))

@@ -1,0 +1,1552 @@
+/* maglev_5dof_precise. Generated: do not edit. */
+#include "maglev_5dof_precise.h"
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
+#endif
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
+#endif
+
+static inline float maglev_5dof_precise_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
+static inline float maglev_5dof_precise_max(float a, float b)
+{
+    return (a > b) ? a : b;
+}
+
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
+static inline float maglev_5dof_precise_limit(float x, float high)
+{
+    return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
+}
+
+static inline float maglev_5dof_precise_slew(float last, float target, float step)
+{
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
+}
+
+static inline uint32_t maglev_5dof_precise_flag(bool holds)
+{
+    uint32_t value = 0u;
+    if (holds) {
+        value = 1u;
+    }
+    return value;
+}
+
+static inline bool maglev_5dof_precise_equal(float a, float b)
+{
+    return (a <= b) && (b <= a);
+}
+
+#if defined(__GNUC__)
+#define MAGLEV_5DOF_PRECISE_INLINE static inline __attribute__((always_inline))
+#else
+#define MAGLEV_5DOF_PRECISE_INLINE static inline
+#endif
+/* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
+MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_hold(float value, float low, float high, float *last, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if ((low <= value) && (value <= high)) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
+MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_hold_within(float value, float high, float *last, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if (fabsf(value) <= high) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* phi / x; x = y3_held - y1_held in -0.0154000018 .. 0.0154000018, t = x^2; relative error at most 1.1e-07. */
+static inline float phi_polynomial(float t)
+{
+    return 1.2594458f + (t * 0.3330033f);
+}
+
+/* theta / x; x = y2_held - y4_held in -0.0241999999 .. 0.0241999999, t = x^2; relative error at most 1.2e-07. */
+static inline float theta_polynomial(float t)
+{
+    return 1.2594458f + (t * 0.33307245f);
+}
+
+/* thrust_per_ampere_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+ * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 1.7e-07. */
+static inline float thrust_per_ampere_1_polynomial(float t)
+{
+    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f +
+        (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
+}
+
+/* half_a_over_h2_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+ * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 2.8e-07. */
+static inline float half_a_over_h2_1_polynomial(float t)
+{
+    return 0.082106546f + (t * (372.6345f + (t * (2.9113838e+06f + (t * (2.5398596e+10f + (t * 2.6154908e+14f)))))));
+}
+
+/* thrust_per_ampere_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+ * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
+ * 2.9e-07. */
+static inline float thrust_per_ampere_2_polynomial(float t)
+{
+    return 7.0962987f + (t * (30.470612f + (t * (12.132695f +
+        (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
+}
+
+/* half_a_over_h2_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+ * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
+ * 3.3e-07. */
+static inline float half_a_over_h2_2_polynomial(float t)
+{
+    return 0.079422385f + (t * (0.020285927f +
+        (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
+}
+
+typedef struct {
+    float disturbance;
+    float estimate;
+    float rate;
+} maglev_5dof_precise_observer_t;
+
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma
+ *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
+ *         set, else 0
+ *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
+ *         0
+ *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
+ *         x_disturbance)), 0.1)
+ *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+ *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+ *         set, else 0) if guard_ready is set, else 0
+ *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
+ *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
+    maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
+    float a_before, uint32_t unchanged)
+{
+    static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+
+    float d_next = 0.0f;
+    float q = held;
+    float rate_part = 0.0f;
+    float g_part = 0.0f;
+    if (ready != 0u) {
+        const float q_2 = state->q;
+        const float nu = held - q_2;
+        const float v = state->v;
+        const float learnt = state->learnt;
+        if (trusted) {
+            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), 20.0f);
+            d_next = d_part;
+            const float correction = beta * nu;
+            rate_part = v + correction;
+            if (1u <= unchanged) {
+                state->learnt = (0.96875f * learnt) + correction;
+            } else {
+                state->learnt = 0.0f;
+            }
+            g_part = 0.03f * (a_before * d_part);
+        } else {
+            rate_part = v - learnt;
+            state->learnt = 0.0f;
+        }
+        q = q_2 + (alpha * nu);
+    } else {
+        state->learnt = 0.0f;
+    }
+    const float g = state->g;
+    const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
+    state->q = maglev_5dof_precise_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
+    state->v = maglev_5dof_precise_limit(faster, 2.0f);
+    state->d = d_next;
+    state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
+    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+}
+
+typedef struct {
+    float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
+    float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
+    float high;
+    float k_step;                       /* 1/s^2; predictive servo with internal models: k_de over the period */
+    float k_sum;                        /* 1/s^2; predictive servo with internal models: gain on sum */
+    float k_p1;                         /* 1/s^2; predictive servo with internal models: gain on p1 */
+    float k_q1;                         /* 1/s^2; predictive servo with internal models: gain on q1 */
+    float k_p2;                         /* 1/s^2; predictive servo with internal models: gain on p2 */
+    float k_q2;                         /* 1/s^2; predictive servo with internal models: gain on q2 */
+    float k_p3;                         /* 1/s^2; predictive servo with internal models: gain on p3 */
+    float k_q3;                         /* 1/s^2; predictive servo with internal models: gain on q3 */
+    float high_2;
+    float high_3;
+} maglev_5dof_precise_servo_fast_parameters_t;
+
+/* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
+ *     r_next = y_ref_held */
+MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
+    const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
+    float fast_rate_ahead, uint32_t ready, float value, float e)
+{
+    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
+    static const float c1 = 2.2206568e-05f;
+    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00942478 */
+    static const float c2 = 8.8825785e-05f;
+    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
+    static const float c3 = 0.00019985616f;
+
+    const float sum = state->sum;
+    const float e_2 = maglev_5dof_precise_limit(e, parameters->high_3);
+    const float sum_next = sum + e_2;
+    const float p1 = state->p1;
+    const float q1 = state->q1;
+    const float p1_next = p1 + (c1 * q1);
+    const float q1_next = q1 - p1_next + e_2;
+    const float p2 = state->p2;
+    const float q2 = state->q2;
+    const float p2_next = p2 + (c2 * q2);
+    const float q2_next = q2 - p2_next + e_2;
+    const float sum_part = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
+        (q2_next * q2_next);
+    const float p3 = state->p3;
+    const float q3 = state->q3;
+    const float p3_next = p3 + (c3 * q3);
+    const float q3_next = q3 - p3_next + e_2;
+    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
+        state->sum = sum_next;
+        state->p1 = p1_next;
+        state->q1 = q1_next;
+        state->p2 = p2_next;
+        state->q2 = q2_next;
+        state->p3 = p3_next;
+        state->q3 = q3_next;
+    }
+    const float r_2 = state->r;
+    state->r = ref_held;
+    const float moved = ref_held - r_2;
+    float w_tracking_part = 0.0f;
+    if (fabsf(moved) <= parameters->high) {
+        w_tracking_part = parameters->k_step * moved;
+    }
+    const float w_tracking_part_2 = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
+        w_tracking_part + (parameters->k_sum * sum);
+    const float w_tracking_part_3 = w_tracking_part_2 + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
+        (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3);
+    float w_tracking_part_4 = 0.0f;
+    if (ready != 0u) {
+        w_tracking_part_4 = 0.8f * value;
+    }
+    return w_tracking_part_3 + (parameters->k_q3 * q3) - w_tracking_part_4;
+}
+
+typedef struct {
+    float alpha;                        /* 1; triple pole exp(-w T), w = 400 rad/s */
+    float beta;                         /* 1/s; triple pole exp(-w T), w = 400 rad/s */
+    float high;
+    float high_2;
+    float high_3;
+    float high_4;
+} maglev_5dof_precise_observer_fast_parameters_t;
+
+typedef struct {
+    float fast_ahead;
+    float fast_rate_ahead;
+} maglev_5dof_precise_observer_fast_t;
+
+/* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma
+ *     x_fast_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+ *     x_fast_rate = v + beta * (x_held - q) if guard_ready is set, else 0
+ *     x_fast_disturbance = limit(d + gamma * (x_held - q), 20) if guard_ready is set, else 0
+ *     x_fast_ahead = limit(x_fast_estimate + 0.0005 * (x_fast_rate + x_fast_rate + 0.001 * (delay_a_x_last
+ *         + x_fast_disturbance)), 0.1)
+ *     x_fast_rate_ahead = limit(x_fast_rate + 0.001 * (delay_a_x_last + x_fast_disturbance), 2) */
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
+    maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_fast_state_t *state,
+    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float value, float value_2,
+    float value_3, float before)
+{
+    float x_fast_estimate = value_2;
+    float x_fast_rate = 0.0f;
+    float x_fast_disturbance = value_3;
+    if (ready != 0u) {
+        x_fast_estimate = state->q + (parameters->alpha * value);
+        x_fast_rate = state->v + (parameters->beta * value);
+    } else {
+        x_fast_disturbance = 0.0f;
+    }
+    const float faster = x_fast_rate + (0.001f * (before + x_fast_disturbance));
+    state->q = maglev_5dof_precise_limit(x_fast_estimate + (0.0005f * (x_fast_rate + faster)), parameters->high_2);
+    state->v = maglev_5dof_precise_limit(faster, parameters->high_4);
+    state->d = x_fast_disturbance;
+    return (maglev_5dof_precise_observer_fast_t){.fast_ahead = state->q, .fast_rate_ahead = state->v};
+}
+
+void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
+{
+    /* A member that is not named is 0. */
+    *state = (maglev_5dof_precise_state_t){
+        .guard_last_y1 = 0.031f,
+        .guard_last_y2 = 0.031f,
+        .guard_last_y3 = 0.031f,
+        .guard_last_y4 = 0.031f,
+        .guard_last_y_ref = 0.031f,
+        .guard_left = 5u,
+        .redundancy_code_y1 = 0.0245f,
+        .redundancy_code_y2 = 0.0245f,
+        .redundancy_code_y3 = 0.0245f,
+        .redundancy_code_y4 = 0.0245f,
+        .redundancy_doubts_x = 10u,
+        .redundancy_doubts_z = 10u,
+        .observer_y_fast_q = 0.0245f,
+        .servo_y_fast.r = 0.018f,
+        .observer_y_q = 0.0245f,
+        .observer_x.g = 1.0f,
+        .observer_z.g = 1.0f,
+        .landing_left = 5u,
+        .probe_x_towards = 2.2f,
+        .probe_z_towards = 2.2f,
+        .safe_output_last_i_d1 = 2.5f,
+        .safe_output_last_i_d2 = 2.5f,
+        .safe_output_last_i_d3 = 2.5f,
+        .safe_output_last_i_d4 = 2.5f,
+    };
+}
+
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out)
+{
+    return maglev_5dof_precise_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics)
+#else
+uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out)
+#endif
+{
+    static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
+    static const float r = 0.397f;                              /* m; Table I */
+    static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
+    static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+    static const float half_c_over_h2 = 0.0007232277f;
+    static const float M_z = 8.6f;                              /* kg; Table I */
+    static const float M_x = 10.6f;                             /* kg; Table I */
+    static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
+    static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
+    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
+    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float observer_y_fast_alpha = 0.6988058f;      /* 1; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_y_fast_beta = 272.3178f;        /* 1/s; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_y_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_x_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_z_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_phi_fast_gamma = 35832.543f;    /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    static const float servo_phi_fast_k_e = -711.21704f; /* 1/s^2; predictive servo with internal models: gain on e */
+    static const float servo_phi_fast_k_de = -80.14009f; /* 1/s; predictive servo with internal models: gain on de */
+    /* 1/s^2; predictive servo with internal models: gain on sum */
+    static const float servo_phi_fast_k_sum = -1.264911f;
+    static const float servo_phi_fast_k_p1 = 16.527708f; /* 1/s^2; predictive servo with internal models: gain on p1 */
+    static const float servo_phi_fast_k_q1 = -1.2623228f; /* 1/s^2; predictive servo with internal models: gain on q1 */
+    /* 1/s^2; predictive servo with internal models: k_de over the period */
+    static const float servo_phi_fast_k_step = -80140.09f;
+    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
+    static const float servo_phi_fast_c1 = 2.2206568e-05f;
+    static const float observer_theta_fast_gamma = 10823.077f;  /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
+    static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+        .k_de = -125.761116f, .high = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+        .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+        .high_2 = -0.0003f, .high_3 = 0.0003f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .high_2 = -0.001f, .high_3 = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .high_2 = -0.001f, .high_3 = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+        .k_de = -93.11564f, .high = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+        .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+        .high_2 = -0.0003f, .high_3 = 0.0003f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .high = -0.02f, .high_2 = 0.02f, .high_3 = -4.0f, .high_4 = 4.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
+        {.alpha = 0.5276334f, .beta = 130.55266f, .high = -0.031f, .high_2 = 0.031f, .high_3 = -4.0f, .high_4 = 4.0f};
+
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
+    /* guard: range acceptance, hold, latch */
+    uint32_t faults = 0u;
+    const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
+        &faults);
+    const float y2_accepted = maglev_5dof_precise_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u,
+        &faults);
+    const float y3_accepted = maglev_5dof_precise_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u,
+        &faults);
+    const float y4_accepted = maglev_5dof_precise_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u,
+        &faults);
+    const float x_accepted = maglev_5dof_precise_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
+    const float z_accepted = maglev_5dof_precise_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
+    const float y_ref_held = maglev_5dof_precise_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u,
+        &faults);
+    const float x_ref_held = maglev_5dof_precise_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u,
+        &faults);
+    const float z_ref_held = maglev_5dof_precise_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u,
+        &faults);
+    const float phi_ref_held = maglev_5dof_precise_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref,
+        0x00000200u, &faults);
+    const float theta_ref_held = maglev_5dof_precise_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref,
+        0x00000400u, &faults);
+    const bool complete = (faults & 0x0000003fu) == 0u;
+    const uint32_t guard_ready = state->guard_ready;
+
+    /* observer_x: predictive observer, alpha-beta-gamma
+     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
+     *         set, else 0
+     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
+     *         0
+     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
+     *         x_disturbance)), 0.1)
+     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+     *         set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
+     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    const float observer_x_q = state->observer_x.q;
+
+    /* probe_x: probe at rest
+     *     sample_next = ((0 if 7 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 12
+     *         <= x_unchanged, else 0
+     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 7 <= x_unchanged, else 0) if 7 <=
+     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= x_unchanged, else 0
+     *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
+     *         attempt, else (-2.2 if 0 < e_x, else 2.2))) if 1 <= sample or 12 <= x_unchanged, else towards */
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    const bool x_unanswered = 8u <= probe_x_attempt;
+
+    /* observer_phi: predictive observer, alpha-beta-gamma
+     *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+     *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
+     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     q_next = limit(phi_estimate + 0.0005 * (phi_rate + phi_rate + 0.001 * (delay_w_phi_last +
+     *         phi_disturbance)), 0.02)
+     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
+    const float observer_phi_q = state->observer_phi_q;
+
+    /* observer_y: predictive observer, alpha-beta-gamma
+     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
+     *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
+     *     q_next = max(min(y_estimate + 0.0005 * (y_rate + y_rate + 0.001 * (delay_w_y_last + y_disturbance)),
+     *         0.0345), 0.0145)
+     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 4) */
+    const float observer_y_q = state->observer_y_q;
+
+    /* observer_theta: predictive observer, alpha-beta-gamma
+     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
+     *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
+     *     q_next = limit(theta_estimate + 0.0005 * (theta_rate + theta_rate + 0.001 * (delay_w_theta_last +
+     *         theta_disturbance)), 0.031)
+     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
+    const float observer_theta_q = state->observer_theta_q;
+
+    /* observer_z: predictive observer, alpha-beta-gamma
+     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
+     *         set, else 0
+     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
+     *         0
+     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
+     *         z_disturbance)), 0.1)
+     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
+     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
+     *         set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
+     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    const float observer_z_q = state->observer_z.q;
+
+    /* probe_z: probe at rest
+     *     sample_next = ((0 if 7 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 12
+     *         <= z_unchanged, else 0
+     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 7 <= z_unchanged, else 0) if 7 <=
+     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= z_unchanged, else 0
+     *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
+     *         attempt, else (-2.2 if 0 < e_z, else 2.2))) if 1 <= sample or 12 <= z_unchanged, else towards */
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const bool z_unanswered = 8u <= probe_z_attempt;
+
+    /* redundancy: parity, innovations, frozen codes
+     *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
+     *         z_unchanged
+     *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
+     *         likewise still_y2_next, still_y3_next, still_y4_next
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if 4e-05 < |observer_x_q - x_accepted|,
+     *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    const uint32_t redundancy_degraded = state->redundancy_degraded;
+    const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
+    const float r_2 = suspect_y1_part - y4_accepted;
+    const float size = fabsf(r_2);
+    const bool agreement = size <= 4.8e-05f;
+    const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
+    uint32_t x_unchanged = 0u;
+    float before_x = observer_x_q;
+    uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
+    if (maglev_5dof_precise_equal(x_accepted, state->redundancy_code_x)) {
+        const uint32_t redundancy_still_x = state->redundancy_still_x;
+        x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        before_x = state->redundancy_before_x;
+    } else {
+        if (4e-05f < fabsf(observer_x_q - x_accepted)) {
+            redundancy_doubts_x_next = 10u;
+        } else {
+            if (1u <= redundancy_doubts_x) {
+                redundancy_doubts_x_next = redundancy_doubts_x - 1u;
+            } else {
+                redundancy_doubts_x_next = 0u;
+            }
+        }
+    }
+    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
+    uint32_t z_unchanged = 0u;
+    float before_z = observer_z_q;
+    uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
+    if (maglev_5dof_precise_equal(z_accepted, state->redundancy_code_z)) {
+        const uint32_t redundancy_still_z = state->redundancy_still_z;
+        z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        before_z = state->redundancy_before_z;
+    } else {
+        if (4e-05f < fabsf(observer_z_q - z_accepted)) {
+            redundancy_doubts_z_next = 10u;
+        } else {
+            if (1u <= redundancy_doubts_z) {
+                redundancy_doubts_z_next = redundancy_doubts_z - 1u;
+            } else {
+                redundancy_doubts_z_next = 0u;
+            }
+        }
+    }
+    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
+    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
+    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
+    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
+    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
+    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
+    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
+    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
+    const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
+    uint32_t still_y1 = 0u;
+    if (same_y1) {
+        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
+        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+    }
+    const bool same_y2 = maglev_5dof_precise_equal(y2_accepted, state->redundancy_code_y2);
+    uint32_t still_y2 = 0u;
+    if (same_y2) {
+        const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
+        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+    }
+    const bool same_y3 = maglev_5dof_precise_equal(y3_accepted, state->redundancy_code_y3);
+    uint32_t still_y3 = 0u;
+    if (same_y3) {
+        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
+        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+    }
+    const bool same_y4 = maglev_5dof_precise_equal(y4_accepted, state->redundancy_code_y4);
+    uint32_t still_y4 = 0u;
+    if (same_y4) {
+        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
+        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+    }
+    bool suspect_y1 = false;
+    bool suspect_y2 = false;
+    bool suspect_y3 = false;
+    bool suspect_y4 = false;
+    uint32_t suspect_x = 0u;
+    uint32_t suspect_z = 0u;
+    bool gaps_sufficient = true;
+    bool x_trusted = true;
+    bool z_trusted = true;
+    float y1_held = y1_accepted;
+    float y2_held = y2_accepted;
+    float y3_held = y3_accepted;
+    float y4_held = y4_accepted;
+    float x_held = x_accepted;
+    float z_held = z_accepted;
+    bool regular = true;
+    bool theta_measured = true;
+    uint32_t degraded = 0u;
+    uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
+    uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
+    uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
+    uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
+    uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
+    uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
+    uint32_t redundancy_contradictions_0_next = 0u;
+    uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
+    uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
+    uint32_t redundancy_degraded_next = redundancy_degraded;
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
+        /* gap_prediction: gaps of the predicted pose, F(5)
+         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
+        const float phi_2 = 0.397f * observer_phi_q;
+        const float y1_expected = observer_y_q - phi_2;
+        const float theta_2 = 0.397f * observer_theta_q;
+        const float y2_expected = observer_y_q + theta_2;
+        const float y3_expected = observer_y_q + phi_2;
+        const float y4_expected = observer_y_q - theta_2;
+        const bool good_y1 = (faults & 0x00000001u) == 0u;
+        const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
+        const bool good_y2 = (faults & 0x00000002u) == 0u;
+        const bool usable_y2 = good_y2 && (redundancy_excluded_y2 == 0u);
+        const bool good_y3 = (faults & 0x00000004u) == 0u;
+        const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
+        const bool good_y4 = (faults & 0x00000008u) == 0u;
+        const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
+        bool suspects_y1;
+        bool suspects_y2;
+        bool suspects_y3;
+        bool suspects_y4;
+        bool determined;
+        if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
+            const bool agreeing = redundancy_undecided_0 == 0u;
+            if (agreement || (guard_ready == 0u)) {
+                const bool suspect_y1_test = redundancy_undecided_0 != 0u;
+                suspects_y1 = suspect_y1_test;
+                suspects_y2 = suspect_y1_test;
+                suspects_y3 = suspect_y1_test;
+                suspects_y4 = suspect_y1_test;
+                determined = agreeing;
+            } else {
+                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const float least_E = 0.4f * size;
+                const bool r_2_positive = 0.0f < r_2;
+                const float suspect_y1_part_2 = (r_2_positive) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
+                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
+                const bool still_y2_at_least_3 = 3u <= still_y2;
+                const float suspect_y1_part_3 = (r_2_positive) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
+                const bool still_y3_at_least_3 = 3u <= still_y3;
+                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
+                const bool still_y4_at_least_3 = 3u <= still_y4;
+                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
+                const uint32_t candidates = maglev_5dof_precise_flag(candidate_y1) +
+                    maglev_5dof_precise_flag(candidate_y2) + maglev_5dof_precise_flag(candidate_y3) +
+                    maglev_5dof_precise_flag(candidate_y4);
+                const uint32_t suspect_y1_part_4 = maglev_5dof_precise_flag(still_y1 < 3u) +
+                    maglev_5dof_precise_flag(still_y2 < 3u) + maglev_5dof_precise_flag(still_y3 < 3u);
+                const bool first = candidates != 0u;
+                uint32_t suspect_y1_part_5 = 0u;
+                float preferred_y1 = 0.0f;
+                float preferred_y2 = 0.0f;
+                float preferred_y3 = 0.0f;
+                float preferred_y4 = 0.0f;
+                if ((suspect_y1_part_4 + maglev_5dof_precise_flag(still_y4 < 3u)) == 3u) {
+                    const bool flag_y1 = 8u <= still_y1;
+                    const bool flag_y2 = 8u <= still_y2;
+                    const bool flag_y3 = 8u <= still_y3;
+                    const bool flag_y4 = 8u <= still_y4;
+                    const uint32_t suspect_y1_part_6 = maglev_5dof_precise_flag(flag_y1) +
+                        maglev_5dof_precise_flag(flag_y2) + maglev_5dof_precise_flag(flag_y3) +
+                        maglev_5dof_precise_flag(flag_y4);
+                    suspect_y1_part_5 = suspect_y1_part_6;
+                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
+                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
+                }
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_5) != 0u;
+                const float score_y1 = E_y1 +
+                    (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
+                const float best_y1 = maglev_5dof_precise_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 +
+                    (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
+                const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
+                const float score_y3 = E_y3 +
+                    (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
+                const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
+                const float score_y4 = E_y4 +
+                    (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                const float best = maglev_5dof_precise_max(best_y3, score_y4);
+                const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-10.0f,
+                    maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) <
+                    (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
+                    (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool least_upto_score_y1 = least <= score_y1;
+                const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
+                const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
+                suspects_y1 = (maglev_5dof_precise_flag(least_upto_score_y1) + waited) != 0u;
+                const bool least_upto_score_y2 = least <= score_y2;
+                suspects_y2 = (maglev_5dof_precise_flag(least_upto_score_y2) + waited) != 0u;
+                const bool least_upto_score_y3 = least <= score_y3;
+                suspects_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
+                const bool least_upto_score_y4 = least <= score_y4;
+                suspects_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
+                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
+                    ((least_upto_score_y1) ? r_2 : 0.0f), 0.0322f), 0.0168f);
+                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
+                    ((least_upto_score_y2) ? r_2 : 0.0f), 0.0366f), 0.0124f);
+                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
+                    ((least_upto_score_y3) ? r_2 : 0.0f), 0.0322f), 0.0168f);
+                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
+                    ((least_upto_score_y4) ? r_2 : 0.0f), 0.0366f), 0.0124f);
+                determined = waited == 0u;
+                bool contradictory_y1 = least_upto_score_y1;
+                bool contradictory_y2 = least_upto_score_y2;
+                bool contradictory_y3 = least_upto_score_y3;
+                bool contradictory_y4 = least_upto_score_y4;
+                if (redundancy_contradictions_0 < 2u) {
+                    contradictory_y1 = false;
+                    contradictory_y2 = false;
+                    contradictory_y3 = false;
+                    contradictory_y4 = false;
+                }
+                redundancy_excluded_y1_next = maglev_5dof_precise_flag(contradictory_y1);
+                redundancy_excluded_y2_next = maglev_5dof_precise_flag(contradictory_y2);
+                redundancy_excluded_y3_next = maglev_5dof_precise_flag(contradictory_y3);
+                redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_y4);
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
+                    (redundancy_contradictions_0 + 1u);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 &&
+                    contradictory_y1) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_y2) +
+                    maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_y3);
+                redundancy_stuck_0_next = maglev_5dof_precise_flag((redundancy_stuck_0_part +
+                    maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                redundancy_undecided_0_next = waited;
+            }
+        } else {
+            const bool suspect_y1_test_2 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
+                good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
+                (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
+            const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
+            suspects_y1 = (redundancy_excluded_y1 + doubted) != 0u;
+            suspects_y2 = (redundancy_excluded_y2 + doubted) != 0u;
+            suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
+            suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
+            const uint32_t gaps_sufficient_part = maglev_5dof_precise_flag((usable_y1) ? false : true) +
+                maglev_5dof_precise_flag((usable_y2) ? false : true) +
+                maglev_5dof_precise_flag((usable_y3) ? false : true);
+            const uint32_t missing = gaps_sufficient_part + maglev_5dof_precise_flag((usable_y4) ? false : true);
+            gaps_sufficient = missing <= 2u;
+            const bool missing_at_most_1 = missing <= 1u;
+            float predicted_y1 = y1_expected;
+            float predicted_y2 = y2_expected;
+            float predicted_y3 = y3_expected;
+            float predicted_y4 = suspect_y1_part;
+            if (missing_at_most_1) {
+                predicted_y1 = y1_accepted - r_2;
+                predicted_y2 = y2_accepted + r_2;
+                predicted_y3 = y3_accepted - r_2;
+            } else {
+                predicted_y4 = y4_expected;
+            }
+            y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y1) ? y1_accepted : predicted_y1,
+                0.0322f), 0.0168f);
+            y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y2) ? y2_accepted : predicted_y2,
+                0.0366f), 0.0124f);
+            y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y3) ? y3_accepted : predicted_y3,
+                0.0322f), 0.0168f);
+            y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y4) ? y4_accepted : predicted_y4,
+                0.0366f), 0.0124f);
+            determined = missing_at_most_1 && (doubted == 0u);
+            redundancy_undecided_0_next = doubted;
+        }
+        suspect_y1 = suspects_y1;
+        suspect_y2 = suspects_y2;
+        suspect_y3 = suspects_y3;
+        suspect_y4 = suspects_y4;
+        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
+        const uint32_t flag_suspect_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
+        const bool unusual_z_trusted = usable_z && (flag_suspect_z == 0u);
+        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
+        const uint32_t suspects_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
+        const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
+        regular = unusual_z_trusted && unusual_x_trusted && determined;
+        theta_measured = determined;
+        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspects_y4 || suspects_y3 ||
+            suspects_y2 || suspects_y1) ? 1u : redundancy_degraded;
+        suspect_x = suspects_x;
+        suspect_z = flag_suspect_z;
+        x_trusted = unusual_x_trusted;
+        z_trusted = unusual_z_trusted;
+        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
+        degraded = guard_ready;
+        redundancy_excluded_x_next = suspects_x;
+        redundancy_excluded_z_next = flag_suspect_z;
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->y1_expected = y1_expected;
+            diagnostics->y2_expected = y2_expected;
+            diagnostics->y3_expected = y3_expected;
+            diagnostics->y4_expected = y4_expected;
+        }
+#endif
+    }
+
+    /* landing: ramps and state feedback
+     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
+     *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
+     *     dr_x_next = limit(max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is
+     *         set, else x_rate) - 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
+    const uint32_t landing_landing = state->landing_landing;
+    const float landing_r_y = state->landing_r_y;
+    const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
+
+    /* guard: range acceptance, hold, latch (continued) */
+    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    const float observer_y_fast_q = state->observer_y_fast_q;
+    const float nu_y_fast_estimate = y - observer_y_fast_q;
+    const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
+        (observer_y_fast_gamma * nu_y_fast_estimate), 50.0f);
+    const float y2_minus_y4 = y2_held - y4_held;
+    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+    const float y3_minus_y1 = y3_held - y1_held;
+    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+    const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
+    const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
+        (observer_phi_fast_gamma * nu_phi_fast_ahead), 200.0f);
+    const float pole = (theta_measured) ? 40.0f : 14.0f;
+    bool enough = complete;
+    float y_fast_estimate = y;
+    float y_fast_rate = 0.0f;
+    float y_fast_disturbance = y_fast_disturbance_part;
+    float w_phi_tracking_part = 0.0f;
+    float theta_disturbance = 0.0f;
+    float theta_estimate = theta;
+    float theta_rate = 0.0f;
+    float w_theta_part = 0.0f;
+    float y_disturbance = 0.0f;
+    float y_estimate = y;
+    float y_rate = 0.0f;
+    float phi_estimate = phi;
+    float phi_rate = 0.0f;
+    float phi_disturbance = 0.0f;
+    if (guard_ready != 0u) {
+        /* sufficiency: it can land, is probed
+         *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+        const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+        enough = sufficient;
+        y_fast_estimate = observer_y_fast_q + (observer_y_fast_alpha * nu_y_fast_estimate);
+        y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
+        w_phi_tracking_part = 0.8f * phi_fast_ahead_part;
+        const float nu_theta_disturbance = theta - observer_theta_q;
+        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), 200.0f);
+        theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
+        const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
+        theta_rate = theta_rate_part;
+        w_theta_part = 2.0f * (pole * theta_rate_part);
+        const float nu_y_disturbance = y - observer_y_q;
+        y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
+        y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+        const float nu_phi_estimate = phi - observer_phi_q;
+        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
+        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
+        phi_disturbance = maglev_5dof_precise_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+            200.0f);
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
+        }
+#endif
+    } else {
+        y_fast_disturbance = 0.0f;
+    }
+    const uint32_t guard_latched = state->guard_latched;
+    uint32_t latched_part = guard_latched;
+    if (enough) {
+        state->guard_left = 5u;
+    } else {
+        const uint32_t guard_left = state->guard_left;
+        if (guard_left <= 1u) {
+            latched_part = 1u;
+        } else {
+            state->guard_left = guard_left - 1u;
+        }
+    }
+    const uint32_t latched = (landed) ? 1u : latched_part;
+    if (complete) {
+        state->guard_ready = 1u;
+    }
+
+    /* angles: positions for the commutation
+     *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
+    const bool lost_1 = !x_trusted;
+    const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
+    out->x_commutation = x_commutation;
+    const bool lost_2 = !z_trusted;
+    const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
+    out->z_commutation = z_commutation;
+
+    /* safe_output: slew to the safe output once latched */
+    if (suspect_y1) {
+        faults |= 0x00000800u;
+    }
+    if (suspect_y2) {
+        faults |= 0x00001000u;
+    }
+    if (suspect_y3) {
+        faults |= 0x00002000u;
+    }
+    if (suspect_y4) {
+        faults |= 0x00004000u;
+    }
+    if (suspect_x != 0u) {
+        faults |= 0x00008000u;
+    }
+    if (suspect_z != 0u) {
+        faults |= 0x00010000u;
+    }
+    if (latched != 0u) {
+        state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d1, slew_i_d1);
+        out->i_d1 = state->safe_output_last_i_d1;
+        state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, safe_i_d1, slew_i_d1);
+        out->i_d2 = state->safe_output_last_i_d2;
+        state->safe_output_last_i_d3 = maglev_5dof_precise_slew(state->safe_output_last_i_d3, safe_i_d1, slew_i_d1);
+        out->i_d3 = state->safe_output_last_i_d3;
+        state->safe_output_last_i_d4 = maglev_5dof_precise_slew(state->safe_output_last_i_d4, safe_i_d1, slew_i_d1);
+        out->i_d4 = state->safe_output_last_i_d4;
+        state->safe_output_last_u_x = maglev_5dof_precise_slew(state->safe_output_last_u_x, 0.0f, slew_i_d1);
+        out->i_q2 = state->safe_output_last_u_x;
+        out->i_q4 = state->safe_output_last_u_x;
+        state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
+        out->i_q1 = state->safe_output_last_u_z;
+        out->i_q3 = state->safe_output_last_u_z;
+
+        /* guard: range acceptance, hold, latch (continued) */
+        state->guard_latched = 1u;
+        faults |= 0x80000000u;
+    } else {
+        /* sufficiency: it can land, is probed (continued) */
+        const bool free = regular && (observer_y_q < 0.0305f);
+
+        /* errors: tracking errors, F(14)
+         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
+        const float e_y = y - y_ref_held;
+        const float e_x = x_held - x_ref_held;
+        const float e_z = z_held - z_ref_held;
+        const float e_phi = phi - phi_ref_held;
+        const float e_theta = theta - theta_ref_held;
+
+        /* servo_phi_fast: predictive servo with internal models
+         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
+         *         limit(e_phi, 0.0001))^2 <= 16, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
+         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
+        const float servo_phi_fast_sum = state->servo_phi_fast_sum;
+        const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
+        const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
+        const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
+        const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
+        const float servo_phi_fast_p1_next = servo_phi_fast_p1 + (servo_phi_fast_c1 * servo_phi_fast_q1);
+        const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
+        const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
+            (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
+        if (servo_phi_fast_sum_part <= 16.0f) {
+            state->servo_phi_fast_sum = servo_phi_fast_sum_next;
+            state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
+            state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
+        }
+
+        /* delay: delay of one sample
+         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+        const float delay_w_y_last = state->delay_w_y_last;
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
+            (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, 4.0f);
+
+        /* observer_y_fast: predictive observer, alpha-beta-gamma
+         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
+         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
+         *     y_fast_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+         *     y_fast_ahead = max(min(y_fast_estimate + 0.0005 * (y_fast_rate + y_fast_rate + 0.001 *
+         *         (delay_w_y_last + y_fast_disturbance)), 0.0345), 0.0145)
+         *     y_fast_rate_ahead = limit(y_fast_rate + 0.001 * (delay_w_y_last + y_fast_disturbance), 4) */
+        const float faster_y_fast_ahead = y_fast_rate + (0.001f * (delay_w_y_last + y_fast_disturbance));
+        const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
+            (0.0005f * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
+        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, 4.0f);
+        state->observer_y_fast_q = y_fast_ahead;
+        state->observer_y_fast_v = y_fast_rate_ahead;
+        state->observer_y_fast_d = y_fast_disturbance;
+        const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
+            y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_part, e_y);
+
+        /* delay: delay of one sample (continued) */
+        const float delay_a_x_last = state->delay_a_x_last;
+        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
+            x_trusted, x_held, delay_a_x_last, x_unchanged);
+
+        /* observer_x: predictive observer, alpha-beta-gamma (continued) */
+        const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
+        const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
+            (observer_x_fast_gamma * nu_x_fast_ahead), 20.0f);
+        const maglev_5dof_precise_observer_fast_t observer_x_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
+            nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
+        const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
+            observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_part,
+            e_x);
+
+        /* delay: delay of one sample (continued) */
+        const float delay_a_z_last = state->delay_a_z_last;
+        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
+            z_trusted, z_held, delay_a_z_last, z_unchanged);
+
+        /* observer_z: predictive observer, alpha-beta-gamma (continued) */
+        const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
+        const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
+            (observer_z_fast_gamma * nu_z_fast_ahead), 20.0f);
+        const maglev_5dof_precise_observer_fast_t observer_z_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
+            nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
+        const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
+            observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_part,
+            e_z);
+
+        /* delay: delay of one sample (continued) */
+        const float delay_w_phi_last = state->delay_w_phi_last;
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        const float faster_observer_phi_q = phi_rate + (0.001f * (delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (0.0005f * (phi_rate + faster_observer_phi_q)),
+            0.02f);
+        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, 4.0f);
+        const maglev_5dof_precise_observer_fast_t observer_phi_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
+            nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
+
+        /* delay: delay of one sample (continued) */
+        const float delay_w_theta_last = state->delay_w_theta_last;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
+            (0.0005f * (theta_rate + faster_observer_theta_q)), 0.031f);
+        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, 4.0f);
+        const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
+        const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
+            (observer_theta_fast_gamma * nu_theta_fast_ahead), 200.0f);
+        const maglev_5dof_precise_observer_fast_t observer_theta_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
+            guard_ready, nu_theta_fast_ahead, theta, theta_fast_ahead_part, delay_w_theta_last);
+        const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
+            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
+            observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_part, e_theta);
+
+        /* landing: ramps and state feedback (continued) */
+        const bool waiting = !regular && (guard_ready != 0u);
+        const uint32_t landing_left = state->landing_left;
+        const bool landing_left_at_most_1 = landing_left <= 1u;
+        uint32_t landing = 1u;
+        if (waiting && landing_left_at_most_1) {
+            state->landing_landing = 1u;
+        } else {
+            landing = landing_landing;
+        }
+        float w_phi;
+        float w_theta;
+        float w_x_unprobed;
+        float w_y;
+        float w_z_unprobed;
+        float landing_r_y_part = landing_r_y;
+        if (landing != 0u) {
+            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
+            float r_w_x = observer_x.estimate;
+            float dr_w_x = observer_x.rate;
+            float r_w_y = landing_r_y;
+            float dr_w_y = y_rate;
+            float r_w_z = observer_z.estimate;
+            float dr_w_z = observer_z.rate;
+            if (landing_landing != 0u) {
+                r_w_x = state->landing_r_x;
+                dr_w_x = state->landing_dr_x;
+                dr_w_y = state->landing_dr_y;
+                r_w_z = state->landing_r_z;
+                dr_w_z = state->landing_dr_z;
+            } else {
+                r_w_y = y_estimate;
+            }
+            const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
+                (maglev_5dof_precise_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
+            w_x_unprobed = demand_w_x;
+            const float target_w_y = maglev_5dof_precise_max(maglev_5dof_precise_min(0.005f +
+                (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
+            const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
+                (maglev_5dof_precise_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
+            w_y = demand_w_y;
+            const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
+                (maglev_5dof_precise_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
+            w_z_unprobed = demand_w_z;
+            const float faster_w_y = maglev_5dof_precise_slew(dr_w_y, target_w_y, 0.002f);
+            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_precise_max(maglev_5dof_precise_min(r_w_y +
+                (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
+            landing_r_y_part = ahead_w_y;
+            state->landing_dr_y = faster_w_y;
+
+            /* landing: ramps and state feedback (continued) */
+            const float faster_w_x = maglev_5dof_precise_slew(dr_w_x, 0.0f, 0.004f);
+            state->landing_r_x = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
+            state->landing_dr_x = maglev_5dof_precise_limit(faster_w_x, 10.0f);
+            const float faster_w_z = maglev_5dof_precise_slew(dr_w_z, 0.0f, 0.004f);
+            state->landing_r_z = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : observer_z.estimate;
+            state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
+            w_phi = -11250.0f * phi;
+            w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->x_disturbance = observer_x.disturbance;
+                diagnostics->x_estimate = observer_x.estimate;
+                diagnostics->x_rate = observer_x.rate;
+                diagnostics->z_disturbance = observer_z.disturbance;
+                diagnostics->z_estimate = observer_z.estimate;
+                diagnostics->z_rate = observer_z.rate;
+            }
+#endif
+        } else {
+            /* servo_y_fast: predictive servo with internal models
+             *     r_next = y_ref_held */
+            w_y = w_y_tracking;
+
+            /* servo_x_fast: predictive servo with internal models
+             *     r_next = x_ref_held */
+            w_x_unprobed = w_x_tracking;
+
+            /* servo_z_fast: predictive servo with internal models
+             *     r_next = z_ref_held */
+            w_z_unprobed = w_z_tracking;
+
+            /* servo_phi_fast: predictive servo with internal models (continued) */
+            const float w_phi_tracking_part_2 = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
+                (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
+            const float moved_w_phi_tracking = phi_ref_held - state->servo_phi_fast_r;
+            float w_phi_tracking_part_3 = 0.0f;
+            if (fabsf(moved_w_phi_tracking) <= 1e-04f) {
+                w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
+            }
+            const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
+                (servo_phi_fast_k_sum * servo_phi_fast_sum) + (servo_phi_fast_k_p1 * servo_phi_fast_p1) +
+                (servo_phi_fast_k_q1 * servo_phi_fast_q1);
+            const float w_phi_tracking = w_phi_tracking_part_4 - w_phi_tracking_part;
+            w_phi = w_phi_tracking;
+
+            /* servo_theta_fast: predictive servo with internal models
+             *     r_next = theta_ref_held */
+            w_theta = w_theta_tracking;
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->w_y_tracking = w_y_tracking;
+                diagnostics->w_x_tracking = w_x_tracking;
+                diagnostics->w_z_tracking = w_z_tracking;
+                diagnostics->phi_fast_rate_ahead = observer_phi_fast.fast_rate_ahead;
+                diagnostics->w_phi_tracking = w_phi_tracking;
+                diagnostics->w_theta_tracking = w_theta_tracking;
+            }
+#endif
+        }
+        state->delay_w_y_last = w_y;
+        state->delay_w_phi_last = w_phi;
+        state->delay_w_theta_last = w_theta;
+
+        /* probe_x: probe at rest (continued) */
+        const uint32_t probe_x_sample = state->probe_x_sample;
+        const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
+        if (runs_w_x || (12u <= x_unchanged)) {
+            const float probe_x_towards = state->probe_x_towards;
+            if (runs_w_x) {
+                float pulse_w_x = 0.0f;
+                if (probe_x_sample <= 4u) {
+                    const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
+                    pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
+                }
+                w_x = w_x_unprobed + pulse_w_x;
+                if (7u <= probe_x_sample) {
+                    state->probe_x_sample = 0u;
+                    state->probe_x_attempt = (7u <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
+                    state->probe_x_towards = -probe_x_towards;
+                } else {
+                    state->probe_x_sample = probe_x_sample + 1u;
+                }
+            } else {
+                state->probe_x_sample = maglev_5dof_precise_flag(free);
+                if (probe_x_attempt < 1u) {
+                    state->probe_x_towards = (0.0f < e_x) ? -2.2f : 2.2f;
+                }
+            }
+        } else {
+            state->probe_x_sample = 0u;
+            state->probe_x_attempt = 0u;
+        }
+
+        /* landing: ramps and state feedback (continued) */
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, 0.0326f);
+
+        /* probe_z: probe at rest (continued) */
+        const uint32_t probe_z_sample = state->probe_z_sample;
+        const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
+        if (runs_w_z || (12u <= z_unchanged)) {
+            const float probe_z_towards = state->probe_z_towards;
+            if (runs_w_z) {
+                float pulse_w_z = 0.0f;
+                if (probe_z_sample <= 4u) {
+                    const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
+                    pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
+                }
+                w_z = w_z_unprobed + pulse_w_z;
+                if (7u <= probe_z_sample) {
+                    state->probe_z_sample = 0u;
+                    state->probe_z_attempt = (7u <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
+                    state->probe_z_towards = -probe_z_towards;
+                } else {
+                    state->probe_z_sample = probe_z_sample + 1u;
+                }
+            } else {
+                state->probe_z_sample = maglev_5dof_precise_flag(free);
+                if (probe_z_attempt < 1u) {
+                    state->probe_z_towards = (0.0f < e_z) ? -2.2f : 2.2f;
+                }
+            }
+        } else {
+            state->probe_z_sample = 0u;
+            state->probe_z_attempt = 0u;
+        }
+
+        /* inversion: exact inversion of F(2), (6), (7)
+         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
+         *         i_d4_balanced^2))); likewise u_z_computed */
+        const float tilts_3 = r * observer_phi_fast.fast_ahead;
+        const float thrust_per_ampere_1_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
+        const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
+        const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
+        const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument);
+        const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
+        const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
+        const float thrust_per_ampere_3_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
+        const float u_z_demand = -M_z * w_z / u_z_demand_part;
+        const float i_q_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
+        const float i_q_3_squared = i_q_3 * i_q_3;
+        const float half_1 = motors_1_half_a + (motors_1_half_c * i_q_3_squared);
+        const float tilts_2 = r * observer_theta_fast.fast_ahead;
+        const float thrust_per_ampere_2_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
+        const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
+        const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
+        const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
+        const float motors_2_half_a = thrust_per_ampere_2_squared * half_a_over_h2_2;
+        const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
+        const float thrust_per_ampere_4_part = slot_pull /
+            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
+        const float u_x_demand = -M_x * w_x / u_x_demand_part;
+        const float i_q_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
+        const float i_q_4_squared = i_q_4 * i_q_4;
+        const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_4_squared);
+        const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
+        const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
+        const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_3_squared);
+        const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
+        const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
+        const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_4_squared);
+        const float half_force = (3.45f * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
+        const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) +
+            (half_3 - half_1);
+        const float half_force_theta = (0.66347605f * (w_theta + (2850.0f * observer_theta_fast.fast_ahead))) +
+            (half_2 - half_4);
+        const float squares_2 = thrust_per_ampere_2_squared + (16.0f * (motors_2_half_a * motors_2_half_c));
+        const float s2 = 1.0f / squares_2;
+        const float squares_4 = thrust_per_ampere_4_squared + (16.0f * (motors_4_half_a * motors_4_half_c));
+        const float s4 = 1.0f / squares_4;
+        const float s2_plus_s4 = s2 + s4;
+        const float squares_3 = thrust_per_ampere_3_squared + (16.0f * (motors_3_half_a * motors_3_half_c));
+        const float s3 = 1.0f / squares_3;
+        const float squares_1 = thrust_per_ampere_1_squared + (16.0f * (motors_1_half_a * motors_1_half_c));
+        const float s1 = 1.0f / squares_1;
+        const float half_force_1_3 = ((s2_plus_s4 * half_force) + ((s2 - s4) * half_force_theta) -
+            ((s3 - s1) * half_force_phi)) / (s1 + s3 + s2_plus_s4);
+        const float half_force_2_4 = half_force - half_force_1_3;
+        const float doubled_1 = half_force_1_3 - half_force_phi;
+        const float i_d1_balanced = maglev_5dof_precise_limit(2.0f * doubled_1 / (sqrtf(squares_1) +
+            sqrtf(maglev_5dof_precise_max(squares_1 - (8.0f * (motors_1_half_c * doubled_1)), 0.0f))), direct_limit);
+        const float doubled_2 = half_force_2_4 + half_force_theta;
+        const float i_d2_balanced = maglev_5dof_precise_limit(2.0f * doubled_2 / (sqrtf(squares_2) +
+            sqrtf(maglev_5dof_precise_max(squares_2 - (8.0f * (motors_2_half_c * doubled_2)), 0.0f))), direct_limit);
+        const float doubled_3 = half_force_1_3 + half_force_phi;
+        const float i_d3_balanced = maglev_5dof_precise_limit(2.0f * doubled_3 / (sqrtf(squares_3) +
+            sqrtf(maglev_5dof_precise_max(squares_3 - (8.0f * (motors_3_half_c * doubled_3)), 0.0f))), direct_limit);
+        const float doubled_4 = half_force_2_4 - half_force_theta;
+        const float i_d4_balanced = maglev_5dof_precise_limit(2.0f * doubled_4 / (sqrtf(squares_4) +
+            sqrtf(maglev_5dof_precise_max(squares_4 - (8.0f * (motors_4_half_c * doubled_4)), 0.0f))), direct_limit);
+        const float u_x_computed_part = squared_current_limit -
+            maglev_5dof_precise_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced);
+        const float u_x_computed = maglev_5dof_precise_limit(u_x_demand, sqrtf(u_x_computed_part));
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        const float u_z_computed_part = squared_current_limit -
+            maglev_5dof_precise_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced);
+        const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_part));
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
+        const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
+        const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
+        state->delay_a_x_last = a_x;
+        state->delay_a_z_last = a_z;
+
+        /* handover: direct currents without x or z */
+        const float handover_transfer = state->handover_transfer;
+        if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
+            /* safe_output: slew to the safe output once latched (continued) */
+            const float transfer = maglev_5dof_precise_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
+                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
+            const bool of_x = 0.0f < transfer;
+            const float part = fabsf(transfer);
+            const float part_z = (of_x) ? 0.0f : part;
+            const float remainder_z = 1.0f - part_z;
+            const float part_x = (of_x) ? part : 0.0f;
+            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z, room_z);
+            out->i_d1 = state->safe_output_last_i_d1;
+            const float remainder_x = 1.0f - part_x;
+            const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x, room_x);
+            out->i_d2 = state->safe_output_last_i_d2;
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z, room_z);
+            out->i_d3 = state->safe_output_last_i_d3;
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_precise_limit(i_d4_balanced + handed_x, room_x);
+            out->i_d4 = state->safe_output_last_i_d4;
+            state->handover_transfer = transfer;
+        } else {
+            /* safe_output: slew to the safe output once latched (continued) */
+            state->safe_output_last_i_d1 = i_d1_balanced;
+            out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d2 = i_d2_balanced;
+            out->i_d2 = i_d2_balanced;
+            state->safe_output_last_i_d3 = i_d3_balanced;
+            out->i_d3 = i_d3_balanced;
+            state->safe_output_last_i_d4 = i_d4_balanced;
+            out->i_d4 = i_d4_balanced;
+        }
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
+        state->redundancy_code_y1 = y1_accepted;
+        state->redundancy_still_y1 = still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
+        state->redundancy_code_y2 = y2_accepted;
+        state->redundancy_still_y2 = still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
+        state->redundancy_code_y3 = y3_accepted;
+        state->redundancy_still_y3 = still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
+        state->redundancy_code_y4 = y4_accepted;
+        state->redundancy_still_y4 = still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
+        state->redundancy_code_x = x_accepted;
+        state->redundancy_still_x = x_unchanged;
+        state->redundancy_excluded_x = redundancy_excluded_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_next;
+        state->redundancy_before_x = before_x;
+        state->redundancy_code_z = z_accepted;
+        state->redundancy_still_z = z_unchanged;
+        state->redundancy_excluded_z = redundancy_excluded_z_next;
+        state->redundancy_doubts_z = redundancy_doubts_z_next;
+        state->redundancy_before_z = before_z;
+        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
+        state->redundancy_stuck_0 = redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = redundancy_undecided_0_next;
+        state->redundancy_degraded = redundancy_degraded_next;
+
+        /* servo_phi_fast: predictive servo with internal models (continued) */
+        state->servo_phi_fast_r = phi_ref_held;
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        state->observer_y_d = y_disturbance;
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        state->observer_phi_d = phi_disturbance;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        state->observer_theta_d = theta_disturbance;
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->free = free ? 1.0f : 0.0f;
+            diagnostics->e_y = e_y;
+            diagnostics->e_x = e_x;
+            diagnostics->e_z = e_z;
+            diagnostics->e_phi = e_phi;
+            diagnostics->e_theta = e_theta;
+            diagnostics->y_fast_ahead = y_fast_ahead;
+            diagnostics->y_fast_rate_ahead = y_fast_rate_ahead;
+            diagnostics->x_fast_ahead = observer_x_fast.fast_ahead;
+            diagnostics->x_fast_rate_ahead = observer_x_fast.fast_rate_ahead;
+            diagnostics->z_fast_ahead = observer_z_fast.fast_ahead;
+            diagnostics->z_fast_rate_ahead = observer_z_fast.fast_rate_ahead;
+            diagnostics->phi_fast_ahead = observer_phi_fast.fast_ahead;
+            diagnostics->theta_fast_ahead = observer_theta_fast.fast_ahead;
+            diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
+            diagnostics->w_phi = w_phi;
+            diagnostics->w_theta = w_theta;
+            diagnostics->w_x_unprobed = w_x_unprobed;
+            diagnostics->w_y = w_y;
+            diagnostics->w_z_unprobed = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
+            diagnostics->i_d1_balanced = i_d1_balanced;
+            diagnostics->i_d2_balanced = i_d2_balanced;
+            diagnostics->i_d3_balanced = i_d3_balanced;
+            diagnostics->i_d4_balanced = i_d4_balanced;
+            diagnostics->a_x = a_x;
+            diagnostics->a_z = a_z;
+            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= 4.0f) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= sqrtf(u_x_computed_part)) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= sqrtf(u_z_computed_part)) ? 0x00000040u : 0u;
+        }
+#endif
+    }
+    const float missed_calls = in->missed_calls;
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
+    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
+        diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
+        diagnostics->x_unchanged = (float)x_unchanged;
+        diagnostics->z_unchanged = (float)z_unchanged;
+        diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
+        diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
+        diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
+        diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
+        diagnostics->suspect_x = (float)suspect_x;
+        diagnostics->suspect_z = (float)suspect_z;
+        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
+        diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
+        diagnostics->y1_held = y1_held;
+        diagnostics->y2_held = y2_held;
+        diagnostics->y3_held = y3_held;
+        diagnostics->y4_held = y4_held;
+        diagnostics->regular = regular ? 1.0f : 0.0f;
+        diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
+        diagnostics->degraded = (float)degraded;
+        diagnostics->landed = landed ? 1.0f : 0.0f;
+        diagnostics->y = y;
+        diagnostics->theta = theta;
+        diagnostics->phi = phi;
+        diagnostics->y_fast_estimate = y_fast_estimate;
+        diagnostics->y_fast_rate = y_fast_rate;
+        diagnostics->y_fast_disturbance = y_fast_disturbance;
+        diagnostics->theta_disturbance = theta_disturbance;
+        diagnostics->theta_estimate = theta_estimate;
+        diagnostics->theta_rate = theta_rate;
+        diagnostics->y_disturbance = y_disturbance;
+        diagnostics->y_estimate = y_estimate;
+        diagnostics->y_rate = y_rate;
+        diagnostics->phi_estimate = phi_estimate;
+        diagnostics->phi_rate = phi_rate;
+        diagnostics->phi_disturbance = phi_disturbance;
+    }
+#endif
+
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = fault_word;
+        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = fault_word;
+        }
+    }
+#endif
+    return fault_word;
+}

@@ -1,0 +1,338 @@
+/* maglev_5dof_precise: one step every 0.001 s, float. Generated: do not edit.
+ *
+ * Call maglev_5dof_precise_init once, then maglev_5dof_precise_step once every 0.001 s with the inputs of that sample,
+ * and use its outputs at once. Nothing else may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init, and the
+ * outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100
+ * A/s.
+ *
+ * What this does to the machine:
+ *   - a gap encoder that is refused or excluded is replaced
+ *   - without x, z or two gap encoders the platen lands and then latches on the stop
+ *   - without three it latches as said above
+ *   - zero current pulls the platen up below 28.7 mm
+ *   - 2.5 A rms lowers it from 18.1 mm and above
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at
+ *     0.0056 m/s (y)
+ *   - in motion the machine reaches 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
+ *
+ * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
+ * machine at rest: the outputs of the first step after it are not slewed.
+ *
+ * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
+ * steps before it, and the outputs of the last one go to the hardware.
+ *
+ * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
+ * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
+ *
+ * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_PRECISE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
+#ifndef MAGLEV_5DOF_PRECISE_H
+#define MAGLEV_5DOF_PRECISE_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float q;                            /* m or rad: prediction */
+    float v;                            /* m/s or rad/s: predicted rate */
+    float d;                            /* m/s^2 or rad/s^2: disturbance */
+} maglev_5dof_precise_observer_fast_state_t;
+
+typedef struct {
+    float sum;                          /* m or rad: internal model */
+    float p1;                           /* m or rad: internal model */
+    float q1;                           /* m or rad: internal model */
+    float p2;                           /* m or rad: internal model */
+    float q2;                           /* m or rad: internal model */
+    float p3;                           /* m or rad: internal model */
+    float q3;                           /* m or rad: internal model */
+    float r;                            /* m or rad: set-point one sample ago */
+} maglev_5dof_precise_servo_fast_state_t;
+
+typedef struct {
+    float q;                            /* m, -0.1 .. 0.1: prediction */
+    float v;                            /* m/s, -2 .. 2: predicted rate */
+    float d;                            /* m/s^2, -20 .. 20: disturbance */
+    float learnt;                       /* m/s, -63.8505 .. 63.8505: rate learnt since its code changed */
+    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
+} maglev_5dof_precise_observer_state_t;
+
+typedef struct {
+    float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
+    float y2;                           /* m, 0.0124 .. 0.0366: gap of motor 2 */
+    float y3;                           /* m, 0.0168 .. 0.0322: gap of motor 3 */
+    float y4;                           /* m, 0.0124 .. 0.0366: gap of motor 4 */
+    float x;                            /* m, -0.1 .. 0.1: platen along X */
+    float z;                            /* m, -0.1 .. 0.1: platen along Z */
+    float y_ref;                        /* m, 0.018 .. 0.031: set-point of the gap */
+    float x_ref;                        /* m, -0.05 .. 0.05: set-point along X */
+    float z_ref;                        /* m, -0.05 .. 0.05: set-point along Z */
+    float phi_ref;                      /* rad, -0.003 .. 0.003: set-point of the rotation about X */
+    float theta_ref;                    /* rad, -0.014 .. 0.014: set-point of the rotation about Z */
+    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if not known */
+} maglev_5dof_precise_input_t;
+
+typedef struct {
+    float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
+    float i_d2;                         /* A, -4.94975 .. 4.94975: direct current of motor 2, rms */
+    float i_d3;                         /* A, -4.94975 .. 4.94975: direct current of motor 3, rms */
+    float i_d4;                         /* A, -4.94975 .. 4.94975: direct current of motor 4, rms */
+    float i_q1;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 1, rms */
+    float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
+    float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
+    float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
+    float x_commutation;                /* m, -0.1 .. 0.2: x for the commutation, 0.2 if lost */
+    float z_commutation;                /* m, -0.1 .. 0.2: z for the commutation, 0.2 if lost */
+} maglev_5dof_precise_output_t;
+
+typedef struct {
+    float guard_last_y1;                /* m, 0.0168 .. 0.0322: last good value */
+    float guard_last_y2;                /* m, 0.0124 .. 0.0366: last good value */
+    float guard_last_y3;                /* m, 0.0168 .. 0.0322: last good value */
+    float guard_last_y4;                /* m, 0.0124 .. 0.0366: last good value */
+    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
+    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
+    float guard_last_y_ref;             /* m, 0.018 .. 0.031: last good value */
+    float guard_last_x_ref;             /* m, -0.05 .. 0.05: last good value */
+    float guard_last_z_ref;             /* m, -0.05 .. 0.05: last good value */
+    float guard_last_phi_ref;           /* rad, -0.003 .. 0.003: last good value */
+    float guard_last_theta_ref;         /* rad, -0.014 .. 0.014: last good value */
+    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y1;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y1;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y2;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y2;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y2;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y3;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y3;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y3;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
+    uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
+    uint32_t redundancy_doubts_x;       /* 1, 0 .. 10: changes until its prediction is believed */
+    float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
+    float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
+    uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
+    uint32_t redundancy_doubts_z;       /* 1, 0 .. 10: changes until its prediction is believed */
+    float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
+    uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
+    uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
+    uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
+    float observer_y_fast_q;            /* m, 0.0145 .. 0.0345: prediction */
+    float observer_y_fast_v;            /* m/s, -4 .. 4: predicted rate */
+    float observer_y_fast_d;            /* m/s^2, -50 .. 50: disturbance */
+    maglev_5dof_precise_servo_fast_state_t servo_y_fast;
+    maglev_5dof_precise_observer_fast_state_t observer_x_fast;
+    maglev_5dof_precise_servo_fast_state_t servo_x_fast;
+    maglev_5dof_precise_observer_fast_state_t observer_z_fast;
+    maglev_5dof_precise_servo_fast_state_t servo_z_fast;
+    maglev_5dof_precise_observer_fast_state_t observer_phi_fast;
+    float servo_phi_fast_sum;           /* rad, -4.00004 .. 4.00004: internal model */
+    float servo_phi_fast_p1;            /* rad, -4.00004 .. 4.00004: internal model */
+    float servo_phi_fast_q1;            /* rad, -4.00004 .. 4.00004: internal model */
+    float servo_phi_fast_r;             /* rad, -0.009 .. 0.009: set-point one sample ago */
+    maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
+    maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
+    float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
+    float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
+    float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
+    float delay_w_phi_last;             /* rad/s^2, -1e+06 .. 1e+06: w_phi one sample ago */
+    float delay_w_theta_last;           /* rad/s^2, -1e+06 .. 1e+06: w_theta one sample ago */
+    float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
+    float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
+    float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
+    maglev_5dof_precise_observer_state_t observer_x;
+    maglev_5dof_precise_observer_state_t observer_z;
+    float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
+    float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
+    float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
+    float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
+    float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
+    float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
+    uint32_t landing_left;              /* 1, 1 .. 5: samples until it lands */
+    uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
+    float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
+    float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_x;                  /* m, -0.5 .. 0.5: set-point of the landing */
+    float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_z;                  /* m, -0.5 .. 0.5: set-point of the landing */
+    float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
+    uint32_t probe_x_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
+    uint32_t probe_x_attempt;           /* 1, 0 .. 8: pairs without an answer */
+    float probe_x_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
+    uint32_t probe_z_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
+    uint32_t probe_z_attempt;           /* 1, 0 .. 8: pairs without an answer */
+    float probe_z_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
+    float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_i_d4;        /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_u_x;         /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_u_z;         /* A, -4.94975 .. 4.94975: last output */
+} maglev_5dof_precise_state_t;
+
+/* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(maglev_5dof_precise_input_t) == 48u, "size of maglev_5dof_precise_input_t");
+_Static_assert(sizeof(maglev_5dof_precise_output_t) == 40u, "size of maglev_5dof_precise_output_t");
+_Static_assert(sizeof(maglev_5dof_precise_state_t) == 544u, "size of maglev_5dof_precise_state_t");
+#else
+extern char maglev_5dof_precise_input_size_is_48[(sizeof(maglev_5dof_precise_input_t) == 48u) ? 1 : -1];
+extern char maglev_5dof_precise_output_size_is_40[(sizeof(maglev_5dof_precise_output_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_precise_state_size_is_544[(sizeof(maglev_5dof_precise_state_t) == 544u) ? 1 : -1];
+#endif
+
+/* Put the state to its initial values. The caller owns it. */
+void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  y1: not finite or outside its range
+ *   bit  1  y2: not finite or outside its range
+ *   bit  2  y3: not finite or outside its range
+ *   bit  3  y4: not finite or outside its range
+ *   bit  4  x: not finite or outside its range
+ *   bit  5  z: not finite or outside its range
+ *   bit  6  y_ref: not finite or outside its range
+ *   bit  7  x_ref: not finite or outside its range
+ *   bit  8  z_ref: not finite or outside its range
+ *   bit  9  phi_ref: not finite or outside its range
+ *   bit 10  theta_ref: not finite or outside its range
+ *   bit 11  y1: contradicts the others
+ *   bit 12  y2: contradicts the others
+ *   bit 13  y3: contradicts the others
+ *   bit 14  y4: contradicts the others
+ *   bit 15  x: contradicts the others
+ *   bit 16  z: contradicts the others
+ *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
+ *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 31  latched: safe output until init
+ */
+uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out);
+
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
+ * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
+typedef struct {
+    float x_unanswered;                 /* 1: no pair of the probe was answered */
+    float y1_expected;                  /* m: gap of motor 1 */
+    float y2_expected;                  /* m: gap of motor 2 */
+    float y3_expected;                  /* m: gap of motor 3 */
+    float y4_expected;                  /* m: gap of motor 4 */
+    float z_unanswered;                 /* 1: no pair of the probe was answered */
+    float suspect_y1;                   /* 1: contradicts the other measurements */
+    float suspect_y2;                   /* 1: contradicts the other measurements */
+    float suspect_y3;                   /* 1: contradicts the other measurements */
+    float suspect_y4;                   /* 1: contradicts the other measurements */
+    float suspect_x;                    /* 1: contradicts the other measurements */
+    float suspect_z;                    /* 1: contradicts the other measurements */
+    float landed;                       /* 1: the landing is over */
+    float gaps_sufficient;              /* 1: the machine can be controlled */
+    float x_trusted;                    /* 1: measured, not predicted */
+    float z_trusted;                    /* 1: measured, not predicted */
+    float sufficient;                   /* 1: it can be controlled */
+    float y1_held;                      /* m: gap of motor 1 */
+    float y2_held;                      /* m: gap of motor 2 */
+    float y3_held;                      /* m: gap of motor 3 */
+    float y4_held;                      /* m: gap of motor 4 */
+    float x_unchanged;                  /* 1: samples without a change of the code */
+    float z_unchanged;                  /* 1: samples without a change of the code */
+    float regular;                      /* 1: every coordinate is measured */
+    float theta_measured;               /* 1: every coordinate of the groups is measured */
+    float degraded;                     /* 1: a reading is refused, replaced or contradicted, or a sensor was a suspect */
+    float free;                         /* 1: no stop holds it */
+    float y;                            /* m: gap at the centre */
+    float phi;                          /* rad: rotation about X */
+    float theta;                        /* rad: rotation about Z */
+    float e_y;                          /* m: tracking error */
+    float e_x;                          /* m: tracking error */
+    float e_z;                          /* m: tracking error */
+    float e_phi;                        /* rad: tracking error */
+    float e_theta;                      /* rad: tracking error */
+    float y_fast_estimate;              /* m: y_fast after the correction */
+    float y_fast_rate;                  /* m/s: rate of y_fast after the correction */
+    float y_fast_disturbance;           /* m/s^2: acceleration that the demand lacks */
+    float y_fast_ahead;                 /* m: y_fast one sample later */
+    float y_fast_rate_ahead;            /* m/s: rate of y_fast one sample later */
+    float w_y_tracking;                 /* m/s^2: demanded acceleration */
+    float x_fast_ahead;                 /* m: x_fast one sample later */
+    float x_fast_rate_ahead;            /* m/s: rate of x_fast one sample later */
+    float w_x_tracking;                 /* m/s^2: demanded acceleration */
+    float z_fast_ahead;                 /* m: z_fast one sample later */
+    float z_fast_rate_ahead;            /* m/s: rate of z_fast one sample later */
+    float w_z_tracking;                 /* m/s^2: demanded acceleration */
+    float phi_fast_ahead;               /* rad: phi_fast one sample later */
+    float phi_fast_rate_ahead;          /* rad/s: rate of phi_fast one sample later */
+    float w_phi_tracking;               /* rad/s^2: demanded acceleration */
+    float theta_fast_ahead;             /* rad: theta_fast one sample later */
+    float theta_fast_rate_ahead;        /* rad/s: rate of theta_fast one sample later */
+    float w_theta_tracking;             /* rad/s^2: demanded acceleration */
+    float w_phi;                        /* rad/s^2: demanded acceleration */
+    float theta_disturbance;            /* rad/s^2: acceleration that the demand lacks */
+    float theta_estimate;               /* rad: theta after the correction */
+    float theta_rate;                   /* rad/s: rate of theta after the correction */
+    float w_theta;                      /* rad/s^2: demanded acceleration */
+    float x_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float x_estimate;                   /* m: x after the correction */
+    float x_rate;                       /* m/s: rate of x after the correction */
+    float w_x_unprobed;                 /* m/s^2: demanded acceleration */
+    float w_x;                          /* m/s^2: demanded acceleration */
+    float y_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float y_estimate;                   /* m: y after the correction */
+    float y_rate;                       /* m/s: rate of y after the correction */
+    float w_y;                          /* m/s^2: demanded acceleration */
+    float z_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float z_estimate;                   /* m: z after the correction */
+    float z_rate;                       /* m/s: rate of z after the correction */
+    float w_z_unprobed;                 /* m/s^2: demanded acceleration */
+    float w_z;                          /* m/s^2: demanded acceleration */
+    float i_d1_balanced;                /* A: direct current of motor 1, rms */
+    float i_d2_balanced;                /* A: direct current of motor 2, rms */
+    float i_d3_balanced;                /* A: direct current of motor 3, rms */
+    float i_d4_balanced;                /* A: direct current of motor 4, rms */
+    float a_x;                          /* m/s^2: acceleration by u_x */
+    float a_z;                          /* m/s^2: acceleration by u_z */
+    float phi_estimate;                 /* rad: phi after the correction */
+    float phi_rate;                     /* rad/s: rate of phi after the correction */
+    float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_precise_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics);
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

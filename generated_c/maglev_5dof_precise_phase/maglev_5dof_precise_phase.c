@@ -1,0 +1,293 @@
+/* maglev_5dof_precise_phase. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
+#include "maglev_5dof_precise_phase.h"
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
+#endif
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
+#endif
+
+static inline float maglev_5dof_precise_phase_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
+static inline float maglev_5dof_precise_phase_limit(float x, float high)
+{
+    return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
+}
+
+static inline float maglev_5dof_precise_phase_slew(float last, float target, float step)
+{
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
+}
+
+#if defined(__GNUC__)
+#define MAGLEV_5DOF_PRECISE_PHASE_INLINE static inline __attribute__((always_inline))
+#else
+#define MAGLEV_5DOF_PRECISE_PHASE_INLINE static inline
+#endif
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
+MAGLEV_5DOF_PRECISE_PHASE_INLINE float maglev_5dof_precise_phase_hold_within(float value, float high, float *last,
+    uint32_t bit, uint32_t *faults)
+{
+    float held = value;
+    if (fabsf(value) <= high) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* quarter_sine_x / x; x = distance_x in -0.0572642982 .. 0.0572642982, t = x^2; relative error at most 1.1e-07. */
+static inline float quarter_sine_x_polynomial(float t)
+{
+    return -13.74275f + (t * (432.58292f + (t * (-4084.3542f + (t * 18062.156f)))));
+}
+
+void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state)
+{
+    /* A member that is not named is 0. */
+    *state = (maglev_5dof_precise_phase_state_t){
+        .guard_last_i_d1 = 2.5f,
+        .guard_last_i_d2 = 2.5f,
+        .guard_last_i_d3 = 2.5f,
+        .guard_last_i_d4 = 2.5f,
+    };
+}
+
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+{
+    return maglev_5dof_precise_phase_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+    maglev_5dof_precise_phase_diagnostics_t *diagnostics)
+#else
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+#endif
+{
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
+    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+    }
+#endif
+    /* guard: range acceptance, hold, latch */
+    uint32_t faults = 0u;
+    const float i_d1_held = maglev_5dof_precise_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1,
+        0x00000001u, &faults);
+    const float i_d2_held = maglev_5dof_precise_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2,
+        0x00000002u, &faults);
+    const float i_d3_held = maglev_5dof_precise_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3,
+        0x00000004u, &faults);
+    const float i_d4_held = maglev_5dof_precise_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4,
+        0x00000008u, &faults);
+    const float i_q1_held = maglev_5dof_precise_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1,
+        0x00000010u, &faults);
+    const float i_q2_held = maglev_5dof_precise_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2,
+        0x00000020u, &faults);
+    const float i_q3_held = maglev_5dof_precise_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3,
+        0x00000040u, &faults);
+    const float i_q4_held = maglev_5dof_precise_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4,
+        0x00000080u, &faults);
+    const float x_held = maglev_5dof_precise_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x,
+        0x00000100u, &faults);
+    const float z_held = maglev_5dof_precise_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z,
+        0x00000200u, &faults);
+
+    /* advance: positions 1.5 samples later, when the currents act
+     *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
+     *         z_acting
+     *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
+     *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
+     *         else x_held) - 0.001); likewise last_z_next
+     *     left_x_next = 5 if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise
+     *         left_z_next */
+    const uint32_t advance_left_x = state->advance_left_x;
+    float advance_last_x_part = x_held;
+    uint32_t advance_left_x_part = 0u;
+    if (1u <= advance_left_x) {
+        advance_last_x_part = state->advance_last_x;
+        advance_left_x_part = advance_left_x - 1u;
+    }
+    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_part, x_held, 0.001f);
+    const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_part));
+    const bool good_x = (faults & 0x00000100u) == 0u;
+    const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
+    const uint32_t advance_left_z = state->advance_left_z;
+    float last = z_held;
+    uint32_t advance_left_z_part = 0u;
+    if (1u <= advance_left_z) {
+        last = state->advance_last_z;
+        advance_left_z_part = advance_left_z - 1u;
+    }
+    const float position = maglev_5dof_precise_phase_slew(last, z_held, 0.001f);
+    const float z_acting = position + (1.5f * (position - last));
+    const bool good_z = (faults & 0x00000200u) == 0u;
+    const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
+    state->advance_last_x = advance_last_x_next;
+    state->advance_last_z = position;
+    state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
+    state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
+    const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;
+    float i_a1_part = -1.0f;
+    uint32_t fault_word = value;
+    if (lost_z) {
+        fault_word = value | 0x00000800u;
+    } else {
+        i_a1_part = 0.0f;
+    }
+
+    /* commutation: phase currents, inverse Park
+     *     distance_x = limit(x_acting - 0.114288 * (floor(8.74891 * x_acting + 4.5) - 4) - 1.16699e-05 *
+     *         (floor(8.74891 * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
+     *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
+     *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
+     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or 0 < |transfer|, else
+     *         0
+     *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
+     *         lost_x or lost_z or 0 < |transfer|, else 0 */
+    const float distance_x_part = (8.748906f * x_acting) + 4.5f;
+    const float n_x = (float)(uint32_t)distance_x_part - 4.0f;
+    const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
+    /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
+    const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
+    const float distance_z_part = (8.748906f * z_acting) + 4.5f;
+    const float n_z = (float)(uint32_t)distance_z_part - 4.0f;
+    const float distance_z = z_acting - (0.11428833f * n_z) - (1.1669922e-05f * n_z);
+    /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
+    const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
+    const float commutation_transfer = state->commutation_transfer;
+    const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
+    const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
+    const float turned_sine = h_z * (5.656854f - (11.313708f * quarter_sine_z_squared));
+    const float turned_cosine = root_2 - (11.313708f * (h_z * h_z));
+    const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
+    const float h_x = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
+    const float waves_x_cosine_i_a2 = h_x * (5.656854f - (11.313708f * quarter_sine_x_squared));
+    const float waves_x_sine_i_a2 = root_2 - (11.313708f * (h_x * h_x));
+    float cosine_z_i_a1 = i_d1_held;
+    float waves_z_cosine = turned_sine;
+    float waves_z_sine = turned_cosine;
+    float cosine_x_i_a2 = i_d2_held;
+    float waves_x_cosine_i_a2_2 = waves_x_cosine_i_a2;
+    float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
+    float cosine_z_i_a3 = i_d3_held;
+    float cosine_x_i_a4 = i_d4_held;
+    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
+        float target = commutation_transfer;
+        uint32_t unknown = 0u;
+        if (lost_x && lost_z) {
+            const uint32_t commutation_unknown = state->commutation_unknown;
+            unknown = (105u <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
+        } else {
+            target = (lost_x) ? 1.0f : i_a1_part;
+        }
+        const float transfer = maglev_5dof_precise_phase_slew(commutation_transfer, target, 0.04f);
+        const bool of_x = 0.0f < transfer;
+        const float part = fabsf(transfer);
+        const float part_x = (of_x) ? part : 0.0f;
+        const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
+        cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
+        const float whole = maglev_5dof_precise_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
+        const float part_z = (of_x) ? 0.0f : part;
+        const float share_z = whole * (1.0f - part_z);
+        waves_z_cosine = share_z * turned_sine;
+        waves_z_sine = share_z * turned_cosine;
+        const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
+        cosine_x_i_a2 = maglev_5dof_precise_phase_limit(i_d2_held + handed_x, 4.9497476f - fabsf(i_q2_held));
+        const float share_x = whole * (1.0f - part_x);
+        waves_x_cosine_i_a2_2 = share_x * waves_x_cosine_i_a2;
+        waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
+        cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
+        cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
+        state->commutation_transfer = transfer;
+        state->commutation_unknown = unknown;
+    } else {
+        state->commutation_transfer = 0.0f;
+        state->commutation_unknown = 0u;
+    }
+    const float cosine_z_i_a1_2 = (cosine_z_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
+    const float i_a1 = cosine_z_i_a1_2;
+    /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
+    out->i_a1 = i_a1;
+    const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_z_i_a1 * waves_z_sine));
+    const float half_z = 0.5f * cosine_z_i_a1_2;
+    const float i_b1 = other_z - half_z;
+    /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
+    out->i_b1 = i_b1;
+    const float i_c1 = -(half_z + other_z);
+    /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
+    out->i_c1 = i_c1;
+    const float cosine_x_i_a2_2 = (cosine_x_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
+    const float i_a2 = cosine_x_i_a2_2;
+    /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
+    out->i_a2 = i_a2;
+    const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a2 * waves_x_sine_i_a2_2));
+    const float half_x = 0.5f * cosine_x_i_a2_2;
+    const float i_b2 = other_x - half_x;
+    /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
+    out->i_b2 = i_b2;
+    const float i_c2 = -(half_x + other_x);
+    /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
+    out->i_c2 = i_c2;
+    const float cosine_z_i_a3_2 = (cosine_z_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
+    const float i_a3 = cosine_z_i_a3_2;
+    /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
+    out->i_a3 = i_a3;
+    const float i_b3_part = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
+    const float half_cosine_z_i_a3_2 = 0.5f * cosine_z_i_a3_2;
+    const float i_b3 = i_b3_part - half_cosine_z_i_a3_2;
+    /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
+    out->i_b3 = i_b3;
+    const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_part);
+    /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
+    out->i_c3 = i_c3;
+    const float current_cosine = (cosine_x_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
+    const float i_a4 = current_cosine;
+    /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
+    out->i_a4 = i_a4;
+    const float i_b4_part = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a4 * waves_x_sine_i_a2_2));
+    const float half_current_cosine = 0.5f * current_cosine;
+    const float i_b4 = i_b4_part - half_current_cosine;
+    /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
+    out->i_b4 = i_b4;
+    const float i_c4 = -(half_current_cosine + i_b4_part);
+    /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
+    out->i_c4 = i_c4;
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->x_acting = x_acting;
+        diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
+        diagnostics->z_acting = z_acting;
+        diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
+    }
+#endif
+
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = fault_word;
+    }
+#endif
+    return fault_word;
+}

@@ -1,0 +1,133 @@
+/* maglev_5dof_precise_phase: one step every 0.001 s, float. Generated: do not edit.
+ *
+ * Call maglev_5dof_precise_phase_init once, then maglev_5dof_precise_phase_step once every 0.001 s with the inputs of
+ * that sample, and use its outputs at once. Nothing else may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
+ * steps before it, and the outputs of the last one go to the hardware.
+ *
+ * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
+ * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
+ *
+ * The gains and numbers in maglev_5dof_precise_phase.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_phase_step_diagnosed also
+ * says which signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
+#ifndef MAGLEV_5DOF_PRECISE_PHASE_H
+#define MAGLEV_5DOF_PRECISE_PHASE_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
+    float i_d2;                         /* A, -4.94975 .. 4.94975: direct current of motor 2, rms */
+    float i_d3;                         /* A, -4.94975 .. 4.94975: direct current of motor 3, rms */
+    float i_d4;                         /* A, -4.94975 .. 4.94975: direct current of motor 4, rms */
+    float i_q1;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 1, rms */
+    float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
+    float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
+    float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
+    float x_commutation;                /* m, -0.1 .. 0.1: platen along X, of the sample of the currents */
+    float z_commutation;                /* m, -0.1 .. 0.1: platen along Z, of the sample of the currents */
+} maglev_5dof_precise_phase_input_t;
+
+typedef struct {
+    float i_a1;                         /* A, -9.90049 .. 9.90049: phase a of motor 1, instantaneous */
+    float i_b1;                         /* A, -9.90049 .. 9.90049: phase b of motor 1, instantaneous */
+    float i_c1;                         /* A, -9.90049 .. 9.90049: phase c of motor 1, instantaneous */
+    float i_a2;                         /* A, -9.90049 .. 9.90049: phase a of motor 2, instantaneous */
+    float i_b2;                         /* A, -9.90049 .. 9.90049: phase b of motor 2, instantaneous */
+    float i_c2;                         /* A, -9.90049 .. 9.90049: phase c of motor 2, instantaneous */
+    float i_a3;                         /* A, -9.90049 .. 9.90049: phase a of motor 3, instantaneous */
+    float i_b3;                         /* A, -9.90049 .. 9.90049: phase b of motor 3, instantaneous */
+    float i_c3;                         /* A, -9.90049 .. 9.90049: phase c of motor 3, instantaneous */
+    float i_a4;                         /* A, -9.90049 .. 9.90049: phase a of motor 4, instantaneous */
+    float i_b4;                         /* A, -9.90049 .. 9.90049: phase b of motor 4, instantaneous */
+    float i_c4;                         /* A, -9.90049 .. 9.90049: phase c of motor 4, instantaneous */
+} maglev_5dof_precise_phase_output_t;
+
+typedef struct {
+    float guard_last_i_d1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
+    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
+    float advance_last_x;               /* m, -0.1 .. 0.1: one sample ago */
+    float advance_last_z;               /* m, -0.1 .. 0.1: one sample ago */
+    uint32_t advance_left_x;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t advance_left_z;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    float commutation_transfer;         /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    uint32_t commutation_unknown;       /* 1, 0 .. 105: samples in a row in which both positions are lost */
+} maglev_5dof_precise_phase_state_t;
+
+/* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(maglev_5dof_precise_phase_input_t) == 40u, "size of maglev_5dof_precise_phase_input_t");
+_Static_assert(sizeof(maglev_5dof_precise_phase_output_t) == 48u, "size of maglev_5dof_precise_phase_output_t");
+_Static_assert(sizeof(maglev_5dof_precise_phase_state_t) == 64u, "size of maglev_5dof_precise_phase_state_t");
+#else
+extern char maglev_5dof_precise_phase_input_size_is_40[(sizeof(maglev_5dof_precise_phase_input_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_precise_phase_output_size_is_48[(sizeof(maglev_5dof_precise_phase_output_t) == 48u) ? 1 : -1];
+extern char maglev_5dof_precise_phase_state_size_is_64[(sizeof(maglev_5dof_precise_phase_state_t) == 64u) ? 1 : -1];
+#endif
+
+/* Put the state to its initial values. The caller owns it. */
+void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  i_d1: not finite or outside its range
+ *   bit  1  i_d2: not finite or outside its range
+ *   bit  2  i_d3: not finite or outside its range
+ *   bit  3  i_d4: not finite or outside its range
+ *   bit  4  i_q1: not finite or outside its range
+ *   bit  5  i_q2: not finite or outside its range
+ *   bit  6  i_q3: not finite or outside its range
+ *   bit  7  i_q4: not finite or outside its range
+ *   bit  8  x_commutation: not finite or outside its range
+ *   bit  9  z_commutation: not finite or outside its range
+ *   bit 10  x: lost; motors 2 and 4 hand their direct currents over and fade out
+ *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
+ */
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state, const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out);
+
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. */
+typedef struct {
+    float x_acting;                     /* m: x when the current acts */
+    float lost_x;                       /* 1: x is unknown */
+    float z_acting;                     /* m: z when the current acts */
+    float lost_z;                       /* 1: z is unknown */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+} maglev_5dof_precise_phase_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+    maglev_5dof_precise_phase_diagnostics_t *diagnostics);
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

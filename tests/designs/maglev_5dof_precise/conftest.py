@@ -1,0 +1,11 @@
+"""The design whose tests are in this folder."""
+
+import pytest
+
+from designs.maglev_5dof_precise.design import DESIGN
+from synth.workspace import Design
+
+
+@pytest.fixture(scope="session")
+def design() -> Design:
+    return DESIGN
