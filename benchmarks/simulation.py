@@ -6,7 +6,7 @@
     lanes        the same, 256 machines within their tolerances, side by side
 
 All run the 4-DOF motion with encoders of 10 um and one sample of delay, the controller in single precision but for
-CasADi, which has double alone; the runs in lanes end with the figures of the experiment. The first two take 2
+CasADi, which has double alone; the runs in lanes end with all figures of the experiment. The first two take 2
 Runge-Kutta steps a sample; lanes have the order and steps of least work whose error is at most 1e-8: the largest of any
 state, relative to its range, in the same motion with ideal sensors and the controller in double, against 16 steps a
 sample. Times are processor times of one thread, medians of alternating turns; a ratio is the median of the ratios
@@ -16,7 +16,7 @@ mapaccum, 256 machines 25 times.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from time import process_time
 from typing import Any
@@ -24,9 +24,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev import motions, platen
+from designs.maglev import experiments, motions, platen
 from designs.maglev_5dof import design
+from designs.maglev_5dof.experiments import LIMITS
 from synth import standard_tasks, study_jobs
+from synth.check import Check
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.simulate import closed_loop, integration, lanes, sampling
@@ -143,17 +145,19 @@ def measure() -> tuple[list[Speed], Integration]:
 
 
 def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Callable[[list[Plant]], object]:
-    """Return a call that runs the motion of plants and computes the figures of its experiment, their mean errors.
+    """Return a call that runs the motion of plants and computes all figures and checks of its experiment.
 
     The loop records what these figures read, as in a study, where the first batch shows it.
     """
     courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in motions.COURSES}
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
-    def run(plants: list[Plant]) -> list[dict[str, float]]:
-        kept = replace(recording, columns=frozenset(recording.read) if recording.read else None)
-        trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, kept)
-        return [motions.mean_errors(t, courses, 10.0, DURATION_S) for t in trajectories if t is not None]
+    def run(plants: list[Plant]) -> list[tuple[Mapping[str, float], tuple[Check, ...]]]:
+        known = replace(recording, columns=frozenset(recording.read) if recording.read else None)
+        trajectories = loop.simulate(plants, [scenario] * len(plants), steps.order, known)
+        kept = [t for t in trajectories if t is not None]
+        finished = (experiments.tracking_experiment(t, courses, LIMITS.tracking, 10.0, DURATION_S) for t in kept)
+        return [(each.figures, each.checks) for each in finished]  # no trajectory, as in a study
 
     return run
 

@@ -29,7 +29,7 @@ def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> dict[str, ca.SX]:
 
 def rotor_currents(phases: Sequence[ca.SX], angle: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return i_d and i_q in A rms from the currents in A of phases a, b, c at the electrical angle in rad (Park)."""
-    axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
-    i, scale = ca.vcat(list(phases)), ca.sqrt(2) / 3
-    cosines, sines = (ca.vcat([f(th) for th in axes]) for f in (ca.cos, ca.sin))
-    return scale * ca.dot(i, cosines), -scale * ca.dot(i, sines)
+    a, b, c = phases
+    alpha, beta, scale = a - (b + c) / 2, ca.sqrt(3) / 2 * (b - c), ca.sqrt(2) / 3  # 3/2 of Clarke's currents
+    cos, sin = ca.cos(angle), ca.sin(angle)
+    return scale * (alpha * cos + beta * sin), scale * (beta * cos - alpha * sin)

@@ -77,22 +77,23 @@ class Plant:
         """Return the plant with some parameters' values replaced."""
         for name in values:
             self.parameter(name)
-        changed = tuple(replace(p, value=values.get(p.name, p.value)) for p in self.parameters)
-        return replace(self, parameters=changed)
+        changed = {p.name: value for p in self.parameters if (value := values.get(p.name, p.value)) != p.value}
+        if not changed:
+            return self
+        parameters = (replace(p, value=changed[p.name]) if p.name in changed else p for p in self.parameters)
+        return replace(self, parameters=tuple(parameters))
 
     def output_values(self, values: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
         """Return the outputs (N,) by name at `values` of states and inputs, (N,) or constants; others are 0.
 
         Raises SignalError for a name that is neither a state nor an input.
         """
-        signals = (*self.states, *self.inputs)
-        if unknown := [name for name in values if name not in signal_names(signals)]:
-            raise SignalError(
-                f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(signal_names(signals))}"
-            )
-        columns = np.broadcast_arrays(*(np.atleast_1d(values.get(s.name, 0.0)) for s in signals))
+        names = [s.name for s in (*self.states, *self.inputs)]
+        if unknown := [name for name in values if name not in names]:
+            raise SignalError(f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names)}")
+        columns = np.broadcast_arrays(*(np.atleast_1d(values.get(name, 0.0)) for name in names))
         x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
-        return dict(zip(signal_names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+        return dict(zip((s.name for s in self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
 
 
 def _text(expr: ca.SX) -> str:

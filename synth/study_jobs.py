@@ -2,13 +2,14 @@
 
 A chunk is a function of the design, the sampling and its first row. It is stored under the content of all that it
 follows from, in one step: a study that was stopped goes on where it was, and a chunk that a lost worker computed in
-part is computed again. Chunks are put together in the order of their rows.
+part is computed again. Chunks are put together in the order of their rows. A process runs several chunks, one after
+another, since it prepares the loops of all experiments once.
 """
 
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import numpy as np
 from synth import cache, standard_tasks, store, tasks, workspace
 from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, EmitError, WiringError
-from synth.jobs import Job, Outcome
+from synth.jobs import Job, Outcome, cores
 from synth.progress import Counted, Progress
 from synth.simulate import integration, study, worst_case
 from synth.simulate.integration import Integration
@@ -27,7 +28,8 @@ from synth.simulate.study import StudyTable
 from synth.simulate.worst_case import WorstCase
 from synth.workspace import Design
 
-CHUNK = 96  # rows: each chunk prepares the loops of all experiments once, some 20 s for a large stage
+CHUNK = 96  # rows
+PER_CORE = 2  # processes, one after another: each prepares the loops, some 4 s for a large stage
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,12 @@ class Plan:
         """The rows of each chunk."""
         rows = range(self.sampling.rows)
         return [rows[first : first + CHUNK] for first in rows[::CHUNK]]
+
+    @property
+    def batches(self) -> list[list[range]]:
+        """The chunks of each process on this machine."""
+        n, k = len(self.chunks), min(len(self.chunks), PER_CORE * cores())
+        return [self.chunks[n * i // k : n * (i + 1) // k] for i in range(k)]
 
 
 def stage_of(design: Design) -> Stage:
@@ -59,18 +67,26 @@ def jobs(design: Design, plan: Plan) -> list[Job]:
     stage, first = stage_of(design), f"{design.name} compile"
     study.select(stage.experiments, plan.experiments)
     compile = Job(first, design.name, partial(_compile, stage, plan))
-    chunks = [Job(_name(c), design.name, partial(chunk, design, plan, c), (first,)) for c in plan.chunks]
-    return [compile, *chunks]
+    batches = [Job(_name(b), design.name, partial(_batch, design, plan, b), (first,)) for b in plan.batches]
+    return [compile, *batches]
 
 
 def result(plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
     """Return the whole table from the outcomes of all jobs, none of which failed."""
-    return study.join([outcomes[_name(c)].value for c in plan.chunks])
+    return study.join([outcomes[_name(batch)].value for batch in plan.batches])
 
 
-def chunk(design: Design, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
+def _batch(design: Design, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
+    done: list[StudyTable] = []
+    for rows in chunks:
+        progress(Counted(f"row {rows[0]} of {chunks[0][0]} to {chunks[-1][-1]}", len(done), len(chunks)))
+        done.append(chunk(design, plan, rows))
+    return study.join(done)
+
+
+def chunk(design: Design, plan: Plan, rows: Sequence[int]) -> StudyTable:
     """Return the rows of a chunk, stored or computed."""
-    compute = partial(_rows, stage_of(design), plan, rows, progress)
+    compute = partial(_rows, stage_of(design), plan, rows)
     try:
         return store.fetch(chunk_key(design, plan, rows), compute)
     except ContentError:
@@ -86,7 +102,8 @@ def row(design: Design, plan: Plan, number: int, progress: Progress) -> StudyTab
     """Return one row of a study, computed again; raise DesignError for a row that it does not have."""
     if not 0 <= number < plan.sampling.rows:
         raise DesignError(f"row {number} of a study of {plan.sampling.rows} rows: give 0 to {plan.sampling.rows - 1}")
-    return _rows(stage_of(design), plan, [number], progress)
+    progress(f"row {number}")
+    return _rows(stage_of(design), plan, [number])
 
 
 def search(design: Design, plan: Plan, table: StudyTable, check: str, progress: Progress) -> WorstCase:
@@ -136,14 +153,20 @@ def _connect(distributed: Any, address: str) -> Any:
 def _remote(root: str, name: str, plan: Plan, rows: Sequence[int]) -> StudyTable:
     """Return a chunk, in a worker: it loads the design from the workspace."""
     os.chdir(root)
+    return chunk(_design(root, name), plan, rows)
+
+
+@lru_cache(maxsize=1)  # its loops are prepared once in a worker
+def _design(root: str, name: str) -> Design:
     (design,) = workspace.designs(Path(root), [name])
-    return chunk(design, plan, rows, lambda line: None)
+    return design
 
 
-def _name(rows: range) -> str:
-    return f"rows {rows[0]} to {rows[-1]}"
+def _name(batch: Sequence[range]) -> str:
+    return f"rows {batch[0][0]} to {batch[-1][-1]}"
 
 
+@lru_cache(maxsize=4)
 def _rig(stage: Stage) -> Rig:
     return standard_tasks.rig(stage, stage.scalar)
 
@@ -155,12 +178,12 @@ def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
     study.run(rig, experiments[:1], plan.sampling, [0], _integration(stage, plan))
 
 
-def _rows(stage: Stage, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
+def _rows(stage: Stage, plan: Plan, rows: Sequence[int]) -> StudyTable:
     experiments = study.select(stage.experiments, plan.experiments)
-    progress(f"{len(experiments)} experiments")
     return study.run(_rig(stage), experiments, plan.sampling, rows, _integration(stage, plan))
 
 
+@lru_cache(maxsize=4)
 def _integration(stage: Stage, plan: Plan) -> Integration:
     """Return the integration that the first experiment needs, stored or measured."""
     rig = standard_tasks.rig(stage, np.float64)

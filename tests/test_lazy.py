@@ -54,3 +54,9 @@ def test_the_packages_load_nothing_heavy() -> None:
     script = "import sys, synth, synth.analyse, synth.synthesise; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert not {"numpy", "scipy", "casadi", "control", "matplotlib", "sympy"} & set(done.stdout.split())
+
+
+def test_a_study_loads_its_statistics_once_it_needs_them() -> None:
+    script = "import sys, synth.study_command; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "synth.simulate.study" in done.stdout.split() and "scipy.stats" not in done.stdout.split()

@@ -49,11 +49,12 @@ def experiment(
     figures: Mapping[str, float],
     checks: Sequence[Check] = (),
     shown: Sequence[str] = (),
+    overload: bool = False,
 ) -> Experiment:
-    current = float(motions.motor_currents(trajectory).max())
-    limited = Check("largest motor current", current, 4.950, "A rms", "hypot(i_d, i_q)")
-    axes = tuple(shown or courses)
-    return Experiment("", "", about, trajectory, axes, dict(courses), dict(figures), (*checks, limited))
+    currents = motions.motor_currents(trajectory)
+    limited = Check("largest motor current", float(currents.max()), 4.950, "A rms", "hypot(i_d, i_q)")
+    axes, further = tuple(shown or courses), _overload(currents) if overload else {}
+    return Experiment("", "", about, trajectory, axes, dict(courses), {**figures, **further}, (*checks, limited))
 
 
 def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float) -> Check:
@@ -61,8 +62,8 @@ def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float)
     return Check("true error in the last second", error, limit, motions.UNITS[axis])
 
 
-def _overload(trajectory: Trajectory) -> dict[str, float]:
-    share = float(np.mean(motions.motor_currents(trajectory) > platen.RATED))
+def _overload(currents: Array) -> dict[str, float]:
+    share = np.count_nonzero(currents > platen.RATED) / currents.size
     return {"share of motor samples above the 5 A continuous rating": share}
 
 
@@ -87,7 +88,7 @@ def _step(
         excursion = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
         checks.append(Check("gap moves by", excursion, 20e-6, "m", "during the step"))
     about = f"{axis} from {start:g} to {target:g} {unit}, encoders of 10 um, one sample of delay"
-    return experiment(trajectory, about, {axis: run.reference}, _overload(trajectory), checks)
+    return experiment(trajectory, about, {axis: run.reference}, {}, checks, overload=True)
 
 
 def response(
@@ -100,17 +101,29 @@ def response(
     return experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
 
-def _tracking(rig: Rig, four: bool, limits: Mapping[str, float]) -> Experiment:
-    trajectory, courses = motions.tracking(rig, four)
-    errors, y = motions.mean_errors(trajectory, courses), trajectory["y"]
-    checks = [Check(f"mean |e_{n}|", errors[n], limit, motions.UNITS[n], "10 to 60 s") for n, limit in limits.items()]
+def tracking_experiment(
+    trajectory: Trajectory,
+    courses: Mapping[str, Array],
+    limits: Mapping[str, float],
+    start: float = motions.TRACK_FROM,
+    stop: float = motions.TRACK_TO,
+) -> Experiment:
+    """Return all figures of the tracking; the mean errors are those from `start` to `stop` s."""
+    errors, y, units = motions.mean_errors(trajectory, courses, start, stop), trajectory["y"], motions.UNITS
+    window = f"{start:g} to {stop:g} s"
+    checks = [Check(f"mean |e_{n}|", errors[n], limit, units[n], window) for n, limit in limits.items()]
     beyond = float(max(platen.GAP[0] - y.min(), y.max() - platen.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
-    gaps = np.array([trajectory[f"g{j}"] for j in platen.MOTORS])
-    figures = {f"mean |e_{n}|, u{motions.UNITS[n]}": e * 1e6 for n, e in errors.items()}
-    figures |= {"least motor gap, mm": gaps.min() * 1e3, "greatest motor gap, mm": gaps.max() * 1e3}
-    about = "60 s from rest, encoders of 10 um"
-    return experiment(trajectory, about, courses, figures | _overload(trajectory), checks)
+    gaps = [trajectory[f"g{j}"] for j in platen.MOTORS]
+    least, greatest = min(g.min() for g in gaps), max(g.max() for g in gaps)
+    figures = {f"mean |e_{n}|, u{units[n]}": e * 1e6 for n, e in errors.items()}
+    figures |= {"least motor gap, mm": least * 1e3, "greatest motor gap, mm": greatest * 1e3}
+    about = f"{stop:g} s from rest, encoders of 10 um"
+    return experiment(trajectory, about, courses, figures, checks, overload=True)
+
+
+def _tracking(rig: Rig, four: bool, limits: Mapping[str, float]) -> Experiment:
+    return tracking_experiment(*motions.tracking(rig, four), limits)
 
 
 @lru_cache(maxsize=8)

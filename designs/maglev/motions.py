@@ -94,7 +94,11 @@ def mean_errors(
 def motor_currents(trajectory: Trajectory) -> Array:
     """Return hypot(i_d, i_q) of the four commanded motor currents (4, N), A rms."""
     commands = trajectory.commands
-    return np.array([np.hypot(*(commands[f"i_{a}{j}"].astype(float) for a in "dq")) for j in platen.MOTORS])
+    magnitudes = np.empty((len(platen.MOTORS), len(trajectory.time)))
+    for i, j in zip(magnitudes, platen.MOTORS, strict=True):
+        np.square(commands[f"i_d{j}"], out=i, dtype=float)
+        i += np.square(commands[f"i_q{j}"], dtype=float)
+    return np.sqrt(magnitudes, out=magnitudes)
 
 
 def compile_block(block: Block, scalar: str) -> host.Controller:

@@ -858,34 +858,34 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         estimator_motion_yaw_part = yaw_gain * at_3_X;
     }
     const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_X = pi < X_part;
-    float angle_X = X_part;
-    if (turns_X) {
-        angle_X = X_part - two_pi;
+    const bool turns_x_X = pi < X_part;
+    float angle_x = X_part;
+    if (turns_x_X) {
+        angle_x = X_part - two_pi;
     }
-    float pose_phase_x = angle_X;
-    float turns_x = -1.0f;
-    if (angle_X < -pi) {
-        pose_phase_x = angle_X + two_pi;
+    float pose_phase_x = angle_x;
+    float turns_x_X_2 = -1.0f;
+    if (angle_x < -pi) {
+        pose_phase_x = angle_x + two_pi;
     } else {
-        turns_x = turns_X ? 1.0f : 0.0f;
+        turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + turns_x;
+    const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
     const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x);
     const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_Y = pi < Y_part;
-    float angle_Y = Y_part;
-    if (turns_Y) {
-        angle_Y = Y_part - two_pi;
+    const bool turns_y_Y = pi < Y_part;
+    float angle_y = Y_part;
+    if (turns_y_Y) {
+        angle_y = Y_part - two_pi;
     }
-    float pose_phase_y = angle_Y;
-    float turns_y = -1.0f;
-    if (angle_Y < -pi) {
-        pose_phase_y = angle_Y + two_pi;
+    float pose_phase_y = angle_y;
+    float turns_y_Y_2 = -1.0f;
+    if (angle_y < -pi) {
+        pose_phase_y = angle_y + two_pi;
     } else {
-        turns_y = turns_Y ? 1.0f : 0.0f;
+        turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_y;
+    const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
     const float Y = (metre_per_rad * pose_phase_y) + (pitch * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
     float angle_yaw = prediction_yaw_plus_yaw_2;

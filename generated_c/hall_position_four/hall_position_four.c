@@ -623,8 +623,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float bx_part_doubled = 8.0f *
         (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx_part_full = 8.0f * f7_times_bx_part_cosine;
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx_part_full * sines_2_bx_part_full)));
+    const float sines_2_bx = 8.0f * f7_times_bx_part_cosine;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float cos_yaw_scaled_4 = 1.7404423f * cos_yaw;
     const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
@@ -637,8 +637,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float by_part_doubled = 8.0f *
         (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by_part_full = 8.0f * f9_times_by_part_cosine;
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full * sines_2_by_part_full)));
+    const float sines_2_by = 8.0f * f9_times_by_part_cosine;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
     const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
@@ -651,8 +651,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cx_part_doubled = 8.0f *
         (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx_part_full = 8.0f * f11_times_cx_part_cosine;
-    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx_part_full * sines_2_cx_part_full)));
+    const float sines_2_cx = 8.0f * f11_times_cx_part_cosine;
+    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
     const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
@@ -665,8 +665,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cy_part_doubled = 8.0f *
         (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy_part_full = 8.0f * f13_times_cy_part_cosine;
-    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy_part_full * sines_2_cy_part_full)));
+    const float sines_2_cy = 8.0f * f13_times_cy_part_cosine;
+    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
     const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
@@ -679,8 +679,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dx_part_doubled = 8.0f *
         (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
     /*@ admit -2.002f <= dx_part_doubled <= 2.002f; */
-    const float sines_2_dx_part_full = 8.0f * f15_times_dx_part_cosine;
-    const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx_part_full * sines_2_dx_part_full)));
+    const float sines_2_dx = 8.0f * f15_times_dx_part_cosine;
+    const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx * sines_2_dx)));
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
     const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
     const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
@@ -692,45 +692,45 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dy_part_doubled = 8.0f *
         (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
     /*@ admit -2.002f <= dy_part_doubled <= 2.002f; */
-    const float sines_2_dy_part_full = 8.0f * f17_times_dy_part_cosine;
-    const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy_part_full * sines_2_dy_part_full)));
+    const float sines_2_dy = 8.0f * f17_times_dy_part_cosine;
+    const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy * sines_2_dy)));
     /*@ admit -1.001f <= dy_part_full <= 1.001f; */
-    const float start_cosine_phase_x = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float estimator_amplitude = state->estimator_amplitude;
     const float phase_x_part = estimator_amplitude * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float phase_x_part_2 = 3.0f * (estimator_amplitude * estimator_field_3);
     const float phase_x_part_3 = estimator_amplitude * estimator_field_5;
-    const float rows_1_1 = start_cosine_phase_x * (phase_x_part +
+    const float rows_1_1 = start_cosine_ax * (phase_x_part +
         (ax_part_full_squared * (phase_x_part_2 + (5.0f * (ax_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_4 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
-    const float rows_1_4_phase_x = ax_part_full * (estimator_field_1 +
+    const float rows_1_4 = ax_part_full * (estimator_field_1 +
         (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
-    const float residuals_1_phase_x = phase_x_part_4 - (estimator_amplitude * rows_1_4_phase_x);
-    const float start_cosine_phase_x_2 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float residuals_1_phase_x = phase_x_part_4 - (estimator_amplitude * rows_1_4);
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float rows_3_1 = start_cosine_phase_x_2 * (phase_x_part +
+    const float rows_3_1 = start_cosine_bx * (phase_x_part +
         (bx_part_full_squared * (phase_x_part_2 + (5.0f * (bx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_5 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
-    const float rows_3_4_phase_x = bx_part_full * (estimator_field_1 +
+    const float rows_3_4 = bx_part_full * (estimator_field_1 +
         (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
-    const float residuals_3_phase_x = phase_x_part_5 - (estimator_amplitude * rows_3_4_phase_x);
-    const float start_cosine_phase_x_3 = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
+    const float residuals_3_phase_x = phase_x_part_5 - (estimator_amplitude * rows_3_4);
+    const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float rows_5_1 = start_cosine_phase_x_3 * (phase_x_part +
+    const float rows_5_1 = start_cosine_cx * (phase_x_part +
         (cx_part_full_squared * (phase_x_part_2 + (5.0f * (cx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
-    const float rows_5_4_phase_x = cx_part_full * (estimator_field_1 +
+    const float rows_5_4 = cx_part_full * (estimator_field_1 +
         (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
-    const float residuals_5_phase_x = phase_x_part_6 - (estimator_amplitude * rows_5_4_phase_x);
-    const float start_cosine_phase_x_4 = 1.0f - (0.5f * (dx_part_doubled * dx_part_doubled));
+    const float residuals_5_phase_x = phase_x_part_6 - (estimator_amplitude * rows_5_4);
+    const float start_cosine_dx = 1.0f - (0.5f * (dx_part_doubled * dx_part_doubled));
     const float dx_part_full_squared = dx_part_full * dx_part_full;
-    const float rows_7_1 = start_cosine_phase_x_4 * (phase_x_part +
+    const float rows_7_1 = start_cosine_dx * (phase_x_part +
         (dx_part_full_squared * (phase_x_part_2 + (5.0f * (dx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_7 = (cos_yaw * V_dx_held) - (sin_yaw * V_dy_held);
-    const float rows_7_4_phase_x = dx_part_full * (estimator_field_1 +
+    const float rows_7_4 = dx_part_full * (estimator_field_1 +
         (dx_part_full_squared * (estimator_field_3 + (dx_part_full_squared * estimator_field_5))));
-    const float residuals_7_phase_x = phase_x_part_7 - (estimator_amplitude * rows_7_4_phase_x);
+    const float residuals_7_phase_x = phase_x_part_7 - (estimator_amplitude * rows_7_4);
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x) + (rows_7_1 * residuals_7_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) +
@@ -748,38 +748,38 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
         (rows_7_3 * rows_7_1);
     const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1 * terms_1_phase_x, 1250.0f);
-    const float start_cosine_phase_x_5 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float rows_2_2 = start_cosine_phase_x_5 * (phase_x_part +
+    const float rows_2_2 = start_cosine_ay * (phase_x_part +
         (ay_part_full_squared * (phase_x_part_2 + (5.0f * (ay_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_13 = phase_x_part_4 - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
-    const float rows_2_4_phase_x = ay_part_full * (estimator_field_1 +
+    const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
-    const float residuals_2_phase_x = phase_x_part_9 - (estimator_amplitude * rows_2_4_phase_x);
-    const float start_cosine_phase_x_6 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float residuals_2_phase_x = phase_x_part_9 - (estimator_amplitude * rows_2_4);
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float rows_4_2 = start_cosine_phase_x_6 * (phase_x_part +
+    const float rows_4_2 = start_cosine_by * (phase_x_part +
         (by_part_full_squared * (phase_x_part_2 + (5.0f * (by_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_14 = phase_x_part_5 - (rows_4_2 * (sin_yaw_scaled_3 - cos_yaw_scaled_3));
-    const float rows_4_4_phase_x = by_part_full * (estimator_field_1 +
+    const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
-    const float residuals_4_phase_x = phase_x_part_10 - (estimator_amplitude * rows_4_4_phase_x);
-    const float start_cosine_phase_x_7 = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float residuals_4_phase_x = phase_x_part_10 - (estimator_amplitude * rows_4_4);
+    const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float rows_6_2 = start_cosine_phase_x_7 * (phase_x_part +
+    const float rows_6_2 = start_cosine_cy * (phase_x_part +
         (cy_part_full_squared * (phase_x_part_2 + (5.0f * (cy_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_15 = phase_x_part_6 - (rows_6_2 * (sin_yaw_scaled_5 - cos_yaw_scaled_5));
-    const float rows_6_4_phase_x = cy_part_full * (estimator_field_1 +
+    const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
-    const float residuals_6_phase_x = phase_x_part_11 - (estimator_amplitude * rows_6_4_phase_x);
-    const float start_cosine_phase_x_8 = 1.0f - (0.5f * (dy_part_doubled * dy_part_doubled));
+    const float residuals_6_phase_x = phase_x_part_11 - (estimator_amplitude * rows_6_4);
+    const float start_cosine_dy = 1.0f - (0.5f * (dy_part_doubled * dy_part_doubled));
     const float dy_part_full_squared = dy_part_full * dy_part_full;
-    const float rows_8_2 = start_cosine_phase_x_8 * (phase_x_part +
+    const float rows_8_2 = start_cosine_dy * (phase_x_part +
         (dy_part_full_squared * (phase_x_part_2 + (5.0f * (dy_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_16 = phase_x_part_7 - (rows_8_2 * (cos_yaw_scaled_7 - sin_yaw_scaled_7));
-    const float rows_8_4_phase_x = dy_part_full * (estimator_field_1 +
+    const float rows_8_4 = dy_part_full * (estimator_field_1 +
         (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
-    const float residuals_8_phase_x = phase_x_part_12 - (estimator_amplitude * rows_8_4_phase_x);
+    const float residuals_8_phase_x = phase_x_part_12 - (estimator_amplitude * rows_8_4);
     const float phase_x_part_17 = (phase_x_part_13 * rows_2_2) + (phase_x_part_14 * rows_4_2) +
         (phase_x_part_15 * rows_6_2) + (phase_x_part_16 * rows_8_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
@@ -798,28 +798,26 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
         (terms_1_phase_x_4 * phase_x_part_17), 0.3026f);
     const float phase_x_part_18 = forward_3_phase_x * terms_1_phase_x_5;
-    const float left_4_1 = (rows_1_4_phase_x * rows_1_1) + (rows_3_4_phase_x * rows_3_1) +
-        (rows_5_4_phase_x * rows_5_1) + (rows_7_4_phase_x * rows_7_1);
+    const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) +
+        (rows_7_4 * rows_7_1);
     const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1 * terms_1_phase_x, 625.0f);
-    const float left_4_2 = (rows_2_4_phase_x * rows_2_2) + (rows_4_4_phase_x * rows_4_2) +
-        (rows_6_4_phase_x * rows_6_2) + (rows_8_4_phase_x * rows_8_2);
+    const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2) +
+        (rows_8_4 * rows_8_2);
     const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2 * terms_1_phase_x_3, 625.0f);
-    const float left_4_3_phase_x = (rows_1_4_phase_x * rows_1_3) - (rows_2_4_phase_x * phase_x_part_13) +
-        (rows_3_4_phase_x * rows_3_3) - (rows_4_4_phase_x * phase_x_part_14) + (rows_5_4_phase_x * rows_5_3) -
-        (rows_6_4_phase_x * phase_x_part_15) + (rows_7_4_phase_x * rows_7_3) - (rows_8_4_phase_x * phase_x_part_16) -
-        (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_17);
+    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_part_13) + (rows_3_4 * rows_3_3) -
+        (rows_4_4 * phase_x_part_14) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_part_15) + (rows_7_4 * rows_7_3) -
+        (rows_8_4 * phase_x_part_16) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_17);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
-    const float gradient_4_phase_x = (rows_1_4_phase_x * residuals_1_phase_x) + (rows_2_4_phase_x *
-        residuals_2_phase_x) + (rows_3_4_phase_x * residuals_3_phase_x) + (rows_4_4_phase_x * residuals_4_phase_x) +
-        (rows_5_4_phase_x * residuals_5_phase_x) + (rows_6_4_phase_x * residuals_6_phase_x) + (rows_7_4_phase_x *
-        residuals_7_phase_x) + (rows_8_4_phase_x * residuals_8_phase_x) - (0.84055555f * offsets_4_phase_x);
+    const float gradient_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
+        (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
+        (0.84055555f * offsets_4_phase_x);
     const float forward_4_phase_x = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x) -
         (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
-    const float left_4_4_phase_x = (rows_1_4_phase_x * rows_1_4_phase_x) + (rows_2_4_phase_x * rows_2_4_phase_x) +
-        (rows_3_4_phase_x * rows_3_4_phase_x) + (rows_4_4_phase_x * rows_4_4_phase_x) +
-        (rows_5_4_phase_x * rows_5_4_phase_x) + (rows_6_4_phase_x * rows_6_4_phase_x) +
-        (rows_7_4_phase_x * rows_7_4_phase_x) + (rows_8_4_phase_x * rows_8_4_phase_x) + 0.84055555f;
+    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
+        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
+        (rows_8_4 * rows_8_4) + 0.84055555f;
     const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
         (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
@@ -832,7 +830,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part_19 = rows_1_1 * terms_1_phase_x;
     const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
     const float phase_x_part_20 = b_3_phase_x * terms_1_phase_x_5;
-    const float b_4_phase_x = rows_1_4_phase_x - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
+    const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
     const float moves_1_3_phase_x = phase_x_part_20 - (terms_1_phase_x_8 * moves_1_4_phase_x);
     const float moves_1_1_phase_x = phase_x_part_19 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
@@ -840,11 +838,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f -
         ((rows_1_1 * phase_x_part_19) + (b_3_phase_x * phase_x_part_20) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
     const float scores_1_phase_x = residuals_1_phase_x -
-        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4_phase_x * steps_4_phase_x));
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
     const float phase_x_part_21 = phase_x_part_13 + (terms_1_phase_x_4 * rows_2_2);
     const float phase_x_part_22 = phase_x_part_21 * terms_1_phase_x_5;
-    const float forward_4_phase_x_2 = rows_2_4_phase_x - (terms_1_phase_x_7 * rows_2_2) +
-        (terms_1_phase_x_8 * phase_x_part_21);
+    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_part_21);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
     const float phase_x_part_23 = phase_x_part_22 + (terms_1_phase_x_8 * weighted_4_phase_x);
     const float phase_x_part_24 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_part_22 * b_3_phase_x);
@@ -858,8 +855,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part_25 = gradient_2_phase_x * terms_1_phase_x_3;
     const float steps_2_phase_x = phase_x_part_25 - (terms_1_phase_x_4 * steps_3_phase_x) -
         (terms_1_phase_x_7 * steps_4_phase_x);
-    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) - (phase_x_part_13 *
-        steps_3_phase_x) + (rows_2_4_phase_x * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (phase_x_part_13 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
     const float phase_x_part_26 = phase_x_part_23 + (lower_2_1_phase_x * moves_1_3_phase_x);
     const float phase_x_part_27 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
     const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_part_23) -
@@ -867,18 +864,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part_28 = rows_3_1 * terms_1_phase_x;
     const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
     const float phase_x_part_29 = b_3_phase_x_2 * terms_1_phase_x_5;
-    const float b_4_phase_x_2 = rows_3_4_phase_x - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
+    const float b_4_phase_x_2 = rows_3_4 - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
     const float moves_3_3 = phase_x_part_29 - (terms_1_phase_x_8 * moves_3_4);
     const float moves_3_1 = phase_x_part_28 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
     const float gains_3 = 1.0f / hall_position_four_max(1.0f -
         ((rows_3_1 * phase_x_part_28) + (b_3_phase_x_2 * phase_x_part_29) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
     const float scores_3 = residuals_3_phase_x -
-        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4_phase_x * steps_4_phase_x));
+        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
     const float phase_x_part_30 = phase_x_part_14 + (terms_1_phase_x_4 * rows_4_2);
     const float phase_x_part_31 = phase_x_part_30 * terms_1_phase_x_5;
-    const float forward_4_phase_x_3 = rows_4_4_phase_x - (terms_1_phase_x_7 * rows_4_2) +
-        (terms_1_phase_x_8 * phase_x_part_30);
+    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_part_30);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
     const float phase_x_part_32 = phase_x_part_31 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
     const float phase_x_part_33 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_part_31 * b_3_phase_x_2);
@@ -890,7 +886,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_part_30 * phase_x_part_31) +
         (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_part_33), 0.001f);
     const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (phase_x_part_14 * steps_3_phase_x) + (rows_4_4_phase_x * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
+        (phase_x_part_14 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
     const float phase_x_part_34 = phase_x_part_32 + (lower_2_1_phase_x_2 * moves_3_3);
     const float phase_x_part_35 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
     const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_part_32) -
@@ -898,18 +894,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part_36 = rows_5_1 * terms_1_phase_x;
     const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
     const float phase_x_part_37 = b_3_phase_x_3 * terms_1_phase_x_5;
-    const float b_4_phase_x_3 = rows_5_4_phase_x - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
+    const float b_4_phase_x_3 = rows_5_4 - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
     const float moves_5_3 = phase_x_part_37 - (terms_1_phase_x_8 * moves_5_4);
     const float moves_5_1 = phase_x_part_36 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
     const float gains_5 = 1.0f / hall_position_four_max(1.0f -
         ((rows_5_1 * phase_x_part_36) + (b_3_phase_x_3 * phase_x_part_37) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
     const float scores_5 = residuals_5_phase_x -
-        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4_phase_x * steps_4_phase_x));
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
     const float phase_x_part_38 = phase_x_part_15 + (terms_1_phase_x_4 * rows_6_2);
     const float phase_x_part_39 = phase_x_part_38 * terms_1_phase_x_5;
-    const float forward_4_phase_x_4 = rows_6_4_phase_x - (terms_1_phase_x_7 * rows_6_2) +
-        (terms_1_phase_x_8 * phase_x_part_38);
+    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_part_38);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
     const float phase_x_part_40 = phase_x_part_39 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
     const float phase_x_part_41 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_part_39 * b_3_phase_x_3);
@@ -921,7 +916,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_part_38 * phase_x_part_39) +
         (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_part_41), 0.001f);
     const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (phase_x_part_15 * steps_3_phase_x) + (rows_6_4_phase_x * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+        (phase_x_part_15 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float phase_x_part_42 = phase_x_part_40 + (lower_2_1_phase_x_3 * moves_5_3);
     const float phase_x_part_43 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
     const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_part_40) -
@@ -929,18 +924,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_part_44 = rows_7_1 * terms_1_phase_x;
     const float b_3_phase_x_4 = rows_7_3 - (terms_1_phase_x_2 * rows_7_1);
     const float phase_x_part_45 = b_3_phase_x_4 * terms_1_phase_x_5;
-    const float b_4_phase_x_4 = rows_7_4_phase_x - (terms_1_phase_x_6 * rows_7_1) - (terms_1_phase_x_8 * b_3_phase_x_4);
+    const float b_4_phase_x_4 = rows_7_4 - (terms_1_phase_x_6 * rows_7_1) - (terms_1_phase_x_8 * b_3_phase_x_4);
     const float moves_7_4 = b_4_phase_x_4 * diagonal_4;
     const float moves_7_3 = phase_x_part_45 - (terms_1_phase_x_8 * moves_7_4);
     const float moves_7_1 = phase_x_part_44 - (terms_1_phase_x_2 * moves_7_3) - (terms_1_phase_x_6 * moves_7_4);
     const float gains_7 = 1.0f / hall_position_four_max(1.0f -
         ((rows_7_1 * phase_x_part_44) + (b_3_phase_x_4 * phase_x_part_45) + (b_4_phase_x_4 * moves_7_4)), 0.001f);
     const float scores_7 = residuals_7_phase_x -
-        ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4_phase_x * steps_4_phase_x));
+        ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
     const float phase_x_part_46 = phase_x_part_16 + (terms_1_phase_x_4 * rows_8_2);
     const float phase_x_part_47 = phase_x_part_46 * terms_1_phase_x_5;
-    const float forward_4_phase_x_5 = rows_8_4_phase_x - (terms_1_phase_x_7 * rows_8_2) +
-        (terms_1_phase_x_8 * phase_x_part_46);
+    const float forward_4_phase_x_5 = rows_8_4 - (terms_1_phase_x_7 * rows_8_2) + (terms_1_phase_x_8 * phase_x_part_46);
     const float weighted_4_phase_x_4 = forward_4_phase_x_5 * diagonal_4;
     const float phase_x_part_48 = phase_x_part_47 + (terms_1_phase_x_8 * weighted_4_phase_x_4);
     const float phase_x_part_49 = (weighted_4_phase_x_4 * b_4_phase_x_4) - (phase_x_part_47 * b_3_phase_x_4);
@@ -952,7 +946,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) + (phase_x_part_46 * phase_x_part_47) +
         (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_part_49), 0.001f);
     const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
-        (phase_x_part_16 * steps_3_phase_x) + (rows_8_4_phase_x * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
+        (phase_x_part_16 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
     const float phase_x_part_50 = phase_x_part_48 + (lower_2_1_phase_x_4 * moves_7_3);
     const float phase_x_part_51 = (terms_1_phase_x_4 * moves_7_3) + (terms_1_phase_x_7 * moves_7_4);
     const float moves_8_2 = weighted_2_phase_x_4 + (terms_1_phase_x_4 * phase_x_part_48) -
@@ -1086,26 +1080,26 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float phase_x_part_58 = 0.0f;
     float chi_square_part = 0.0f;
     if (weights_1) {
-        const float by_phase_x = best_1 + (0.28902653f * chords_3_cosine) + (0.45238933f * chords_3_sine);
-        const float f19_argument = by_phase_x * by_phase_x;
+        const float by_ax = best_1 + (0.28902653f * chords_3_cosine) + (0.45238933f * chords_3_sine);
+        const float f19_argument = by_ax * by_ax;
         const float phasors_1_sine = (ax_part_full * f19_polynomial(f19_argument)) +
-            (start_cosine_phase_x * (by_phase_x * f20_polynomial(f19_argument)));
+            (start_cosine_ax * (by_ax * f20_polynomial(f19_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_part_56 * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
-        const float by_phase_x_2 = best_2 - (0.45238933f * chords_3_cosine) + (0.28902653f * chords_3_sine);
-        const float f27_argument = by_phase_x_2 * by_phase_x_2;
+        const float by_ay = best_2 - (0.45238933f * chords_3_cosine) + (0.28902653f * chords_3_sine);
+        const float f27_argument = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * f27_polynomial(f27_argument)) +
-            (start_cosine_phase_x_5 * (by_phase_x_2 * f28_polynomial(f27_argument)));
+            (start_cosine_ay * (by_ay * f28_polynomial(f27_argument)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_part_56 * (phasors_2_sine * (estimator_field_1 +
             (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
         phase_x_part_57 = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_part_13 * residuals_2_phase_x_2);
         terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
-        phase_x_part_58 = (rows_1_4_phase_x * residuals_1_phase_x_2) + (rows_2_4_phase_x * residuals_2_phase_x_2);
+        phase_x_part_58 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
         chi_square_part = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
             (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
@@ -1118,28 +1112,28 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_3_chi_square = 0.0f;
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
-        const float by_phase_x_3 = best_1 - (1.118407f * chords_3_cosine) + (1.7404423f * chords_3_sine);
-        const float f21_argument = by_phase_x_3 * by_phase_x_3;
+        const float by_bx = best_1 - (1.118407f * chords_3_cosine) + (1.7404423f * chords_3_sine);
+        const float f21_argument = by_bx * by_bx;
         const float phasors_3_sine = (bx_part_full * f21_polynomial(f21_argument)) +
-            (start_cosine_phase_x_2 * (by_phase_x_3 * f22_polynomial(f21_argument)));
+            (start_cosine_bx * (by_bx * f22_polynomial(f21_argument)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_part_56 * (phasors_3_sine * (estimator_field_1 +
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
-        const float by_phase_x_4 = best_2 - (1.7404423f * chords_3_cosine) - (1.118407f * chords_3_sine);
-        const float f29_argument = by_phase_x_4 * by_phase_x_4;
+        const float by = best_2 - (1.7404423f * chords_3_cosine) - (1.118407f * chords_3_sine);
+        const float f29_argument = by * by;
         const float phasors_4_sine = (by_part_full * f29_polynomial(f29_argument)) +
-            (start_cosine_phase_x_6 * (by_phase_x_4 * f30_polynomial(f29_argument)));
+            (start_cosine_by * (by * f30_polynomial(f29_argument)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_part_56 * (phasors_4_sine * (estimator_field_1 +
             (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
         terms_4_phase_x = -(phase_x_part_14 * residuals_4_phase_x_2);
         terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
-        terms_3_phase_x_3 = rows_3_4_phase_x * residuals_3_phase_x_2;
-        terms_4_phase_x_3 = rows_4_4_phase_x * residuals_4_phase_x_2;
+        terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
+        terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
         terms_3_chi_square = residuals_3_phase_x_2 * residuals_3_phase_x_2;
         terms_4_chi_square = residuals_4_phase_x_2 * residuals_4_phase_x_2;
     }
@@ -1152,28 +1146,28 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_5_chi_square = 0.0f;
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
-        const float by_phase_x_5 = best_1 - (2.506991f * chords_3_cosine) + (3.0033627f * chords_3_sine);
-        const float f23_argument = by_phase_x_5 * by_phase_x_5;
+        const float by_cx = best_1 - (2.506991f * chords_3_cosine) + (3.0033627f * chords_3_sine);
+        const float f23_argument = by_cx * by_cx;
         const float phasors_5_sine = (cx_part_full * f23_polynomial(f23_argument)) +
-            (start_cosine_phase_x_3 * (by_phase_x_5 * f24_polynomial(f23_argument)));
+            (start_cosine_cx * (by_cx * f24_polynomial(f23_argument)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_part_56 * (phasors_5_sine * (estimator_field_1 +
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
-        const float by_phase_x_6 = best_2 - (3.0033627f * chords_3_cosine) - (2.506991f * chords_3_sine);
-        const float f31_argument = by_phase_x_6 * by_phase_x_6;
+        const float by_cy = best_2 - (3.0033627f * chords_3_cosine) - (2.506991f * chords_3_sine);
+        const float f31_argument = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * f31_polynomial(f31_argument)) +
-            (start_cosine_phase_x_7 * (by_phase_x_6 * f32_polynomial(f31_argument)));
+            (start_cosine_cy * (by_cy * f32_polynomial(f31_argument)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_part_56 * (phasors_6_sine * (estimator_field_1 +
             (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
         terms_6_phase_x = -(phase_x_part_15 * residuals_6_phase_x_2);
         terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
-        terms_5_phase_x_3 = rows_5_4_phase_x * residuals_5_phase_x_2;
-        terms_6_phase_x_3 = rows_6_4_phase_x * residuals_6_phase_x_2;
+        terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
+        terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
         terms_5_chi_square = residuals_5_phase_x_2 * residuals_5_phase_x_2;
         terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
     }
@@ -1186,28 +1180,28 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_7_chi_square = 0.0f;
     float terms_8_chi_square = 0.0f;
     if (weights_7) {
-        const float by_phase_x_7 = best_1 + (1.627345f * chords_3_cosine) - (0.76654863f * chords_3_sine);
-        const float f25_argument = by_phase_x_7 * by_phase_x_7;
+        const float by_dx = best_1 + (1.627345f * chords_3_cosine) - (0.76654863f * chords_3_sine);
+        const float f25_argument = by_dx * by_dx;
         const float phasors_7_sine = (dx_part_full * f25_polynomial(f25_argument)) +
-            (start_cosine_phase_x_4 * (by_phase_x_7 * f26_polynomial(f25_argument)));
+            (start_cosine_dx * (by_dx * f26_polynomial(f25_argument)));
         const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
         const float residuals_7_phase_x_2 = (turns_3_cosine * V_dx_held) - (turns_3_sine * V_dy_held) -
             (phase_x_part_56 * (phasors_7_sine * (estimator_field_1 +
             (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
         terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
         terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
-        const float by_phase_x_8 = best_2 + (0.76654863f * chords_3_cosine) + (1.627345f * chords_3_sine);
-        const float f33_argument = by_phase_x_8 * by_phase_x_8;
+        const float by_dy = best_2 + (0.76654863f * chords_3_cosine) + (1.627345f * chords_3_sine);
+        const float f33_argument = by_dy * by_dy;
         const float phasors_8_sine = (dy_part_full * f33_polynomial(f33_argument)) +
-            (start_cosine_phase_x_8 * (by_phase_x_8 * f34_polynomial(f33_argument)));
+            (start_cosine_dy * (by_dy * f34_polynomial(f33_argument)));
         const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
         const float residuals_8_phase_x_2 = (turns_3_cosine * V_dy_held) + (turns_3_sine * V_dx_held) -
             (phase_x_part_56 * (phasors_8_sine * (estimator_field_1 +
             (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared * estimator_field_5))))));
         terms_8_phase_x = -(phase_x_part_16 * residuals_8_phase_x_2);
         terms_8_phase_x_2 = rows_8_2 * residuals_8_phase_x_2;
-        terms_7_phase_x_3 = rows_7_4_phase_x * residuals_7_phase_x_2;
-        terms_8_phase_x_3 = rows_8_4_phase_x * residuals_8_phase_x_2;
+        terms_7_phase_x_3 = rows_7_4 * residuals_7_phase_x_2;
+        terms_8_phase_x_3 = rows_8_4 * residuals_8_phase_x_2;
         terms_7_chi_square = residuals_7_phase_x_2 * residuals_7_phase_x_2;
         terms_8_chi_square = residuals_8_phase_x_2 * residuals_8_phase_x_2;
     }
@@ -1544,14 +1538,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const bool solves = converged && accepted;
         const bool first = estimator_candidates == 0u;
         const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
-        const float apart_estimator_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
+        const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
         const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
-        const float apart_estimator_phase_x_2 = fabsf(phase_y - estimator_candidate_phase_y);
+        const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
         const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-        const float estimator_phase_x_part = 2.0f - ((first ||
-            ((hall_position_four_min(apart_estimator_phase_x, fabsf(apart_estimator_phase_x - two_pi)) <= 0.15f) &&
-            (hall_position_four_min(apart_estimator_phase_x_2, fabsf(apart_estimator_phase_x_2 - two_pi)) <= 0.15f) &&
-            (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
+        const float estimator_phase_x_part = 2.0f - ((first || ((hall_position_four_min(apart_phase_x,
+            fabsf(apart_phase_x - two_pi)) <= 0.15f) && (hall_position_four_min(apart_phase_y, fabsf(apart_phase_y -
+            two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
         const float count_estimator_phase_x = hall_position_four_max((float)estimator_candidates,
             (solves ? 1.0f : 0.0f) * estimator_phase_x_part);
         const bool unique = last && hall_position_four_equal(count_estimator_phase_x, 1.0f);

@@ -1,7 +1,7 @@
 /* hall_position_three: one step every 0.00125 s, float. Generated: do not edit.
  *
  * Call hall_position_three_init once, then hall_position_three_step once every 0.00125 s with the inputs of that
- * sample, and write its outputs to the hardware. Nothing else may change the state.
+ * sample, and use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
@@ -12,8 +12,8 @@
  * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
  * Hall-Effect Sensors".
  *
- * The gains were computed for the numbers of the plant in hall_position_three.c: for another mass or geometry, generate
- * the files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.

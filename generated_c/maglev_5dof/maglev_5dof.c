@@ -638,17 +638,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if (moving == 3u) {
-                    const bool flag_suspect_y1 = 8u <= still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_y4;
-                    suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) +
-                        maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const bool flag_y1 = 8u <= still_y1;
+                    const bool flag_y2 = 8u <= still_y2;
+                    const bool flag_y3 = 8u <= still_y3;
+                    const bool flag_y4 = 8u <= still_y4;
+                    suspect_y1_part_4 = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
+                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
-                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
-                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
-                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
+                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
                 const float score_y1 = E_y1 +
@@ -686,27 +686,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
                     0.0366f), 0.0124f);
                 determined = waited == 0u;
-                bool contradictory = least_upto_score_y1;
-                bool contradictory_2 = least_upto_score_y2;
-                bool contradictory_3 = least_upto_score_y3;
-                bool contradictory_4 = least_upto_score_y4;
+                bool contradictory_y1 = least_upto_score_y1;
+                bool contradictory_y2 = least_upto_score_y2;
+                bool contradictory_y3 = least_upto_score_y3;
+                bool contradictory_y4 = least_upto_score_y4;
                 if (redundancy_contradictions_0 < 2u) {
-                    contradictory = false;
-                    contradictory_2 = false;
-                    contradictory_3 = false;
-                    contradictory_4 = false;
+                    contradictory_y1 = false;
+                    contradictory_y2 = false;
+                    contradictory_y3 = false;
+                    contradictory_y4 = false;
                 }
-                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory);
-                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_2);
-                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_3);
-                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_4);
+                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory_y1);
+                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
                     (redundancy_contradictions_0 + 1u);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory) +
-                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_2) +
-                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_3);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
+                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
+                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
-                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -1129,6 +1129,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
         if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
@@ -1137,7 +1138,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_x = state->probe_x_towards * (float)w_x_part;
                     pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
                 }
-                w_x_unprobed = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
                 if (15u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
@@ -1155,10 +1156,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
-        const float room_u_x_computed = sqrtf(squared_current_limit -
+        const float u_x_demand = -M_x * w_x / u_x_demand_part;
+        const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
 
         /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
@@ -1166,6 +1167,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
         if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
@@ -1174,7 +1176,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_z = state->probe_z_towards * (float)w_z_part;
                     pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
                 }
-                w_z_unprobed = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
                 if (15u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
@@ -1192,10 +1194,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
-        const float room_u_z_computed = sqrtf(squared_current_limit -
+        const float u_z_demand = -M_z * w_z / u_z_demand_part;
+        const float room_u_z = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
@@ -1333,8 +1335,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->i_d2_balanced = i_d2_balanced;
             diagnostics->i_d3_balanced = i_d3_balanced;
             diagnostics->i_d4_balanced = i_d4_balanced;
-            diagnostics->w_x = w_x_unprobed;
-            diagnostics->w_z = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;
@@ -1343,8 +1345,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x_computed) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z_computed) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
         }
 #endif
     }

@@ -698,19 +698,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if ((suspect_y1_part_4 + maglev_5dof_precise_flag(still_y4 < 3u)) == 3u) {
-                    const bool flag_suspect_y1 = 8u <= still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_y4;
-                    const uint32_t suspect_y1_part_6 = maglev_5dof_precise_flag(flag_suspect_y1) +
-                        maglev_5dof_precise_flag(flag_suspect_y1_2) + maglev_5dof_precise_flag(flag_suspect_y1_3) +
-                        maglev_5dof_precise_flag(flag_suspect_y1_4);
+                    const bool flag_y1 = 8u <= still_y1;
+                    const bool flag_y2 = 8u <= still_y2;
+                    const bool flag_y3 = 8u <= still_y3;
+                    const bool flag_y4 = 8u <= still_y4;
+                    const uint32_t suspect_y1_part_6 = maglev_5dof_precise_flag(flag_y1) +
+                        maglev_5dof_precise_flag(flag_y2) + maglev_5dof_precise_flag(flag_y3) +
+                        maglev_5dof_precise_flag(flag_y4);
                     suspect_y1_part_5 = suspect_y1_part_6;
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
-                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
-                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
-                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
+                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_5) != 0u;
                 const float score_y1 = E_y1 +
@@ -749,27 +749,27 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
                     ((least_upto_score_y4) ? r_2 : 0.0f), 0.0366f), 0.0124f);
                 determined = waited == 0u;
-                bool contradictory = least_upto_score_y1;
-                bool contradictory_2 = least_upto_score_y2;
-                bool contradictory_3 = least_upto_score_y3;
-                bool contradictory_4 = least_upto_score_y4;
+                bool contradictory_y1 = least_upto_score_y1;
+                bool contradictory_y2 = least_upto_score_y2;
+                bool contradictory_y3 = least_upto_score_y3;
+                bool contradictory_y4 = least_upto_score_y4;
                 if (redundancy_contradictions_0 < 2u) {
-                    contradictory = false;
-                    contradictory_2 = false;
-                    contradictory_3 = false;
-                    contradictory_4 = false;
+                    contradictory_y1 = false;
+                    contradictory_y2 = false;
+                    contradictory_y3 = false;
+                    contradictory_y4 = false;
                 }
-                redundancy_excluded_y1_next = maglev_5dof_precise_flag(contradictory);
-                redundancy_excluded_y2_next = maglev_5dof_precise_flag(contradictory_2);
-                redundancy_excluded_y3_next = maglev_5dof_precise_flag(contradictory_3);
-                redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_4);
+                redundancy_excluded_y1_next = maglev_5dof_precise_flag(contradictory_y1);
+                redundancy_excluded_y2_next = maglev_5dof_precise_flag(contradictory_y2);
+                redundancy_excluded_y3_next = maglev_5dof_precise_flag(contradictory_y3);
+                redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_y4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
                     (redundancy_contradictions_0 + 1u);
                 const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 &&
-                    contradictory) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_2) +
-                    maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_3);
+                    contradictory_y1) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_y2) +
+                    maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_precise_flag((redundancy_stuck_0_part +
-                    maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                    maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -1218,6 +1218,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
         if (runs_w_x || (12u <= x_unchanged)) {
             const float probe_x_towards = state->probe_x_towards;
             if (runs_w_x) {
@@ -1226,7 +1227,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
                     pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
                 }
-                w_x_unprobed = w_x_unprobed + pulse_w_x;
+                w_x = w_x_unprobed + pulse_w_x;
                 if (7u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (7u <= x_unchanged) ?
@@ -1253,6 +1254,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
         if (runs_w_z || (12u <= z_unchanged)) {
             const float probe_z_towards = state->probe_z_towards;
             if (runs_w_z) {
@@ -1261,7 +1263,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
                     pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
                 }
-                w_z_unprobed = w_z_unprobed + pulse_w_z;
+                w_z = w_z_unprobed + pulse_w_z;
                 if (7u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (7u <= z_unchanged) ?
@@ -1298,7 +1300,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
         const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
+        const float u_z_demand = -M_z * w_z / u_z_demand_part;
         const float i_q_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
         const float i_q_3_squared = i_q_3 * i_q_3;
         const float half_1 = motors_1_half_a + (motors_1_half_c * i_q_3_squared);
@@ -1316,7 +1318,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
         const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
+        const float u_x_demand = -M_x * w_x / u_x_demand_part;
         const float i_q_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
         const float i_q_4_squared = i_q_4 * i_q_4;
         const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_4_squared);
@@ -1474,8 +1476,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->w_x_unprobed = w_x_unprobed;
             diagnostics->w_y = w_y;
             diagnostics->w_z_unprobed = w_z_unprobed;
-            diagnostics->w_x = w_x_unprobed;
-            diagnostics->w_z = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
             diagnostics->i_d1_balanced = i_d1_balanced;
             diagnostics->i_d2_balanced = i_d2_balanced;
             diagnostics->i_d3_balanced = i_d3_balanced;

@@ -1,27 +1,36 @@
 /* maglev_5dof_precise: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call maglev_5dof_precise_init once, then maglev_5dof_precise_step once every 0.001 s with the inputs of that sample,
- * and write its outputs to the hardware. Nothing else may change the state.
+ * and use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init: the
- * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
- * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
- * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at 0.0056 m/s (y); in motion the machine reaches
- * 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
- * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init, and the
+ * outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100
+ * A/s.
+ *
+ * What this does to the machine:
+ *   - a gap encoder that is refused or excluded is replaced
+ *   - without x, z or two gap encoders the platen lands and then latches on the stop
+ *   - without three it latches as said above
+ *   - zero current pulls the platen up below 28.7 mm
+ *   - 2.5 A rms lowers it from 18.1 mm and above
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at
+ *     0.0056 m/s (y)
+ *   - in motion the machine reaches 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
+ * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
+ * steps before it, and the outputs of the last one go to the hardware.
+ *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
- * The gains were computed for the numbers of the plant in maglev_5dof_precise.c: for another mass or geometry, generate
- * the files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PRECISE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -39,20 +48,20 @@ extern "C" {
 #endif
 
 typedef struct {
-    float q;                            /* m: prediction */
-    float v;                            /* m/s: predicted rate */
-    float d;                            /* m/s^2: disturbance */
+    float q;                            /* m or rad: prediction */
+    float v;                            /* m/s or rad/s: predicted rate */
+    float d;                            /* m/s^2 or rad/s^2: disturbance */
 } maglev_5dof_precise_observer_fast_state_t;
 
 typedef struct {
-    float sum;                          /* m, -4.00004 .. 4.00004: internal model */
-    float p1;                           /* m, -4.00004 .. 4.00004: internal model */
-    float q1;                           /* m, -4.00004 .. 4.00004: internal model */
-    float p2;                           /* m, -4.00004 .. 4.00004: internal model */
-    float q2;                           /* m, -4.00004 .. 4.00004: internal model */
-    float p3;                           /* m, -4.00004 .. 4.00004: internal model */
-    float q3;                           /* m, -4.00004 .. 4.00004: internal model */
-    float r;                            /* m: set-point one sample ago */
+    float sum;                          /* m or rad: internal model */
+    float p1;                           /* m or rad: internal model */
+    float q1;                           /* m or rad: internal model */
+    float p2;                           /* m or rad: internal model */
+    float q2;                           /* m or rad: internal model */
+    float p3;                           /* m or rad: internal model */
+    float q3;                           /* m or rad: internal model */
+    float r;                            /* m or rad: set-point one sample ago */
 } maglev_5dof_precise_servo_fast_state_t;
 
 typedef struct {
@@ -219,15 +228,16 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
  *   bit 14  y4: contradicts the others
  *   bit 15  x: contradicts the others
  *   bit 16  z: contradicts the others
- *   bit 31  latched: safe output until init
- *   bit 17  readings are refused, replaced or contradict each other
+ *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out);
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2 i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
+ * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
 typedef struct {
     float x_unanswered;                 /* 1: no pair of the probe was answered */
     float y1_expected;                  /* m: gap of motor 1 */

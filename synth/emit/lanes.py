@@ -12,15 +12,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth.emit import lane_chains
 from synth.emit.c.expressions import literal
 from synth.emit.c.kinds import kinds
-from synth.emit.lower import LIBM, Node, Program
+from synth.emit.lane_chains import Group
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LIBM
 
 TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values
     np.float64: ("vd", "vud", "vmd"),
 }
-SUPPORT = """#if defined(__AVX512F__)
+SUPPORT = """#if defined(__FMA__)
 #include <immintrin.h>
 #endif
 typedef float vf __attribute__((vector_size(4 * LANES)));
@@ -51,6 +54,20 @@ static inline vd vd_fma(vd a, vd b, vd c) { /* rounded once, on every processor 
     return r;
 #endif
 }
+#define VECTOR_OF_CHAINS(v, n, fused) \\
+    typedef double v __attribute__((vector_size(8 * n))); \\
+    static inline v v##_all(double a) { return a - (v){0}; } \\
+    static inline v v##_fma(v a, v b, v c) { return fused; }
+#if LANES == 1 && defined(__AVX512F__)
+VECTOR_OF_CHAINS(vd2, 2, (vd2)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c))
+VECTOR_OF_CHAINS(vd4, 4, (vd4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c))
+VECTOR_OF_CHAINS(vd8, 8, (vd8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c))
+#elif LANES == 1
+#define PAIR(i) fma(a[i], b[i], c[i]), fma(a[i + 1], b[i + 1], c[i + 1])
+VECTOR_OF_CHAINS(vd2, 2, ((vd2){PAIR(0)}))
+VECTOR_OF_CHAINS(vd4, 4, ((vd4){PAIR(0), PAIR(2)}))
+VECTOR_OF_CHAINS(vd8, 8, ((vd8){PAIR(0), PAIR(2), PAIR(4), PAIR(6)}))
+#endif
 #define LANE_MATH(v, f) \\
     static inline v v##_##f(v a) { v r; for (int l = 0; l < LANES; l++) r[l] = f(a[l]); return r; }
 """
@@ -87,9 +104,13 @@ def step(name: str, program: Program, rows: Rows, numbers: Mapping[str, float], 
     return _function(name, arguments, [*lines.texts, *stores], program, scalar)
 
 
-def function(name: str, program: Program, rows: Rows) -> str:
-    """Return the C of a memoryless function of states, inputs and parameters, in double."""
-    lines = _Lanes(program, rows, {}, np.float64)
+def function(name: str, program: Program, rows: Rows, lanes: int) -> str:
+    """Return the C of a memoryless function of states, inputs and parameters, in double.
+
+    For one lane the vectors hold several polynomials of the function, see `lane_chains`.
+    """
+    order = lane_chains.schedule(program) if lanes == 1 else None
+    lines = _Lanes(program, rows, {}, np.float64, order)
     stores = [f"out[{i}] = {lines.real(program.outputs[n])};" for i, n in enumerate(rows.outputs)]
     return _function(
         name, "const vd *x, const vd *in, const vd *p, vd *out", [*lines.texts, *stores], program, np.float64
@@ -138,15 +159,33 @@ def with_horner(program: Program) -> Program:
 class _Lanes:
     """The lines that compute every node of a program, one vector a node."""
 
-    def __init__(self, program: Program, rows: Rows, numbers: Mapping[str, float], scalar: type[np.floating]) -> None:
+    def __init__(
+        self,
+        program: Program,
+        rows: Rows,
+        numbers: Mapping[str, float],
+        scalar: type[np.floating],
+        order: Sequence[int | Group] | None = None,
+    ) -> None:
         self.p, self.kinds, self.rows, self.numbers, self.scalar = program, kinds(program), rows, numbers, scalar
         self.v, self.u, self.m = TYPES[scalar]
         self.texts: list[str] = []
-        for k, node in enumerate(program.nodes):
-            kind = self.kinds[k]
-            if node.op not in ("literal", "constant"):
-                t = {"logical": self.m, "integer": self.u}.get(kind, self.v)
-                self.texts.append(f"const {t} n{k} = {self._of(k, node)};")
+        for number, item in enumerate(range(len(program.nodes)) if order is None else order):
+            self.texts += self._node(item) if isinstance(item, int) else self._group(item, number)
+
+    def _node(self, k: int) -> list[str]:
+        node = self.p.nodes[k]
+        if node.op in ("literal", "constant"):
+            return []
+        t = {"logical": self.m, "integer": self.u}.get(self.kinds[k], self.v)
+        return [f"const {t} n{k} = {self._of(k, node)};"]
+
+    def _group(self, group: Group, number: int) -> list[str]:
+        nodes = self.p.nodes
+        terms = [
+            literal(nodes[k].value, self.scalar).c if nodes[k].op == "literal" else f"n{k}[0]" for k in group[0].terms
+        ]
+        return lane_chains.lines(group, number, terms)
 
     def real(self, k: int) -> str:
         """Return node k as a number of the scalar type."""

@@ -11,7 +11,7 @@ ABOUT = (
     "The experiments run on machines within the tolerances of their parameters and sensors. Nominal: the machine "
     "without deviations. 95 %: the value that 95 % of the machines do not exceed. Row: the worst machine, which "
     "`synth study --row` runs alone. Kept: share of the machines that keep the limit. Driver: the quantity with the "
-    "largest rank correlation (Spearman)."
+    "largest rank correlation (Spearman), |h| where deviations of h to both sides act alike."
 )
 COLUMNS = ("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver")
 

@@ -114,29 +114,35 @@ def simulate(
         column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
     blocks = controller, *(block.controller for block in records)
-    drive_faults = {block.name: block.faults for block in records}
-    return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
+    drive_faults = {block.name: block.faults & ~block.controller.status_mask for block in records}
+    units, mask = column_units(plant, blocks), controller.status_mask
+    return replace(trajectory(units, mask, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
 
 
 def trajectory(
-    plant: Plant,
-    blocks: Sequence[host.Controller],
+    units: Mapping[str, str],
+    status_mask: np.uint32,
     time: Array,
     groups: Mapping[str, Mapping[str, NDArray[Any]]],
-    faults: NDArray[np.uint32],
+    words: NDArray[np.uint32],
     impacts: dict[str, float],
 ) -> Trajectory:
-    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
-    time.flags.writeable = faults.flags.writeable = False
+    """Return a trajectory, whose columns are read-only; `words` are those of the controller, with bits of a status."""
+    faults, status = words & ~status_mask, words & status_mask
+    time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
+    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, **groups)
+
+
+def column_units(plant: Plant, blocks: Sequence[host.Controller]) -> dict[str, str]:
+    """Return the units of the plant's and the Blocks' signals by name."""
     structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
     members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
-    units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
+    return members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
 
 
 def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
     """Return the members of `loop_t` for the plant and its stops."""
-    states, start = signal_names(plant.states), _initial_states(plant, scenario)
+    states, start = [s.name for s in plant.states], _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
     _require_known("stops", scenario.stops, velocity)
@@ -159,7 +165,7 @@ def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
 
 
 def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
-    _require_known("initial plant states x0", scenario.x0, signal_names(plant.states))
+    _require_known("initial plant states x0", scenario.x0, [s.name for s in plant.states])
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
             raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")
@@ -212,7 +218,7 @@ def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario,
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
     return arrays | {
-        "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
+        "sensor_source": np.array([[*outputs].index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
         "sensor_bias": bias,

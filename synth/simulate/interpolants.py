@@ -2,8 +2,9 @@
 
 `univariate_fits` states the polynomials. Their variable is an expression that every path from the states to the
 function passes through, such as the gap of a motor; their degree is chosen on plants at the corners of their
-tolerances. Functions that are the same but for their variable share coefficients. Expressions of the parameters alone
-are evaluated once for each plant. The rest of the plant is left as it is.
+tolerances. Functions that are the same but for their variable share coefficients. A sine stays one of any argument,
+see `sines`, where that costs less. Expressions of the parameters alone are evaluated once for each plant. The rest of
+the plant is left as it is.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,13 +21,14 @@ from synth.emit.proof import ranges
 from synth.emit.proof.ranges import Range
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
-from synth.simulate import univariate_fits
+from synth.simulate import sines, univariate_fits
 from synth.simulate.univariate_fits import Fit
 
 Array = NDArray[np.float64]
 
 ERROR = 1e-10  # of a polynomial, relative to the largest value of its function
 MARGIN = 0.05  # of a signal's range, added at both ends: the stages of an integration step leave the range
+SINE = 10  # the degree of a polynomial that costs as much as a sine of any argument
 CORNERS = 16  # plants at corners of their tolerances on which a degree is chosen
 OUTSIDE = "outside"  # the output that is 1 where a variable has left the range of its polynomials
 
@@ -123,10 +125,12 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
     replaced: dict[int, tuple[int, int]] = {}
     for group in univariate_fits.equal_functions(f, R):
         low, high = min(R[each.variable].low for each in group), max(R[each.variable].high for each in group)
-        if fit := univariate_fits.least_degree(f, group[0], known, low, high, error):
+        fit = univariate_fits.least_degree(f, group[0], known, low, high, error)
+        if fit and fit.degree <= SINE * univariate_fits.number_of_sines(f, group[0]):
             replaced |= {each.root: (each.variable, len(fits)) for each in group}
             fits.append(fit)
-    expressions = (_hoist_parameters(_rewritten(f, replaced, fits), "f"), _hoist_parameters(h, "h"))
+    f_fast, h_fast = _rewritten(f, replaced, fits, error), _rewritten(h, {}, (), error)
+    expressions = (_hoist_parameters(f_fast, "f"), _hoist_parameters(h_fast, "h"))
     return FastPlant(plant, error, f, tuple(fits), expressions)
 
 
@@ -172,11 +176,12 @@ def _coefficient(fit: int, power: int) -> str:
     return f"c{fit}_{power}"
 
 
-def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[Fit]) -> Program:
-    """Return the program with polynomials and with the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
+def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[Fit], error: float) -> Program:
+    """Return the program with polynomials, sines and the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
     nodes: list[Node] = []
     known: dict[Node, int] = {}
     index: dict[int, int] = {}
+    varies = _varies(program)
 
     def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
         node = Node(op, args, value, name)
@@ -204,6 +209,10 @@ def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: 
             n = program.nodes[k]
             if k in replaced:
                 index[k] = place_polynomial(*replaced[k])
+            elif n.op in univariate_fits.SINES and varies[k]:
+                index[k] = sines.place_sine(place, n.op, index[n.args[0]], error)
+            elif n.op == "div" and varies[n.args[0]] and not varies[n.args[1]]:
+                index[k] = place("mul", index[n.args[0]], place("inv", index[n.args[1]]))
             else:
                 index[k] = place(n.op, *(index[a] for a in n.args), value=n.value, name=n.name)
     outside = place("literal", value=0.0)
@@ -226,11 +235,17 @@ def _ancestors(program: Program, ends: Sequence[int]) -> set[int]:
     return reached
 
 
-def _hoist_parameters(program: Program, prefix: str) -> _Expressions:
-    """Return the program with a load for each expression of parameters alone that the rest reads."""
+def _varies(program: Program) -> list[bool]:
+    """Return for each node whether it depends on more than the physical parameters."""
     varies: list[bool] = []
     for n in program.nodes:
         varies.append(n.op in ("state", "input", "parameter") or any(varies[a] for a in n.args))
+    return varies
+
+
+def _hoist_parameters(program: Program, prefix: str) -> _Expressions:
+    """Return the program with a load for each expression of parameters alone that the rest reads."""
+    varies = _varies(program)
     users, ends = program.users(), {*program.outputs.values()}
     fixed = {
         f"{prefix}{k}": k

@@ -45,9 +45,14 @@ def arrays(controller: host.Controller, scenarios: Sequence[Scenario], n: int) -
 
 def _courses(controller: host.Controller, scenarios: Sequence[Scenario], name: str, n: int) -> list[NDArray[Any]]:
     """Return the samples of an input in each scenario; those of one array, or of one scenario, are one object."""
-    keys = [id(s) if name in s.overrides else id(s.references.get(name)) for s in scenarios]
+    keys = [id(s) if name in s.overrides else _key(s.references.get(name)) for s in scenarios]
     by_key = {key: _course(controller, s, name, n) for key, s in dict(zip(keys, scenarios, strict=True)).items()}
     return [by_key[key] for key in keys]
+
+
+def _key(values: object) -> tuple[type, object]:
+    """Return a key that values of the same number and the same array share."""
+    return type(values), repr(values) if isinstance(values, float | int) else id(values)
 
 
 def _course(controller: host.Controller, scenario: Scenario, name: str, n: int) -> NDArray[Any]:

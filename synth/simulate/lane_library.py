@@ -77,8 +77,8 @@ def _header(fast: FastPlant, parts: Sequence[LaneBlock], lanes: int) -> str:
     functions = [
         lane_code.SUPPORT,
         lane_code.mathematics([(fast.f, np.float64), (fast.h, np.float64), *((p.program, scalar) for p in parts)]),
-        lane_code.function("plant_f", fast.f, Rows(inputs, states, (), fast.parameters, (*states, OUTSIDE))),
-        lane_code.function("plant_h", fast.h, Rows(inputs, states, (), fast.parameters, outputs)),
+        lane_code.function("plant_f", fast.f, Rows(inputs, states, (), fast.parameters, (*states, OUTSIDE)), lanes),
+        lane_code.function("plant_h", fast.h, Rows(inputs, states, (), fast.parameters, outputs), lanes),
         lane_blocks.code(parts, scalar),
     ]
     reals, counters, _ = lane_code.TYPES[scalar]

@@ -2,6 +2,7 @@
 
 import mmap
 import threading
+import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGE, ALIGNMENT = 2**21, 64  # bytes: of a large page, and of a vector
+KEPT = 2**28  # bytes of memory that no array needs and the next loop may use
 Name = tuple[str, str]  # the group of a column, as in `Trajectory`, and its name
 
 
@@ -76,17 +78,53 @@ class LaneColumns(Mapping[str, NDArray[Any]]):
         return len(self._names)
 
 
-def zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
-    """Return zeros at an address that vectors need, in large pages: a record is written once, page after page."""
+class _Pages:
+    """Memory in large pages that loops have used and no array needs any more: the next loop need not clear it again."""
+
+    def __init__(self) -> None:
+        self._free: list[mmap.mmap] = []
+        self._lock = threading.Lock()
+
+    def take(self, n: int) -> mmap.mmap:
+        """Return at least n bytes with any content."""
+        size = -(-n // LARGE) * LARGE
+        with self._lock:
+            for k, pages in enumerate(self._free):
+                if len(pages) == size:
+                    return self._free.pop(k)
+        pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+        pages.madvise(mmap.MADV_HUGEPAGE)
+        return pages
+
+    def give(self, pages: mmap.mmap) -> None:
+        """Keep memory for the next loop, unless there is KEPT already."""
+        with self._lock:
+            if sum(map(len, self._free)) + len(pages) <= KEPT:
+                self._free.append(pages)
+
+
+_PAGES = _Pages()
+
+
+def empty(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
+    """Return an array with any content at an address that vectors need, in large pages: for what a run records."""
     items = int(np.prod(shape))
     n = max(1, items) * np.dtype(scalar).itemsize
     if n <= LARGE or not hasattr(mmap, "MADV_HUGEPAGE"):
-        memory = np.zeros(n + ALIGNMENT, np.uint8)
+        memory = np.empty(n + ALIGNMENT, np.uint8)
         first = -memory.ctypes.data % ALIGNMENT
         return memory[first : first + n].view(scalar)[:items].reshape(shape)
-    pages = mmap.mmap(-1, n, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    pages.madvise(mmap.MADV_HUGEPAGE)
-    return np.frombuffer(pages, scalar, items).reshape(shape)
+    pages = _PAGES.take(n)
+    array = np.frombuffer(pages, scalar, items)  # every view of it keeps it alive
+    weakref.finalize(array, _PAGES.give, pages).atexit = False
+    return array.reshape(shape)
+
+
+def zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
+    """Return zeros as `empty` places them."""
+    array = empty(shape, scalar)
+    array[...] = 0
+    return array
 
 
 def repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArray[Any]:
@@ -96,6 +134,6 @@ def repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArr
 
 def align(values: NDArray[Any]) -> NDArray[Any]:
     """Return a copy at an address that vectors need."""
-    copy = zeros(values.shape, values.dtype.type)
+    copy = empty(values.shape, values.dtype.type)
     copy[...] = values
     return copy

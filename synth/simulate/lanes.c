@@ -58,7 +58,7 @@ typedef struct {
     word *faults;   /* (N_BLOCKS, LANES, frames): bits of all samples since the frame before */
 } loop_t;
 
-enum { BLOCK = 32 };
+enum { BLOCK = 128 };
 
 typedef struct {
     const vd *wide[N_X + N_Y + N_U + 1];
@@ -199,16 +199,43 @@ static void mix(const loop_t *loop, const vd *commands, int64_t k, int64_t subst
         u[loop->weight_input[i]] += vd_all(loop->weight[i]) * commands[loop->weight_command[i]];
 }
 
-/* Append the frames of a block, a vector each, to the columns of the lanes. */
+/* Append the frames of a block, a vector each, to the columns of the lanes: one lane after another, since the columns
+ * lie far from each other in memory. Eight frames of eight doubles are a matrix, which is transposed in registers. */
 #define APPEND(name, element, vector) \
     static void append_##name(const vector *block, int64_t n, element *columns, int64_t length) { \
-        for (int64_t i = 0; i < n; i++) { \
-            for (int l = 0; l < LANES; l++) columns[l * length + i] = block[i][l]; \
+        for (int l = 0; l < LANES; l++) { \
+            for (int64_t i = 0; i < n; i++) columns[l * length + i] = block[i][l]; \
         } \
     }
-APPEND(wide, double, vd)
 APPEND(narrow, number, scalar)
 APPEND(faults, word, counter)
+#if LANES == 8
+static void append_wide(const vd *block, int64_t n, double *columns, int64_t length) {
+    int64_t i = 0;
+    for (; i + LANES <= n; i += LANES) {
+        vd pairs[LANES], fours[LANES]; /* of frames: vectors of 2, then of 4 frames of each lane */
+        for (int k = 0; k < LANES; k += 2) {
+            const vd a = block[i + k], b = block[i + k + 1];
+            pairs[k] = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+            pairs[k + 1] = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        for (int k = 0; k < LANES; k += k % 4 ? 3 : 1) {
+            fours[k] = __builtin_shufflevector(pairs[k], pairs[k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            fours[k + 2] = __builtin_shufflevector(pairs[k], pairs[k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+        for (int l = 0; l < LANES / 2; l++) {
+            const vd low = __builtin_shufflevector(fours[l], fours[l + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+            const vd high = __builtin_shufflevector(fours[l], fours[l + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+            memcpy(columns + l * length + i, &low, sizeof low);
+            memcpy(columns + (l + 4) * length + i, &high, sizeof high);
+        }
+    }
+    for (; i < n; i++)
+        for (int l = 0; l < LANES; l++) columns[l * length + i] = block[i][l];
+}
+#else
+APPEND(wide, double, vd)
+#endif
 
 static void write_block(const loop_t *loop, record_t *record, int64_t length) {
     const int64_t first = record->frames - record->block, n = record->block;

@@ -6,7 +6,8 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
-from collections.abc import Sequence
+from collections import ChainMap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import Any
@@ -22,6 +23,7 @@ from synth.simulate.interpolants import Coefficients, FastPlant
 from synth.simulate.lane_blocks import LaneBlock, output_row
 from synth.simulate.lane_memory import Name, Record, Recording
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
+from synth.simulate.sensors import Encoder
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -33,6 +35,8 @@ _SHARED = (
     *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source"),
     *("forcing", "overridden"),
 )
+_OF_PLANT, _OF_SENSORS = ("x0", "velocities", "stops", "locked"), ("sensors", "encoders", "noise", "overrides")
+_OF_ACTUATORS = ("duration_s", "actuators", "hold", "forcing", "delay", "substeps")
 _OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
 
 
@@ -83,10 +87,10 @@ class LaneLoop:
         run = partial(self._run, plants, scenarios, order, coefficients.values)
         arrays, record = run(recording)
         kept &= arrays["left"][0] == 0
+        frames = time[:: recording.every]
+        frames.flags.writeable = False
         return [
-            self._trajectory(plants[i], scenarios[i], time[:: recording.every], arrays, record, recording, i)
-            if kept[i]
-            else None
+            self._trajectory(scenarios[i], frames, arrays, record, recording, i) if kept[i] else None
             for i in range(used)
         ]
 
@@ -107,9 +111,9 @@ class LaneLoop:
         arrays |= {
             "wide_row": np.array(wide, dtype=np.int64),
             "narrow_row": np.array(narrow, dtype=np.int64),
-            "wide": lane_memory.zeros((len(wide), self.lanes, frames), np.float64),
-            "narrow": lane_memory.zeros((len(narrow), self.lanes, frames), scalar),
-            "faults": lane_memory.zeros((len(self.blocks), self.lanes, frames), width),
+            "wide": lane_memory.empty((len(wide), self.lanes, frames), np.float64),
+            "narrow": lane_memory.empty((len(narrow), self.lanes, frames), scalar),
+            "faults": lane_memory.empty((len(self.blocks), self.lanes, frames), width),
         }
         self._call(arrays, scenarios[0], len(time), order, recording.every)
         columns = {self._signals[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
@@ -128,8 +132,12 @@ class LaneLoop:
 
     def _arrays(self, plants: Sequence[Plant], scenarios: Sequence[Scenario], time: NDArray[np.float64]) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        by_scenario = {id(s): self._lane(plants[0], s, time) for s in {id(s): s for s in scenarios}.values()}
-        lanes = [by_scenario[id(s)] for s in scenarios]
+        by_scenario: dict[int, tuple[Arrays, ...]] = {}
+        for scenario in scenarios:
+            if id(scenario) not in by_scenario:
+                like = (scenarios[0], by_scenario[id(scenarios[0])]) if by_scenario else None
+                by_scenario[id(scenario)] = self._lane(plants[0], scenario, time, like)
+        lanes = [ChainMap(*by_scenario[id(s)]) for s in scenarios]
         _require_alike(scenarios, lanes)
         arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
         arrays |= {name: lane_memory.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
@@ -140,11 +148,24 @@ class LaneLoop:
         inputs = lane_inputs.arrays(self.controller, scenarios, len(time))
         return arrays | inputs | self._controller_arrays(scenarios[0], lanes[0]["mixing"])
 
-    def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
-        return (
-            closed_loop.plant_arrays(plant, scenario)
-            | closed_loop.sensor_arrays(plant, self.controller, scenario, len(time))
-            | closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time)
+    def _lane(
+        self,
+        plant: Plant,
+        scenario: Scenario,
+        time: NDArray[np.float64],
+        like: tuple[Scenario, tuple[Arrays, ...]] | None,
+    ) -> tuple[Arrays, ...]:
+        """Return three groups of arrays of a scenario; a group of a scenario `like` it serves again where it can."""
+        makers: dict[tuple[str, ...], Callable[[], Arrays]] = {
+            _OF_PLANT: lambda: closed_loop.plant_arrays(plant, scenario),
+            _OF_SENSORS: lambda: closed_loop.sensor_arrays(plant, self.controller, scenario, len(time)),
+            _OF_ACTUATORS: lambda: closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time),
+        }
+        if like is None:
+            return tuple(make() for make in makers.values())
+        return tuple(
+            group if all(_is_same(getattr(like[0], f), getattr(scenario, f)) for f in fields) else make()
+            for group, (fields, make) in zip(like[1], makers.items(), strict=True)
         )
 
     def _controller_arrays(self, scenario: Scenario, mixing: NDArray[np.float64]) -> Arrays:
@@ -189,7 +210,6 @@ class LaneLoop:
 
     def _trajectory(
         self,
-        plant: Plant,
         scenario: Scenario,
         time: NDArray[np.float64],
         arrays: Arrays,
@@ -204,9 +224,14 @@ class LaneLoop:
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
         words = {b.name: arrays["faults"][k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
         faults = words.pop(self.blocks[0].name)
-        controllers = tuple(b.controller for b in self.blocks)
-        trajectory = closed_loop.trajectory(plant, controllers, time, groups, faults, impacts)
-        return replace(trajectory, drive_faults=words)
+        mask = self.blocks[0].controller.status_mask
+        trajectory = closed_loop.trajectory(self._units, mask, time, groups, faults, impacts)
+        masks = {b.name: ~b.controller.status_mask for b in self.blocks}
+        return replace(trajectory, drive_faults={name: word & masks[name] for name, word in words.items()})
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        return closed_loop.column_units(self.fast.plant, [b.controller for b in self.blocks])
 
 
 @lru_cache(maxsize=4)
@@ -236,7 +261,7 @@ def compile_loop(
     return LaneLoop(fast, parts, lanes, lane_library.compile_loop(fast, parts, lanes))
 
 
-def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> None:
+def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Mapping[str, NDArray[Any]]]) -> None:
     """Raise WiringError for scenarios that one loop cannot run side by side."""
     first = scenarios[0]
     for scenario, lane in zip(scenarios, lanes, strict=True):
@@ -250,8 +275,17 @@ def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> No
             raise WiringError(f"scenarios differ in {differing[0]}: lanes need it equal; simulate them in groups")
 
 
+def _is_same(first: object, second: object) -> bool:
+    """Tell whether two fields of scenarios are the same; False where that takes a comparison of arrays."""
+    if first is second:
+        return True
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(_is_same(first[k], second[k]) for k in first)
+    return isinstance(first, str | float | int | tuple | Encoder) and type(first) is type(second) and first == second
+
+
 def _equal(first: NDArray[Any] | None, second: NDArray[Any] | None) -> bool:
-    if first is None or second is None:
+    if first is None or second is None or first is second:
         return first is second
     return np.array_equal(first, second)
 

@@ -1,8 +1,8 @@
 """Functions that simulate closed loops, run side by side so that their loops run together in lanes.
 
-Each function runs in a thread of its own and calls `simulate` like `closed_loop.simulate`. A call waits until every
-other function has called too, or has ended; then the loops of one controller that differ only in their plants, initial
-states, references and sensor errors run in lanes, and every call returns.
+Each function runs in a thread of its own, one at a time, and calls `simulate` like `closed_loop.simulate`. A call waits
+until every other function has called too, or has ended; then the loops of one controller that differ only in their
+plants, initial states, references and sensor errors run in lanes, and every call returns.
 """
 
 import threading
@@ -121,12 +121,13 @@ def run(
     results: list[Result[T]] = [Result() for _ in functions]
 
     def work(k: int) -> None:
-        try:
-            results[k] = Result(functions[k](meeting.simulate))
-        except Exception as error:
-            results[k] = Result(error=error)
-        finally:
-            meeting.leave()
+        with meeting.changed:  # one function at a time: what one prepares and keeps, the others find
+            try:
+                results[k] = Result(functions[k](meeting.simulate))
+            except Exception as error:
+                results[k] = Result(error=error)
+            finally:
+                meeting.leave()
 
     threads = [threading.Thread(target=work, args=(k,), daemon=True) for k in range(len(functions))]
     for thread in threads:
@@ -159,11 +160,13 @@ def _serve(calls: Sequence[_Call], nominals: Sequence[Plant], integration: Integ
 def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, integration: Integration, recording: Recording) -> None:
     number = 1 if len(group) == 1 else lanes.LANES
     loop = lanes.compile_loop(nominal, group[0].controller, group[0].drive, lanes=number)
+    # The same order in every experiment of the same machines: their polynomials are those of the one before.
+    calls = sorted(group, key=lambda call: id(call.plant))
     plants, scenarios = (
-        [call.plant for call in group],
-        [replace(c.scenario, substeps=integration.substeps) for c in group],
+        [call.plant for call in calls],
+        [replace(c.scenario, substeps=integration.substeps) for c in calls],
     )
-    for call, trajectory in zip(group, loop.simulate(plants, scenarios, integration.order, recording), strict=True):
+    for call, trajectory in zip(calls, loop.simulate(plants, scenarios, integration.order, recording), strict=True):
         call.trajectory = trajectory
 
 

@@ -51,6 +51,29 @@ def _compile_drive(stage: Stage, scalar: str) -> tuple[host.Controller, ...]:
     return tuple(build.compile_block(block, kind, error=stage.surrogate_error.get(kind)) for block in blocks)
 
 
+@lru_cache(maxsize=64)  # the experiments of a machine share the plant, and with it its polynomials in lanes
+def _with_parameters_of(plant: Plant, other: Plant) -> Plant:
+    """Return the other plant with the values of the plant's parameters."""
+    return other.with_parameters(**{p.name: p.value for p in plant.parameters})
+
+
+@lru_cache(maxsize=64)  # most machines of a study have the same positions and set-points at their start
+def _first_drive_commands(
+    controller: host.Controller,
+    drive: tuple[host.Controller, ...],
+    inputs: tuple[tuple[str, float], ...],
+    safe: tuple[tuple[str, float], ...],
+) -> dict[str, float]:
+    """Return the outputs of the last Block of a drive for first inputs of a controller with these safe outputs."""
+    known: dict[str, Any] = dict(inputs)
+    first = controller.step(controller.init(), {name: known[name] for name in controller.inputs.names or ()})
+    known |= first.outputs | dict(safe)
+    for block in drive:
+        commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
+        known |= commands
+    return {name: float(value) for name, value in commands.items()}
+
+
 @dataclass(frozen=True, eq=False)
 class Rig:
     """The plant of a stage under a compiled controller; `plant` may differ from the declared plant.
@@ -98,8 +121,7 @@ class Rig:
         """The same rig in which the controller's outputs act on the plant of the stage directly."""
         if not self.drive:
             return self
-        values = {p.name: p.value for p in self.plant.parameters}
-        return replace(self, plant=self.stage.plant.with_parameters(**values), drive=())
+        return replace(self, plant=_with_parameters_of(self.plant, self.stage.plant), drive=())
 
     def with_interface(self, **fields: Any) -> "Rig":
         """Return the same rig with some fields of its interface replaced; the controller is unchanged."""
@@ -155,12 +177,7 @@ class Rig:
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
         known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
         known |= self.call_counts
-        first = self.controller.step(self.controller.init(), {n: known[n] for n in self.controller.inputs.names or ()})
-        known |= first.outputs | safe
-        for block in self.drive:
-            commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
-            known |= commands
-        return {name: float(value) for name, value in commands.items()}
+        return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(safe.items()))
 
     @property
     def positions(self) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Monte Carlo study of a stage: its experiments on many machines within their tolerances, against the requirements.
 
     yield = share of the machines that keep every limit       Clopper and Pearson's interval
-    driver of a figure = quantity with the largest |rank correlation| (Spearman)
+    driver of a figure = quantity z, or its size |z|, with the largest |rank correlation| (Spearman)
 
 A table has one row for each machine, which its number and the seed determine. The largest value of a sample is a lower
 bound of the worst case.
@@ -15,7 +15,6 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from synth.check import Check
 from synth.errors import DesignError
@@ -63,7 +62,7 @@ class Summary:
     """The distribution of one figure or check over the rows of a study.
 
     `worst` is the largest value, of row `worst_row`; for a figure without a limit `limit` is NaN and `passed` 1.
-    `driver` is the quantity with the largest rank correlation, `correlation`.
+    `driver` is the quantity, or its size as "|name|", with the largest rank correlation, `correlation`.
     """
 
     name: str
@@ -183,17 +182,16 @@ def join(tables: Sequence[StudyTable]) -> StudyTable:
 
 def summarise(table: StudyTable) -> list[Summary]:
     """Return the distribution of every check, then of every figure."""
-    checks = [_summary(table, name, values) for name, values in table.checks.items()]
-    return checks + [_summary(table, name, values) for name, values in table.figures.items()]
+    ranks, columns = _ranks(table), [*table.checks.items(), *table.figures.items()]
+    return [_summary(table, name, values, _driver(ranks, values)) for name, values in columns]
 
 
-def _summary(table: StudyTable, name: str, values: Array) -> Summary:
+def _summary(table: StudyTable, name: str, values: Array, driver: tuple[str, float]) -> Summary:
     limit = table.limits.get(name, np.nan)
     known = values[~np.isnan(values)]
     worst = int(np.nanargmax(values)) if len(known) else 0
     passed = float(np.mean(values <= limit)) if name in table.limits else 1.0
     middle, high = np.percentile(known, [50, 95], method="lower") if len(known) else (np.nan, np.nan)
-    driver, correlation = _driver(table, values)
     return Summary(
         name,
         table.units.get(name, ""),
@@ -204,18 +202,29 @@ def _summary(table: StudyTable, name: str, values: Array) -> Summary:
         int(table.rows[worst]),
         float(limit),
         passed,
-        driver,
-        correlation,
+        *driver,
     )
 
 
-def _driver(table: StudyTable, values: Array) -> tuple[str, float]:
+def _ranks(table: StudyTable) -> dict[str, Array]:
+    """Return the ranks of z and, for what a deviation to either side changes alike, of |z|, called "|name|"."""
+    from scipy import stats  # slow to import (1 s) and seldom needed
+
+    plain = {name: z for name, z in table.z.items() if np.ptp(z) > 0}
+    sizes = {f"|{name}|": size for name, z in plain.items() if len(np.unique(size := np.abs(z))) > 2}
+    return {name: stats.rankdata(values) for name, values in {**plain, **sizes}.items()}
+
+
+def _driver(ranks: Mapping[str, Array], values: Array) -> tuple[str, float]:
     """Return the quantity with the largest rank correlation, and that; ("", 0) where a value does not vary."""
+    from scipy import stats  # slow to import (1 s) and seldom needed
+
     known = ~np.isnan(values)
-    if known.sum() < 3 or np.ptp(stats.rankdata(values[known])) == 0:
+    y = stats.rankdata(values[known])
+    if len(y) < 3 or np.ptp(y) == 0:
         return "", 0.0
-    varying = {name: z[known] for name, z in table.z.items() if np.ptp(z[known]) > 0}
-    correlations = {name: float(stats.spearmanr(z, values[known]).statistic) for name, z in varying.items()}
+    x = {name: r if known.all() else stats.rankdata(r[known]) for name, r in ranks.items()}
+    correlations = {name: float(np.corrcoef(r, y)[0, 1]) for name, r in x.items() if np.ptp(r) > 0}
     driver = max(correlations, key=lambda name: abs(correlations[name]), default="")
     return driver, correlations.get(driver, 0.0)
 
@@ -231,6 +240,8 @@ class Yield:
 
 def estimate_yield(table: StudyTable) -> Yield:
     """Return the yield with Clopper and Pearson's interval of 95 % confidence."""
+    from scipy import stats  # slow to import (1 s) and seldom needed
+
     kept, n = int(table.passed.sum()), len(table.rows)
     interval = stats.binomtest(kept, n).proportion_ci(CONFIDENCE, "exact")
     return Yield(kept / n, float(interval.low), float(interval.high))
@@ -246,6 +257,6 @@ def notes(table: StudyTable) -> list[str]:
         f"{table.integration.substeps} steps of order {table.integration.order} a sample in lanes, with an error of a "
         f"state of at most {table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
         "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
-        "rank correlation.",
+        "rank correlation; |h| where deviations of h to both sides act alike.",
         *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
     ]

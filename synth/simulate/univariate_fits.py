@@ -23,6 +23,7 @@ from synth.emit.proof.ranges import Range
 Array = NDArray[np.float64]
 
 DEGREES = range(4, 31)
+SINES = frozenset({"sin", "cos"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,19 @@ def _key(program: Program, f: Univariate) -> str:
             place[k] = len(place)
             rows.append((node.op, *(place[a] for a in node.args), node.name, node.value))
     return repr(rows)
+
+
+def number_of_sines(program: Program, f: Univariate) -> float:
+    """Return how many sines and cosines make up a function, infinity if it has another function of libm."""
+    inner, waiting = set[int](), [f.root]
+    while waiting:
+        k = waiting.pop()
+        if k != f.variable and k not in inner:
+            inner.add(k)
+            waiting += program.nodes[k].args
+    ops = [program.nodes[k].op for k in inner]
+    others = univariate.TRANSCENDENTAL - SINES
+    return np.inf if any(op in others for op in ops) else sum(op in SINES for op in ops)
 
 
 def least_degree(

@@ -11,7 +11,7 @@ from synth import plant
 from synth.emit import numeric
 from synth.plant import Plant
 from synth.signals import Parameter, Signal
-from synth.simulate import interpolants
+from synth.simulate import interpolants, sines
 from synth.simulate.interpolants import OUTSIDE, FastPlant
 
 STAGE = maglev_stage.plant()
@@ -116,10 +116,29 @@ def test_the_order_of_the_equations_is_recognised() -> None:
 
 
 def test_a_function_that_no_polynomial_approximates_stays() -> None:
-    fast = interpolants.fast_plant(oscillator(U - ca.sin(400 * Q)))
-    assert not fast.degrees and [n.op for n in fast.f.nodes].count("sin") == 1
-    value = evaluate(fast, fast.coefficients([fast.plant]).values, np.array([[0.3], [0.0], [0.5]]))["v"]
-    assert abs(value[0] - (0.5 - np.sin(120.0))) < 1e-15
+    fast = interpolants.fast_plant(oscillator(U - ca.tanh(400 * Q)))
+    assert not fast.degrees and [n.op for n in fast.f.nodes].count("tanh") == 1
+    value = evaluate(fast, fast.coefficients([fast.plant]).values, np.array([[0.003], [0.0], [0.5]]))["v"]
+    assert abs(value[0] - (0.5 - np.tanh(1.2))) < 1e-15
+
+
+def test_a_sine_of_many_turns_is_one_of_any_argument() -> None:
+    fast = interpolants.fast_plant(oscillator(U - ca.sin(400 * Q) + ca.cos(400 * Q)))
+    q = np.linspace(-3.0, 3.0, 20001)
+    values = evaluate(fast, fast.coefficients([fast.plant]).values, np.array([q, 0 * q, 0 * q]))
+    assert not fast.degrees and not {"sin", "cos"} & {n.op for n in fast.f.nodes}
+    assert np.abs(values["v"] - np.cos(400 * q) + np.sin(400 * q)).max() < 2e-10
+    assert not values[OUTSIDE].any(), "also beyond the range of q"
+
+
+@pytest.mark.parametrize("op", ["sin", "cos"])
+@pytest.mark.parametrize("error", [1e-4, 1e-10])
+def test_the_error_of_a_sine_is_the_one_asked_for(op: str, error: float) -> None:
+    r = np.linspace(-np.pi, np.pi, 10001)
+    shorter = sines.coefficients(op, error)[:-1]
+    for c, sufficient in ((sines.coefficients(op, error), True), (shorter, False)):
+        value = np.polynomial.polynomial.polyval(r**2, c) * (r if op == "sin" else 1.0)
+        assert (np.abs(value - getattr(np, op)(r)).max() <= error) == sufficient
 
 
 def test_the_error_that_is_asked_for_decides_the_degree() -> None:

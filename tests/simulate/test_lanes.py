@@ -134,6 +134,18 @@ def test_a_lane_does_not_depend_on_its_neighbours(single: Rig) -> None:
         assert all(both[0].states[s].tobytes() == both[1].states[s].tobytes() for s in both[0].states)  # type: ignore[union-attr]
 
 
+def test_a_scenario_without_noise_has_none_beside_one_with_it(single: Rig) -> None:
+    silent = replace(course(single, 0.2), substeps=1)
+    noisy = replace(silent, noise={"x": np.random.default_rng(7).normal(0.0, 1e-4, 200)})
+    loop = lanes.compile_loop(STAGE.plant, single.controller)
+    for order in ((noisy, silent), (silent, noisy)):
+        both = loop.simulate([STAGE.plant] * 2, order)
+        for scenario, together in zip(order, both, strict=True):
+            (alone,) = loop.simulate([STAGE.plant], [scenario])
+            assert together is not None and alone is not None
+            assert together.states["x"].tobytes() == alone.states["x"].tobytes()
+
+
 def test_a_recording_has_the_bits_of_the_whole_one(single: Rig) -> None:
     lost = {"x": Override(np.arange(500) == 333, np.nan)}
     scenario, plants = replace(course(single, 0.5), substeps=1, overrides=lost), wrong_plants(single, 3)
@@ -229,6 +241,8 @@ def test_what_lanes_cannot_run_is_refused(single: Rig) -> None:
     with pytest.raises(WiringError, match="scenarios differ in overridden"):
         override = {"x": Override(np.ones(100, bool), 0.0)}
         loop.simulate([STAGE.plant] * 2, [scenario, replace(scenario, overrides=override)])
+    with pytest.raises(WiringError, match="scenarios differ in overridden"):
+        loop.simulate([STAGE.plant] * 2, [replace(scenario, overrides=override), scenario])
     with pytest.raises(WiringError, match="lanes simulate no input_faults"):
         loop.simulate([STAGE.plant], [replace(scenario, input_faults={"i_d1": InputFault(0.5, 0.0)})])
     with pytest.raises(WiringError, match="was loaded from C alone"):

@@ -1,7 +1,9 @@
 """Functions in lockstep: their results in order, their errors, and loops that cannot run in lanes."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -117,3 +119,19 @@ def test_a_plant_of_other_equations_runs_alone(rig: Rig) -> None:
     rebuilt = replace(rig, plant=replace(other, f=ca.Function("f", other.f.sx_in(), other.f.call(other.f.sx_in()))))
     (results,) = lockstep.run([peak(rebuilt, 1.2)], [rig.plant], STEPS)
     assert results.value == peak(rebuilt, 1.2)(rig.simulate)
+
+
+def test_the_functions_run_one_at_a_time(rig: Rig) -> None:
+    made: list[int] = []
+
+    @cache
+    def prepare() -> int:
+        made.append(1)
+        time.sleep(0.02)  # another thread would come here meanwhile
+        return 1
+
+    def function(simulate: Simulate) -> float:
+        return prepare() * peak(rig, 3.0)(simulate)
+
+    results = lockstep.run([function] * 4, [rig.plant], STEPS)
+    assert all(r.error is None for r in results) and len(made) == 1

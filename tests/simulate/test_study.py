@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from synth import standard_tasks
 from synth.check import Check
@@ -85,8 +86,22 @@ def test_the_driver_is_the_quantity_that_orders_the_values() -> None:
     assert summary.worst_row == int(np.argmin(a + 0 * b)) or summary.worst == pytest.approx(
         np.max(np.exp(-3 * a) + 0.1 * b)
     )
+    unknown = np.where(np.arange(200) % 7 == 0, np.nan, np.exp(-3 * a) + 0.1 * b)
+    (summary,) = study.summarise(made(unknown.tolist(), a=a.tolist(), b=b.tolist()))
+    reference = stats.spearmanr(a, unknown, nan_policy="omit").statistic
+    assert summary.driver == "a" and summary.correlation == pytest.approx(reference, rel=1e-12)
     (constant,) = study.summarise(made([1.0] * 200, a=a.tolist()))
     assert (constant.driver, constant.correlation) == ("", 0.0)
+
+
+def test_a_quantity_that_acts_to_both_sides_alike_is_a_driver_by_its_size() -> None:
+    rng = np.random.default_rng(4)
+    a, b = rng.uniform(-1, 1, (2, 400))
+    (summary,) = study.summarise(made((a**2 + 0.05 * b).tolist(), a=a.tolist(), b=b.tolist()))
+    assert summary.driver == "|a|" and summary.correlation > 0.95
+    corners = np.sign(a).tolist()
+    (summary,) = study.summarise(made((2 * np.sign(a) + b).tolist(), a=corners, b=np.sign(b).tolist()))
+    assert summary.driver == "a", "at the corners every size is the same"
 
 
 def test_the_yield_has_its_interval() -> None:
@@ -173,7 +188,7 @@ def test_parquet_without_pyarrow_is_refused_with_a_mend(monkeypatch: pytest.Monk
 
 
 def test_parquet_has_the_columns_of_csv(table: StudyTable, tmp_path: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet")
+    _, parquet = study_table.require_parquet()
     study_table.write_parquet(table, tmp_path / "table.parquet")
     again = parquet.read_table(tmp_path / "table.parquet")
     columns = study_table.columns(table)

@@ -7,6 +7,7 @@ The emitted C contains them only where the macro <NAME>_DIAGNOSTICS is defined:
         faults                                              fault word of the last step
         latch_cause                                         fault word of the step that set the latch
         saturated                                           bit k: the k-th limited signal is at its limit
+    Without a latch, or without limits, the word of it is absent.
     <name>_step_diagnosed(state, in, out, diagnostics)      the step; it records nothing if `diagnostics` is NULL
 
 The struct belongs to the caller, who sets it to zero together with `init`. Without the macro the C of the step is the
@@ -19,7 +20,7 @@ from dataclasses import dataclass
 from synth.block import LATCH_BIT, Block
 from synth.blocks import safety
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import prose, rows
+from synth.emit.c.lines import comment, prose, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -65,6 +66,12 @@ def of_program(p: Program) -> Diagnostics:
     return Diagnostics(recorded, dict(limited[:MAX_LIMITED]))
 
 
+def _words(block: Block, diagnostics: Diagnostics) -> dict[str, str]:
+    """Return what the words say, without those of a latch and of limits where the Block has none."""
+    absent = {"latch_cause": not block.latches, "saturated": not diagnostics.limited}
+    return {name: about for name, about in WORDS.items() if not absent.get(name)}
+
+
 def _computed_signals(p: Program) -> dict[int, Signal]:
     """Return by node the first signal that a law of a composition computes there; guard and safe output are no laws."""
     computed: dict[int, Signal] = {}
@@ -100,11 +107,14 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
     fields = [
         (layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in diagnostics.signals.values()
     ]
-    fields += [("uint32_t", name, about) for name, about in WORDS.items()]
+    fields += [("uint32_t", name, about) for name, about in _words(block, diagnostics).items()]
     return [
         f"#if defined({macro_name(block)})",
-        "/* Signals of the last step that was not latched, and what happened. Set it",
-        " * to zero when you call init." + (f" Bits of `saturated`: {bits}." if bits else "") + " */",
+        *comment(
+            "Signals and what happened: each signal from the last step that computed it, since a latch or another "
+            "branch skips some. Set the struct to zero when you call init."
+            + (f" Bits of `saturated`: {bits}." if bits else "")
+        ),
         "typedef struct {",
         *(f"    {ctype} {name};".ljust(40) + f"/* {prose(about)} */" for ctype, name, about in fields),
         f"}} {block.name}_diagnostics_t;",
@@ -126,7 +136,7 @@ def manifest_entry(block: Block, p: Program) -> dict[str, object]:
         "function": f"{block.name}_step_diagnosed",
         "type": f"{block.name}_diagnostics_t",
         "signals": {s.name: s.unit for s in diagnostics.signals.values()},
-        "words": list(WORDS),
+        "words": list(_words(block, diagnostics)),
         "saturated": [s.name for s in diagnostics.limited.values()],
     }
 
@@ -150,9 +160,11 @@ def includes(block: Block, p: Program) -> list[str]:
 
 def entry_statements(block: Block, p: Program) -> list[str]:
     """Return the statements at the beginning of the step."""
-    if of_program(p).is_empty:
+    diagnostics = of_program(p)
+    if diagnostics.is_empty:
         return []
-    return _if_recording(block, ["diagnostics->samples += 1u;", "diagnostics->saturated = 0u;"], "    ")
+    cleared = ["diagnostics->saturated = 0u;"] if diagnostics.limited else []
+    return _if_recording(block, ["diagnostics->samples += 1u;", *cleared], "    ")
 
 
 def exit_statements(block: Block, p: Program, word: str) -> list[str]:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from textwrap import wrap
 
 from synth.blocks import safety
-from synth.emit.lower import LIBM, LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LIBM, LOGICAL
 
 LONGEST = 200  # characters of an equation
 LONGEST_HIDDEN = 440  # of one with functions that polynomials replace

@@ -7,7 +7,8 @@ import numpy as np
 
 from synth.emit.c import kinds as carriers
 from synth.emit.c.layout import CTYPES
-from synth.emit.lower import LIBM, LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LIBM, LOGICAL
 from synth.errors import EmitError
 
 INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from synth.emit.c import wording
-from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
+from textwrap import wrap
 
 WIDTH = 120  # columns of a line of code
 _OPEN_END = re.compile(r"(,|[^\w)\]}])$")
@@ -60,6 +61,18 @@ def _break_costs(words: Sequence[str]) -> list[int]:
     extra = {"=": 3, "*": 1}
     costs = [depth + joint + extra.get(word, 0) for depth, joint, word in zip(depths, joined, words, strict=True)]
     return [0, *costs[:-1], 0]
+
+
+def comment(text: str, indent: str = "") -> list[str]:
+    """Return a comment in lines of at most WIDTH columns; its last word stands before the end of the comment."""
+    lines = wrap(
+        f"{indent}/* {text}\0*/",
+        WIDTH,
+        subsequent_indent=f"{indent} * ",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+    return [row.replace("\0", " ") for row in lines]
 
 
 def opening(title: Sequence[str], equations: Sequence[str]) -> list[str]:

@@ -16,7 +16,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from synth.emit.c.locals import LOADS
-from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 
 LONGEST = 28
 _POLYNOMIAL = "_polynomial"

@@ -14,24 +14,12 @@ from synth.block import Block, Constant
 from synth.emit.c import printer
 from synth.emit.c.expressions import literal
 from synth.emit.c.layout import Layout, Member
-from synth.emit.c.lines import Line, opening, prose
+from synth.emit.c.lines import Line, comment, opening, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
 
 WIDTH = 116
-
-
-def comment(text: str, indent: str = "") -> list[str]:
-    """Return a comment in lines of at most 120 columns; its last word stands before the end of the comment."""
-    rows = wrap(
-        f"{indent}/* {text}\0*/",
-        WIDTH + 4,
-        subsequent_indent=f"{indent} * ",
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
-    return [row.replace("\0", " ") for row in rows]
 
 
 def inline(block: Block) -> str:
@@ -66,8 +54,9 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
 def _state_row(f: Member, of_type: Sequence[Member]) -> str:
     """Return a member of a Block's struct, with its range where all Blocks of the type have the same."""
     name = f.path.split(".")[1]
-    ranges = {(m.low, m.high) for m in of_type if m.path.split(".")[1] == name}
-    about = f.comment if len(ranges) == 1 else f"{f.unit}: {f.about}"
+    members = [m for m in of_type if m.path.split(".")[1] == name]
+    units = dict.fromkeys(m.unit for m in members)
+    about = f.comment if len({(m.unit, m.low, m.high) for m in members}) == 1 else f"{' or '.join(units)}: {f.about}"
     return f"    {f.ctype} {name};".ljust(40) + f"/* {prose(about)} */"
 
 

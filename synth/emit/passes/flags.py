@@ -13,7 +13,8 @@ domain, because the condition may protect it.
 from collections import Counter
 from dataclasses import replace
 
-from synth.emit.lower import LIBM, LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LIBM, LOGICAL
 from synth.emit.passes.fold import Folder
 
 _PARTIAL = frozenset({"div", "inv", "table", "floor"}) | LIBM - {"fabs"}

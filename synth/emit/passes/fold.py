@@ -16,7 +16,8 @@ import operator
 from collections.abc import Callable
 from dataclasses import replace
 
-from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 from synth.emit.proof.safe import Guard, node_guards
 
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {

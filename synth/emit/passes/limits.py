@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from synth.emit.lower import LIBM, Program
+from synth.emit.lower import Program
+from synth.emit.operations import LIBM
 from synth.emit.passes import fold
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges

@@ -20,7 +20,8 @@ from synth.emit.approx import surrogate, univariate
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.approx.univariate import Analytic, Key
 from synth.emit.c import wording
-from synth.emit.lower import LIBM, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LIBM
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 

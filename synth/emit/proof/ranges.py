@@ -16,7 +16,8 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit.c.layout import layout
-from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 from synth.emit.proof import conditions, libm
 from synth.emit.proof.interval import (
     Interval,

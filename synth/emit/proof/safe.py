@@ -15,7 +15,8 @@ import numpy as np
 from synth.block import Block
 from synth.emit.c import wording
 from synth.emit.c.layout import layout
-from synth.emit.lower import LOGICAL, Program
+from synth.emit.lower import Program
+from synth.emit.operations import LOGICAL
 from synth.emit.proof import bisection, obligations
 from synth.emit.proof.interval import Array, Interval, interval
 from synth.emit.proof.ranges import (

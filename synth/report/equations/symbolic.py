@@ -13,7 +13,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import casadi as ca
 import sympy as sp
 
-from synth.emit.lower import BINARY, UNARY, Node
+from synth.emit.lower import Node
+from synth.emit.operations import BINARY, UNARY
 from synth.errors import DesignError
 from synth.signals import Signal
 

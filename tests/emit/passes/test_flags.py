@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 from synth.emit.passes import flags, fold
 from tests.emit.passes.trees import tree
 from tests.emit.semantics import interpret

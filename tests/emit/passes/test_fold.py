@@ -19,6 +19,7 @@ import pytest
 from synth.block import Step, build
 from synth.emit import lower
 from synth.emit.lower import Node, Program
+from synth.emit.operations import LOGICAL
 from synth.emit.passes import fold
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -40,7 +41,7 @@ def random_program(seed: int, operations: tuple[str, ...], numbers: tuple[float,
         op = str(rng.choice(operations))
         recent = [len(nodes) - 1 - int(rng.integers(min(8, len(nodes)))) for _ in range(3)]
         args = [int(rng.integers(len(nodes))) if rng.random() < 0.6 else k for k in recent]
-        logical = [k for k, n in enumerate(nodes) if n.op in lower.LOGICAL]
+        logical = [k for k, n in enumerate(nodes) if n.op in LOGICAL]
         if op == "choose" and logical:
             args[0] = logical[-1 - int(rng.integers(min(3, len(logical))))]
         if op == "limit":  # as a Block's limit lowers
