@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from designs.maglev import platen
 from designs.maglev_5dof.paper import closed_loop_runs
 from designs.maglev_5dof.paper.closed_loop_runs import BY_GROUP, AuditSetup
 from models import maglev_figures
@@ -25,7 +26,8 @@ def rows(stage: Stage) -> Iterator[Row]:
 def scope(setup: AuditSetup, prints: Mapping[str, Published]) -> Scope:
     """Return the scope of the formulas; `setup` and `plant` take the parameters that a row depends on."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
-    functions |= {"setup": lambda **_: setup, "plant": lambda **_: setup.plant, "mm": 1e-3, "cells": setup.cells}
+    functions |= {"setup": lambda **_: setup, "plant": lambda **_: setup.plant, "cells": setup.cells}
+    functions |= {"mm": 1e-3, "I_rated": platen.RATED}
     return Scope({p.name: p.value for p in setup.plant.parameters}, functions, prints)
 
 
