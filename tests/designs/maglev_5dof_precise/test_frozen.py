@@ -1,4 +1,7 @@
-"""An encoder of x that freezes at rest, on 17 plants: the probe names it before the platen runs away."""
+"""Encoders of x and z that freeze at rest, on 17 plants: the probe names them before an end of travel.
+
+Which plants travel far depends on the last digits of the simulation: docs/decisions/maglev_precise.md.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -11,26 +14,27 @@ from synth.blocks import probe
 from synth.progress import silent
 from synth.simulate import campaign, injections
 
-PLANTS, TRAVEL = 17, 10e-3  # m
+PLANTS, TRAVEL, END = 17, 25e-3, 45e-3  # m
 
 
 def travel_and_time_to_notice(at_rest: probe.Probe) -> tuple[float, float]:
-    """Return the largest travel of x in m and time to notice in s, for good and on all plants."""
+    """Return the largest travel in m and time to notice in s, frozen for good, on all plants."""
     assert DESIGN.stage is not None
     controller = fault_handling.controller(control.NAME, PLANT, partial(control.laws, PLANT), at_rest)
     stage = replace(DESIGN.stage, controller=controller)
     rig = campaign.with_stops(standard_tasks.rig(stage, stage.scalar))
     still = campaign.motion_and_standstill(rig)[0]
-    frozen = [f for f in injections.derive(stage) if (f.target, f.kind, f.duration) == ("x", "frozen", "permanent")]
+    permanent = [f for f in injections.derive(stage) if (f.kind, f.duration) == ("frozen", "permanent")]
+    frozen = [f for f in permanent if f.target in ("x", "z")]
     runs = [run for i in range(PLANTS) for run in campaign.run(rig, i, still, silent, frozen)[1]]
-    assert len(runs) == PLANTS and not any(run.wrong_names for run in runs)
-    return max(run.excursion["x"] for run in runs), max(run.notice_s for run in runs)
+    assert len(runs) == 2 * PLANTS and not any(run.wrong_names for run in runs)
+    return max(run.excursion[axis] for run in runs for axis in "xz"), max(run.notice_s for run in runs)
 
 
 def test_an_encoder_that_freezes_at_rest_is_named_in_time() -> None:
     travel, notice = travel_and_time_to_notice(control.PROBE)
-    assert travel < 1e-3 and notice < 1e-3 * control.PROBE.samples
+    assert travel < TRAVEL and notice < 0.1
 
 
 def test_a_slower_probe_lets_the_platen_run_away() -> None:
-    assert travel_and_time_to_notice(replace(control.PROBE, quarter=2))[0] > TRAVEL
+    assert travel_and_time_to_notice(replace(control.PROBE, quarter=4))[0] > END
