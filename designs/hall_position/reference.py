@@ -1,11 +1,11 @@
 """Reference of the estimator of (X, Y, yaw): the paper's equations in plain NumPy.
 
 Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", (2), section
-3.B and Fig. 9. For each sensor, with R, c, s of the yaw, d the derivative of its place P by the yaw, and v = R V its
-two voltages in the axes of the field, the residuals and their Jacobian are
+3.B and Fig. 9. For each sensor, with c, s of the yaw and d the derivative of its place P by the yaw, its two voltages
+and their Jacobian are
 
-    [ v_X ]   [ B_X ]        [  g_X    0    v_Y + g_X d_X ]
-    [ v_Y ] - [ B_Y ]   H =  [   0    g_Y  -v_X + g_Y d_Y ]    g = dB/dX, V/m
+    [ a ]   [  c  s ] [ B_X ]        [  c g_X   s g_Y   -s B_X + c B_Y + c g_X d_X + s g_Y d_Y ]
+    [ b ] = [ -s  c ] [ B_Y ]   H =  [ -s g_X   c g_Y   -c B_X - s B_Y - s g_X d_X + c g_Y d_Y ]    g = dB/dX, V/m
 
 in m and rad of the sensors' centre. Both sin(w X) and sin(5 w X) are NumPy's sines.
 """
@@ -87,11 +87,12 @@ def linearise(setup: Setup, arms: Array, pose: Array, volts: Array) -> tuple[Arr
     dy, dx = c * rx - s * ry, -s * rx - c * ry
     P = np.stack([x + dy, y - dx])
     B = setup.c + setup.alpha * np.sin(w * P) + setup.beta * np.sin(5 * w * P)
-    gx, gy = w * (setup.alpha * np.cos(w * P) + 5 * setup.beta * np.cos(5 * w * P))
-    vx, vy = c * volts[:, :, 0] - s * volts[:, :, 1], s * volts[:, :, 0] + c * volts[:, :, 1]
-    first, second = [gx, 0 * gx, vy + gx * dx], [0 * gy, gy, -vx + gy * dy]
+    g = w * (setup.alpha * np.cos(w * P) + 5 * setup.beta * np.cos(5 * w * P))
+    (bx, by), (gx, gy) = B, g
+    first = [c * gx, s * gy, -s * bx + c * by + c * gx * dx + s * gy * dy]
+    second = [-s * gx, c * gy, -c * bx - s * by - s * gx * dx + c * gy * dy]
     H = np.concatenate([np.stack(rows, axis=2) for rows in (first, second)], axis=1)
-    return np.concatenate([vx - B[0], vy - B[1]], axis=1), H
+    return np.concatenate([volts[:, :, 0] - c * bx - s * by, volts[:, :, 1] + s * bx - c * by], axis=1), H
 
 
 def initial_state(setup: Setup) -> dict[str, Array]:

@@ -227,44 +227,45 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_by_part_full = 8.0f * f3_4_times_by_part_cosine;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full * sines_2_by_part_full)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
-    const float converged_part = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held);
     const float start_cosine_converged = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float estimator_field_3_scaled = 3.0f * estimator_field_3;
-    const float converged_part_2 = ax_part_full_squared * estimator_field_5;
+    const float converged_part = ax_part_full_squared * estimator_field_5;
     const float rows_1_1_converged = start_cosine_converged * (estimator_field_1 + (ax_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_2))));
-    const float rows_1_3_converged = converged_part + (rows_1_1_converged * (ax_part_sine_part + ax_part_sine_part_2));
-    const float converged_part_3 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
-    const float residuals_1_converged = converged_part_3 - (ax_part_full * (estimator_field_1 + (ax_part_full_squared *
-        (estimator_field_3 + converged_part_2))));
-    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+        (estimator_field_3_scaled + (5.0f * converged_part))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float converged_part_4 = ay_part_full_squared * estimator_field_5;
+    const float converged_part_2 = ay_part_full_squared * estimator_field_5;
+    const float converged_part_3 = ay_part_full * (estimator_field_1 + (ay_part_full_squared * (estimator_field_3 +
+        converged_part_2)));
+    const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_part + ax_part_sine_part_2)) +
+        converged_part_3;
+    const float converged_part_4 = ax_part_full * (estimator_field_1 + (ax_part_full_squared * (estimator_field_3 +
+        converged_part)));
+    const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_part_4;
+    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float rows_2_2_converged = start_cosine_converged_2 * (estimator_field_1 + (ay_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_4))));
-    const float converged_part_5 = converged_part_3 - (rows_2_2_converged * (ax_part_sine_part_2 - ax_part_sine_part));
-    const float residuals_2_converged = converged_part - (ay_part_full * (estimator_field_1 + (ay_part_full_squared *
-        (estimator_field_3 + converged_part_4))));
-    const float converged_part_6 = (heading_cosine * V_by_held) + (heading_sine * V_bx_held);
+        (estimator_field_3_scaled + (5.0f * converged_part_2))));
+    const float converged_part_5 = converged_part_4 - (rows_2_2_converged * (ax_part_sine_part_2 - ax_part_sine_part));
+    const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_part_3;
     const float start_cosine_converged_3 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_part_7 = bx_part_full_squared * estimator_field_5;
+    const float converged_part_6 = bx_part_full_squared * estimator_field_5;
     const float rows_3_1_converged = start_cosine_converged_3 * (estimator_field_1 + (bx_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_7))));
-    const float rows_3_3_converged = converged_part_6 + (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
-        ax_part_sine_part_2));
-    const float converged_part_8 = (heading_cosine * V_bx_held) - (heading_sine * V_by_held);
-    const float residuals_3_converged = converged_part_8 - (bx_part_full * (estimator_field_1 + (bx_part_full_squared *
-        (estimator_field_3 + converged_part_7))));
-    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+        (estimator_field_3_scaled + (5.0f * converged_part_6))));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float converged_part_9 = by_part_full_squared * estimator_field_5;
+    const float converged_part_7 = by_part_full_squared * estimator_field_5;
+    const float converged_part_8 = by_part_full * (estimator_field_1 + (by_part_full_squared * (estimator_field_3 +
+        converged_part_7)));
+    const float rows_3_3_converged = (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
+        ax_part_sine_part_2)) + converged_part_8;
+    const float converged_part_9 = bx_part_full * (estimator_field_1 + (bx_part_full_squared * (estimator_field_3 +
+        converged_part_6)));
+    const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_part_9;
+    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float rows_4_2_converged = start_cosine_converged_4 * (estimator_field_1 + (by_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_9))));
-    const float converged_part_10 = converged_part_8 - (rows_4_2_converged * (ax_part_sine_part - ax_part_sine_part_2));
-    const float residuals_4_converged = converged_part_6 - (by_part_full * (estimator_field_1 + (by_part_full_squared *
-        (estimator_field_3 + converged_part_9))));
+        (estimator_field_3_scaled + (5.0f * converged_part_7))));
+    const float converged_part_10 = converged_part_9 - (rows_4_2_converged * (ax_part_sine_part - ax_part_sine_part_2));
+    const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_part_8;
     const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) + (rows_3_3_converged *
         rows_3_1_converged);
     const float converged_part_11 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged *
@@ -290,58 +291,62 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
     const float turns_3_cosine_converged = (heading_cosine * by_cosine_converged) - (heading_sine * by_sine_converged);
     const float turns_3_sine_converged = (heading_sine * by_cosine_converged) + (heading_cosine * by_sine_converged);
-    const float converged_part_15 = (turns_3_cosine_converged * V_ax_held) - (turns_3_sine_converged * V_ay_held);
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) - (row_1_converged *
         then_3_converged), 0.5f);
-    const float converged_part_16 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged - heading_cosine,
+    const float converged_part_15 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged - heading_cosine,
         0.10100254f);
-    const float converged_part_17 = three_quarters_pi * hall_position_limit(turns_3_sine_converged - heading_sine,
+    const float converged_part_16 = three_quarters_pi * hall_position_limit(turns_3_sine_converged - heading_sine,
         0.10100254f);
-    const float by_converged = then_1_converged - converged_part_16 + converged_part_17;
+    const float by_converged = then_1_converged - converged_part_15 + converged_part_16;
     const float f7_argument = by_converged * by_converged;
     const float by_cosine_converged_2 = f7_polynomial(f7_argument);
     const float by_sine_converged_2 = by_converged * f8_polynomial(f7_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged_2) + (start_cosine_converged *
         by_sine_converged_2);
-    const float converged_part_18 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_19 = converged_part_18 * estimator_field_5;
-    const float residuals_1_converged_2 = converged_part_15 - (phasors_1_sine_converged * (estimator_field_1 +
-        (converged_part_18 * (estimator_field_3 + converged_part_19))));
-    const float converged_part_20 = (turns_3_cosine_converged * V_ay_held) + (turns_3_sine_converged * V_ax_held);
+    const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_18 = converged_part_17 * estimator_field_5;
+    const float converged_part_19 = phasors_1_sine_converged * (estimator_field_1 + (converged_part_17 *
+        (estimator_field_3 + converged_part_18)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) - (turns_3_sine_converged * V_ay_held)
+        - converged_part_19;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) - (row_2_converged *
         then_3_converged), 0.5f);
-    const float by_converged_2 = then_2_converged - converged_part_16 - converged_part_17;
+    const float by_converged_2 = then_2_converged - converged_part_15 - converged_part_16;
     const float f7_argument_2 = by_converged_2 * by_converged_2;
     const float by_cosine_converged_3 = f7_polynomial(f7_argument_2);
     const float by_sine_converged_3 = by_converged_2 * f8_polynomial(f7_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_3) + (start_cosine_converged_2 *
         by_sine_converged_3);
-    const float converged_part_21 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_22 = converged_part_21 * estimator_field_5;
-    const float residuals_2_converged_2 = converged_part_20 - (phasors_2_sine_converged * (estimator_field_1 +
-        (converged_part_21 * (estimator_field_3 + converged_part_22))));
-    const float converged_part_23 = (turns_3_cosine_converged * V_bx_held) - (turns_3_sine_converged * V_by_held);
-    const float by_converged_3 = then_1_converged + converged_part_16 - converged_part_17;
+    const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_21 = converged_part_20 * estimator_field_5;
+    const float converged_part_22 = phasors_2_sine_converged * (estimator_field_1 + (converged_part_20 *
+        (estimator_field_3 + converged_part_21)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) + (turns_3_sine_converged * V_ax_held)
+        - converged_part_22;
+    const float by_converged_3 = then_1_converged + converged_part_15 - converged_part_16;
     const float f7_argument_3 = by_converged_3 * by_converged_3;
     const float by_cosine_converged_4 = f7_polynomial(f7_argument_3);
     const float by_sine_converged_4 = by_converged_3 * f8_polynomial(f7_argument_3);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_4) + (start_cosine_converged_3 *
         by_sine_converged_4);
-    const float converged_part_24 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_25 = converged_part_24 * estimator_field_5;
-    const float residuals_3_converged_2 = converged_part_23 - (phasors_3_sine_converged * (estimator_field_1 +
-        (converged_part_24 * (estimator_field_3 + converged_part_25))));
-    const float converged_part_26 = (turns_3_cosine_converged * V_by_held) + (turns_3_sine_converged * V_bx_held);
-    const float by_converged_4 = then_2_converged + converged_part_16 + converged_part_17;
+    const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_24 = converged_part_23 * estimator_field_5;
+    const float converged_part_25 = phasors_3_sine_converged * (estimator_field_1 + (converged_part_23 *
+        (estimator_field_3 + converged_part_24)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) - (turns_3_sine_converged * V_by_held)
+        - converged_part_25;
+    const float by_converged_4 = then_2_converged + converged_part_15 + converged_part_16;
     const float f7_argument_4 = by_converged_4 * by_converged_4;
     const float by_cosine_converged_5 = f7_polynomial(f7_argument_4);
     const float by_sine_converged_5 = by_converged_4 * f8_polynomial(f7_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_5) + (start_cosine_converged_4 *
         by_sine_converged_5);
-    const float converged_part_27 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_28 = converged_part_27 * estimator_field_5;
-    const float residuals_4_converged_2 = converged_part_26 - (phasors_4_sine_converged * (estimator_field_1 +
-        (converged_part_27 * (estimator_field_3 + converged_part_28))));
+    const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_27 = converged_part_26 * estimator_field_5;
+    const float converged_part_28 = phasors_4_sine_converged * (estimator_field_1 + (converged_part_26 *
+        (estimator_field_3 + converged_part_27)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) + (turns_3_sine_converged * V_bx_held)
+        - converged_part_28;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
         residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
         residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) + (0.00992376f *
@@ -351,26 +356,26 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         residuals_4_converged);
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
     const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged_2) - (ax_part_full *
-        by_sine_converged_2)) * (estimator_field_1 + (converged_part_18 * (estimator_field_3_scaled + (5.0f *
-        converged_part_19))));
+        by_sine_converged_2)) * (estimator_field_1 + (converged_part_17 * (estimator_field_3_scaled + (5.0f *
+        converged_part_18))));
     const float converged_part_29 = three_quarters_pi * turns_3_cosine_converged;
     const float converged_part_30 = three_quarters_pi * turns_3_sine_converged;
-    const float rows_1_3_converged_2 = converged_part_20 + (rows_1_1_converged_2 * (converged_part_29 +
-        converged_part_30));
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_29 + converged_part_30)) +
+        converged_part_22;
     const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_3) - (ay_part_full *
-        by_sine_converged_3)) * (estimator_field_1 + (converged_part_21 * (estimator_field_3_scaled + (5.0f *
-        converged_part_22))));
-    const float converged_part_31 = converged_part_15 - (rows_2_2_converged_2 * (converged_part_30 -
+        by_sine_converged_3)) * (estimator_field_1 + (converged_part_20 * (estimator_field_3_scaled + (5.0f *
+        converged_part_21))));
+    const float converged_part_31 = converged_part_19 - (rows_2_2_converged_2 * (converged_part_30 -
         converged_part_29));
     const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_4) - (bx_part_full *
-        by_sine_converged_4)) * (estimator_field_1 + (converged_part_24 * (estimator_field_3_scaled + (5.0f *
-        converged_part_25))));
-    const float rows_3_3_converged_2 = converged_part_26 + (rows_3_1_converged_2 * ((-three_quarters_pi *
-        turns_3_cosine_converged) - converged_part_30));
+        by_sine_converged_4)) * (estimator_field_1 + (converged_part_23 * (estimator_field_3_scaled + (5.0f *
+        converged_part_24))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
+        converged_part_30)) + converged_part_28;
     const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_5) - (by_part_full *
-        by_sine_converged_5)) * (estimator_field_1 + (converged_part_27 * (estimator_field_3_scaled + (5.0f *
-        converged_part_28))));
-    const float converged_part_32 = converged_part_23 - (rows_4_2_converged_2 * (converged_part_29 -
+        by_sine_converged_5)) * (estimator_field_1 + (converged_part_26 * (estimator_field_3_scaled + (5.0f *
+        converged_part_27))));
+    const float converged_part_32 = converged_part_25 - (rows_4_2_converged_2 * (converged_part_29 -
         converged_part_30));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
         rows_3_1_converged_2);
@@ -412,91 +417,95 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         by_sine_converged_6);
     const float turns_3_sine_converged_2 = (heading_sine * by_cosine_converged_6) + (heading_cosine *
         by_sine_converged_6);
-    const float converged_part_39 = (turns_3_cosine_converged_2 * V_ax_held) - (turns_3_sine_converged_2 * V_ay_held);
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_limit((better_converged) ? (then_1_converged +
         ((gradient_1_converged_2 * converged_part_33) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
         (then_1_converged + other_1_converged)), 0.5f);
-    const float converged_part_40 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_2 - heading_cosine,
+    const float converged_part_39 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_2 - heading_cosine,
         0.10100254f);
-    const float converged_part_41 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_2 - heading_sine,
+    const float converged_part_40 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_2 - heading_sine,
         0.10100254f);
-    const float by_converged_5 = hall_position_limit(then_1_converged_2 - converged_part_40 + converged_part_41,
+    const float by_converged_5 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
         0.97596323f);
     const float f7_argument_5 = by_converged_5 * by_converged_5;
     const float by_cosine_converged_7 = f7_polynomial(f7_argument_5);
     const float by_sine_converged_7 = by_converged_5 * f8_polynomial(f7_argument_5);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_7) + (start_cosine_converged *
         by_sine_converged_7);
-    const float converged_part_42 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_43 = converged_part_42 * estimator_field_5;
-    const float residuals_1_converged_3 = converged_part_39 - (phasors_1_sine_converged_2 * (estimator_field_1 +
-        (converged_part_42 * (estimator_field_3 + converged_part_43))));
-    const float converged_part_44 = (turns_3_cosine_converged_2 * V_ay_held) + (turns_3_sine_converged_2 * V_ax_held);
+    const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_42 = converged_part_41 * estimator_field_5;
+    const float converged_part_43 = phasors_1_sine_converged_2 * (estimator_field_1 + (converged_part_41 *
+        (estimator_field_3 + converged_part_42)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) - (turns_3_sine_converged_2 *
+        V_ay_held) - converged_part_43;
     const float then_2_converged_2 = hall_position_limit((better_converged) ? (then_2_converged +
         ((gradient_2_converged_2 * converged_part_35) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
         (then_2_converged + other_2_converged)), 0.5f);
-    const float by_converged_6 = hall_position_limit(then_2_converged_2 - converged_part_40 - converged_part_41,
+    const float by_converged_6 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
         0.97596323f);
     const float f7_argument_6 = by_converged_6 * by_converged_6;
     const float by_cosine_converged_8 = f7_polynomial(f7_argument_6);
     const float by_sine_converged_8 = by_converged_6 * f8_polynomial(f7_argument_6);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_8) + (start_cosine_converged_2 *
         by_sine_converged_8);
-    const float converged_part_45 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_46 = converged_part_45 * estimator_field_5;
-    const float residuals_2_converged_3 = converged_part_44 - (phasors_2_sine_converged_2 * (estimator_field_1 +
-        (converged_part_45 * (estimator_field_3 + converged_part_46))));
-    const float converged_part_47 = (turns_3_cosine_converged_2 * V_bx_held) - (turns_3_sine_converged_2 * V_by_held);
-    const float by_converged_7 = hall_position_limit(then_1_converged_2 + converged_part_40 - converged_part_41,
+    const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_45 = converged_part_44 * estimator_field_5;
+    const float converged_part_46 = phasors_2_sine_converged_2 * (estimator_field_1 + (converged_part_44 *
+        (estimator_field_3 + converged_part_45)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) + (turns_3_sine_converged_2 *
+        V_ax_held) - converged_part_46;
+    const float by_converged_7 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
         0.97596323f);
     const float f7_argument_7 = by_converged_7 * by_converged_7;
     const float by_cosine_converged_9 = f7_polynomial(f7_argument_7);
     const float by_sine_converged_9 = by_converged_7 * f8_polynomial(f7_argument_7);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_9) + (start_cosine_converged_3 *
         by_sine_converged_9);
-    const float converged_part_48 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_49 = converged_part_48 * estimator_field_5;
-    const float residuals_3_converged_3 = converged_part_47 - (phasors_3_sine_converged_2 * (estimator_field_1 +
-        (converged_part_48 * (estimator_field_3 + converged_part_49))));
-    const float converged_part_50 = (turns_3_cosine_converged_2 * V_by_held) + (turns_3_sine_converged_2 * V_bx_held);
-    const float by_converged_8 = hall_position_limit(then_2_converged_2 + converged_part_40 + converged_part_41,
+    const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_48 = converged_part_47 * estimator_field_5;
+    const float converged_part_49 = phasors_3_sine_converged_2 * (estimator_field_1 + (converged_part_47 *
+        (estimator_field_3 + converged_part_48)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) - (turns_3_sine_converged_2 *
+        V_by_held) - converged_part_49;
+    const float by_converged_8 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
         0.97596323f);
     const float f7_argument_8 = by_converged_8 * by_converged_8;
     const float by_cosine_converged_10 = f7_polynomial(f7_argument_8);
     const float by_sine_converged_10 = by_converged_8 * f8_polynomial(f7_argument_8);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_10) + (start_cosine_converged_4 *
         by_sine_converged_10);
-    const float converged_part_51 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_52 = converged_part_51 * estimator_field_5;
-    const float residuals_4_converged_3 = converged_part_50 - (phasors_4_sine_converged_2 * (estimator_field_1 +
-        (converged_part_51 * (estimator_field_3 + converged_part_52))));
+    const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_51 = converged_part_50 * estimator_field_5;
+    const float converged_part_52 = phasors_4_sine_converged_2 * (estimator_field_1 + (converged_part_50 *
+        (estimator_field_3 + converged_part_51)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) + (turns_3_sine_converged_2 *
+        V_bx_held) - converged_part_52;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) + (0.00992376f *
         (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
     const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_37) + 1e-08f);
     const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_7) - (ax_part_full *
-        by_sine_converged_7)) * (estimator_field_1 + (converged_part_42 * (estimator_field_3_scaled + (5.0f *
-        converged_part_43))));
+        by_sine_converged_7)) * (estimator_field_1 + (converged_part_41 * (estimator_field_3_scaled + (5.0f *
+        converged_part_42))));
     const float converged_part_53 = three_quarters_pi * turns_3_cosine_converged_2;
     const float converged_part_54 = three_quarters_pi * turns_3_sine_converged_2;
-    const float rows_1_3_converged_3 = converged_part_44 + (rows_1_1_converged_3 * (converged_part_53 +
-        converged_part_54));
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_53 + converged_part_54)) +
+        converged_part_46;
     const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_8) - (ay_part_full *
-        by_sine_converged_8)) * (estimator_field_1 + (converged_part_45 * (estimator_field_3_scaled + (5.0f *
-        converged_part_46))));
-    const float converged_part_55 = converged_part_39 - (rows_2_2_converged_3 * (converged_part_54 -
+        by_sine_converged_8)) * (estimator_field_1 + (converged_part_44 * (estimator_field_3_scaled + (5.0f *
+        converged_part_45))));
+    const float converged_part_55 = converged_part_43 - (rows_2_2_converged_3 * (converged_part_54 -
         converged_part_53));
     const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_9) - (bx_part_full *
-        by_sine_converged_9)) * (estimator_field_1 + (converged_part_48 * (estimator_field_3_scaled + (5.0f *
-        converged_part_49))));
-    const float rows_3_3_converged_3 = converged_part_50 + (rows_3_1_converged_3 * ((-three_quarters_pi *
-        turns_3_cosine_converged_2) - converged_part_54));
+        by_sine_converged_9)) * (estimator_field_1 + (converged_part_47 * (estimator_field_3_scaled + (5.0f *
+        converged_part_48))));
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
+        converged_part_54)) + converged_part_52;
     const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_10) - (by_part_full *
-        by_sine_converged_10)) * (estimator_field_1 + (converged_part_51 * (estimator_field_3_scaled + (5.0f *
-        converged_part_52))));
-    const float converged_part_56 = converged_part_47 - (rows_4_2_converged_3 * (converged_part_53 -
+        by_sine_converged_10)) * (estimator_field_1 + (converged_part_50 * (estimator_field_3_scaled + (5.0f *
+        converged_part_51))));
+    const float converged_part_56 = converged_part_49 - (rows_4_2_converged_3 * (converged_part_53 -
         converged_part_54));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
         rows_3_1_converged_3);
@@ -538,91 +547,95 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         by_sine_converged_11);
     const float turns_3_sine_converged_3 = (heading_sine * by_cosine_converged_11) + (heading_cosine *
         by_sine_converged_11);
-    const float converged_part_63 = (turns_3_cosine_converged_3 * V_ax_held) - (turns_3_sine_converged_3 * V_ay_held);
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
         ((gradient_1_converged_3 * converged_part_57) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
         (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float converged_part_64 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_3 - heading_cosine,
+    const float converged_part_63 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_3 - heading_cosine,
         0.10100254f);
-    const float converged_part_65 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_3 - heading_sine,
+    const float converged_part_64 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_3 - heading_sine,
         0.10100254f);
-    const float by_converged_9 = hall_position_limit(then_1_converged_3 - converged_part_64 + converged_part_65,
+    const float by_converged_9 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
         0.97596323f);
     const float f7_argument_9 = by_converged_9 * by_converged_9;
     const float by_cosine_converged_12 = f7_polynomial(f7_argument_9);
     const float by_sine_converged_12 = by_converged_9 * f8_polynomial(f7_argument_9);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_12) + (start_cosine_converged *
         by_sine_converged_12);
-    const float converged_part_66 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_67 = converged_part_66 * estimator_field_5;
-    const float residuals_1_converged_4 = converged_part_63 - (phasors_1_sine_converged_3 * (estimator_field_1 +
-        (converged_part_66 * (estimator_field_3 + converged_part_67))));
-    const float converged_part_68 = (turns_3_cosine_converged_3 * V_ay_held) + (turns_3_sine_converged_3 * V_ax_held);
+    const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_66 = converged_part_65 * estimator_field_5;
+    const float converged_part_67 = phasors_1_sine_converged_3 * (estimator_field_1 + (converged_part_65 *
+        (estimator_field_3 + converged_part_66)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) - (turns_3_sine_converged_3 *
+        V_ay_held) - converged_part_67;
     const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
         ((gradient_2_converged_3 * converged_part_59) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
         (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_converged_10 = hall_position_limit(then_2_converged_3 - converged_part_64 - converged_part_65,
+    const float by_converged_10 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
         0.97596323f);
     const float f7_argument_10 = by_converged_10 * by_converged_10;
     const float by_cosine_converged_13 = f7_polynomial(f7_argument_10);
     const float by_sine_converged_13 = by_converged_10 * f8_polynomial(f7_argument_10);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_13) + (start_cosine_converged_2 *
         by_sine_converged_13);
-    const float converged_part_69 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_70 = converged_part_69 * estimator_field_5;
-    const float residuals_2_converged_4 = converged_part_68 - (phasors_2_sine_converged_3 * (estimator_field_1 +
-        (converged_part_69 * (estimator_field_3 + converged_part_70))));
-    const float converged_part_71 = (turns_3_cosine_converged_3 * V_bx_held) - (turns_3_sine_converged_3 * V_by_held);
-    const float by_converged_11 = hall_position_limit(then_1_converged_3 + converged_part_64 - converged_part_65,
+    const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_69 = converged_part_68 * estimator_field_5;
+    const float converged_part_70 = phasors_2_sine_converged_3 * (estimator_field_1 + (converged_part_68 *
+        (estimator_field_3 + converged_part_69)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) + (turns_3_sine_converged_3 *
+        V_ax_held) - converged_part_70;
+    const float by_converged_11 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
         0.97596323f);
     const float f7_argument_11 = by_converged_11 * by_converged_11;
     const float by_cosine_converged_14 = f7_polynomial(f7_argument_11);
     const float by_sine_converged_14 = by_converged_11 * f8_polynomial(f7_argument_11);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_14) + (start_cosine_converged_3 *
         by_sine_converged_14);
-    const float converged_part_72 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_73 = converged_part_72 * estimator_field_5;
-    const float residuals_3_converged_4 = converged_part_71 - (phasors_3_sine_converged_3 * (estimator_field_1 +
-        (converged_part_72 * (estimator_field_3 + converged_part_73))));
-    const float converged_part_74 = (turns_3_cosine_converged_3 * V_by_held) + (turns_3_sine_converged_3 * V_bx_held);
-    const float by_converged_12 = hall_position_limit(then_2_converged_3 + converged_part_64 + converged_part_65,
+    const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_72 = converged_part_71 * estimator_field_5;
+    const float converged_part_73 = phasors_3_sine_converged_3 * (estimator_field_1 + (converged_part_71 *
+        (estimator_field_3 + converged_part_72)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) - (turns_3_sine_converged_3 *
+        V_by_held) - converged_part_73;
+    const float by_converged_12 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
         0.97596323f);
     const float f7_argument_12 = by_converged_12 * by_converged_12;
     const float by_cosine_converged_15 = f7_polynomial(f7_argument_12);
     const float by_sine_converged_15 = by_converged_12 * f8_polynomial(f7_argument_12);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_15) + (start_cosine_converged_4 *
         by_sine_converged_15);
-    const float converged_part_75 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_76 = converged_part_75 * estimator_field_5;
-    const float residuals_4_converged_4 = converged_part_74 - (phasors_4_sine_converged_3 * (estimator_field_1 +
-        (converged_part_75 * (estimator_field_3 + converged_part_76))));
+    const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_75 = converged_part_74 * estimator_field_5;
+    const float converged_part_76 = phasors_4_sine_converged_3 * (estimator_field_1 + (converged_part_74 *
+        (estimator_field_3 + converged_part_75)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) + (turns_3_sine_converged_3 *
+        V_bx_held) - converged_part_76;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) + (0.00992376f *
         (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
     const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_61) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_12) - (ax_part_full *
-        by_sine_converged_12)) * (estimator_field_1 + (converged_part_66 * (estimator_field_3_scaled + (5.0f *
-        converged_part_67))));
+        by_sine_converged_12)) * (estimator_field_1 + (converged_part_65 * (estimator_field_3_scaled + (5.0f *
+        converged_part_66))));
     const float converged_part_77 = three_quarters_pi * turns_3_cosine_converged_3;
     const float converged_part_78 = three_quarters_pi * turns_3_sine_converged_3;
-    const float rows_1_3_converged_4 = converged_part_68 + (rows_1_1_converged_4 * (converged_part_77 +
-        converged_part_78));
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_77 + converged_part_78)) +
+        converged_part_70;
     const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_13) - (ay_part_full *
-        by_sine_converged_13)) * (estimator_field_1 + (converged_part_69 * (estimator_field_3_scaled + (5.0f *
-        converged_part_70))));
-    const float converged_part_79 = converged_part_63 - (rows_2_2_converged_4 * (converged_part_78 -
+        by_sine_converged_13)) * (estimator_field_1 + (converged_part_68 * (estimator_field_3_scaled + (5.0f *
+        converged_part_69))));
+    const float converged_part_79 = converged_part_67 - (rows_2_2_converged_4 * (converged_part_78 -
         converged_part_77));
     const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_14) - (bx_part_full *
-        by_sine_converged_14)) * (estimator_field_1 + (converged_part_72 * (estimator_field_3_scaled + (5.0f *
-        converged_part_73))));
-    const float rows_3_3_converged_4 = converged_part_74 + (rows_3_1_converged_4 * ((-three_quarters_pi *
-        turns_3_cosine_converged_3) - converged_part_78));
+        by_sine_converged_14)) * (estimator_field_1 + (converged_part_71 * (estimator_field_3_scaled + (5.0f *
+        converged_part_72))));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
+        converged_part_78)) + converged_part_76;
     const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_15) - (by_part_full *
-        by_sine_converged_15)) * (estimator_field_1 + (converged_part_75 * (estimator_field_3_scaled + (5.0f *
-        converged_part_76))));
-    const float converged_part_80 = converged_part_71 - (rows_4_2_converged_4 * (converged_part_77 -
+        by_sine_converged_15)) * (estimator_field_1 + (converged_part_74 * (estimator_field_3_scaled + (5.0f *
+        converged_part_75))));
+    const float converged_part_80 = converged_part_73 - (rows_4_2_converged_4 * (converged_part_77 -
         converged_part_78));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
         rows_3_1_converged_4);
@@ -664,65 +677,69 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         by_sine_converged_16);
     const float turns_3_sine_converged_4 = (heading_sine * by_cosine_converged_16) + (heading_cosine *
         by_sine_converged_16);
-    const float converged_part_87 = (turns_3_cosine_converged_4 * V_ax_held) - (turns_3_sine_converged_4 * V_ay_held);
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
         ((gradient_1_converged_4 * converged_part_81) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float converged_part_88 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_4 - heading_cosine,
+    const float converged_part_87 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_4 - heading_cosine,
         0.10100254f);
-    const float converged_part_89 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_4 - heading_sine,
+    const float converged_part_88 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_4 - heading_sine,
         0.10100254f);
-    const float by_converged_13 = hall_position_limit(then_1_converged_4 - converged_part_88 + converged_part_89,
+    const float by_converged_13 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
         0.97596323f);
     const float f7_argument_13 = by_converged_13 * by_converged_13;
     const float by_cosine_converged_17 = f7_polynomial(f7_argument_13);
     const float by_sine_converged_17 = by_converged_13 * f8_polynomial(f7_argument_13);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_17) + (start_cosine_converged *
         by_sine_converged_17);
-    const float converged_part_90 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_91 = converged_part_90 * estimator_field_5;
-    const float residuals_1_converged_5 = converged_part_87 - (phasors_1_sine_converged_4 * (estimator_field_1 +
-        (converged_part_90 * (estimator_field_3 + converged_part_91))));
-    const float converged_part_92 = (turns_3_cosine_converged_4 * V_ay_held) + (turns_3_sine_converged_4 * V_ax_held);
+    const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_90 = converged_part_89 * estimator_field_5;
+    const float converged_part_91 = phasors_1_sine_converged_4 * (estimator_field_1 + (converged_part_89 *
+        (estimator_field_3 + converged_part_90)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) - (turns_3_sine_converged_4 *
+        V_ay_held) - converged_part_91;
     const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
         ((gradient_2_converged_4 * converged_part_83) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_converged_14 = hall_position_limit(then_2_converged_4 - converged_part_88 - converged_part_89,
+    const float by_converged_14 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
         0.97596323f);
     const float f7_argument_14 = by_converged_14 * by_converged_14;
     const float by_cosine_converged_18 = f7_polynomial(f7_argument_14);
     const float by_sine_converged_18 = by_converged_14 * f8_polynomial(f7_argument_14);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_18) + (start_cosine_converged_2 *
         by_sine_converged_18);
-    const float converged_part_93 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_94 = converged_part_93 * estimator_field_5;
-    const float residuals_2_converged_5 = converged_part_92 - (phasors_2_sine_converged_4 * (estimator_field_1 +
-        (converged_part_93 * (estimator_field_3 + converged_part_94))));
-    const float converged_part_95 = (turns_3_cosine_converged_4 * V_bx_held) - (turns_3_sine_converged_4 * V_by_held);
-    const float by_converged_15 = hall_position_limit(then_1_converged_4 + converged_part_88 - converged_part_89,
+    const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_93 = converged_part_92 * estimator_field_5;
+    const float converged_part_94 = phasors_2_sine_converged_4 * (estimator_field_1 + (converged_part_92 *
+        (estimator_field_3 + converged_part_93)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) + (turns_3_sine_converged_4 *
+        V_ax_held) - converged_part_94;
+    const float by_converged_15 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
         0.97596323f);
     const float f7_argument_15 = by_converged_15 * by_converged_15;
     const float by_cosine_converged_19 = f7_polynomial(f7_argument_15);
     const float by_sine_converged_19 = by_converged_15 * f8_polynomial(f7_argument_15);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_19) + (start_cosine_converged_3 *
         by_sine_converged_19);
-    const float converged_part_96 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_97 = converged_part_96 * estimator_field_5;
-    const float residuals_3_converged_5 = converged_part_95 - (phasors_3_sine_converged_4 * (estimator_field_1 +
-        (converged_part_96 * (estimator_field_3 + converged_part_97))));
-    const float converged_part_98 = (turns_3_cosine_converged_4 * V_by_held) + (turns_3_sine_converged_4 * V_bx_held);
-    const float by_converged_16 = hall_position_limit(then_2_converged_4 + converged_part_88 + converged_part_89,
+    const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_96 = converged_part_95 * estimator_field_5;
+    const float converged_part_97 = phasors_3_sine_converged_4 * (estimator_field_1 + (converged_part_95 *
+        (estimator_field_3 + converged_part_96)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) - (turns_3_sine_converged_4 *
+        V_by_held) - converged_part_97;
+    const float by_converged_16 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
         0.97596323f);
     const float f7_argument_16 = by_converged_16 * by_converged_16;
     const float by_cosine_converged_20 = f7_polynomial(f7_argument_16);
     const float by_sine_converged_20 = by_converged_16 * f8_polynomial(f7_argument_16);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_20) + (start_cosine_converged_4 *
         by_sine_converged_20);
-    const float converged_part_99 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_100 = converged_part_99 * estimator_field_5;
-    const float residuals_4_converged_5 = converged_part_98 - (phasors_4_sine_converged_4 * (estimator_field_1 +
-        (converged_part_99 * (estimator_field_3 + converged_part_100))));
+    const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_99 = converged_part_98 * estimator_field_5;
+    const float converged_part_100 = phasors_4_sine_converged_4 * (estimator_field_1 + (converged_part_98 *
+        (estimator_field_3 + converged_part_99)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) + (turns_3_sine_converged_4 *
+        V_bx_held) - converged_part_100;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
         residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
         residuals_4_converged_5);
@@ -736,22 +753,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_85) +
         1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_17) - (ax_part_full *
-        by_sine_converged_17)) * (estimator_field_1 + (converged_part_90 * (estimator_field_3_scaled + (5.0f *
-        converged_part_91))));
+        by_sine_converged_17)) * (estimator_field_1 + (converged_part_89 * (estimator_field_3_scaled + (5.0f *
+        converged_part_90))));
     const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_19) - (bx_part_full *
-        by_sine_converged_19)) * (estimator_field_1 + (converged_part_96 * (estimator_field_3_scaled + (5.0f *
-        converged_part_97))));
+        by_sine_converged_19)) * (estimator_field_1 + (converged_part_95 * (estimator_field_3_scaled + (5.0f *
+        converged_part_96))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
         residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
     const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 *
         rows_3_1_converged_5) + 0.00992376f);
     const float converged_part_101 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_18) - (ay_part_full *
-        by_sine_converged_18)) * (estimator_field_1 + (converged_part_93 * (estimator_field_3_scaled + (5.0f *
-        converged_part_94))));
+        by_sine_converged_18)) * (estimator_field_1 + (converged_part_92 * (estimator_field_3_scaled + (5.0f *
+        converged_part_93))));
     const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_20) - (by_part_full *
-        by_sine_converged_20)) * (estimator_field_1 + (converged_part_99 * (estimator_field_3_scaled + (5.0f *
-        converged_part_100))));
+        by_sine_converged_20)) * (estimator_field_1 + (converged_part_98 * (estimator_field_3_scaled + (5.0f *
+        converged_part_99))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
         residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
@@ -759,13 +776,13 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_part_102 = gradient_2_converged_5 * inverse_2;
     const float converged_part_103 = three_quarters_pi * turns_3_cosine_converged_4;
     const float converged_part_104 = three_quarters_pi * turns_3_sine_converged_4;
-    const float rows_1_3_converged_5 = converged_part_92 + (rows_1_1_converged_5 * (converged_part_103 +
-        converged_part_104));
-    const float converged_part_105 = converged_part_87 - (rows_2_2_converged_5 * (converged_part_104 -
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_103 + converged_part_104)) +
+        converged_part_94;
+    const float converged_part_105 = converged_part_91 - (rows_2_2_converged_5 * (converged_part_104 -
         converged_part_103));
-    const float rows_3_3_converged_5 = converged_part_98 + (rows_3_1_converged_5 * ((-three_quarters_pi *
-        turns_3_cosine_converged_4) - converged_part_104));
-    const float converged_part_106 = converged_part_95 - (rows_4_2_converged_5 * (converged_part_103 -
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
+        converged_part_104)) + converged_part_100;
+    const float converged_part_106 = converged_part_97 - (rows_4_2_converged_5 * (converged_part_103 -
         converged_part_104));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
         rows_3_1_converged_5);

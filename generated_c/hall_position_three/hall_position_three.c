@@ -360,87 +360,87 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
     const float freedom = (excluded_1 || excluded_2 || excluded_3) ? 1.0f : 3.0f;
-    const float used_1 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
-    const float used_1_times_V_ay = used_1 * V_ay_held;
-    const float used_1_times_V_ax = used_1 * V_ax_held;
-    const float converged_part = (heading_cosine * used_1_times_V_ay) + (heading_sine * used_1_times_V_ax);
     const float start_cosine_converged = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
-    const float converged_part_2 = used_1 * estimator_field_1;
+    const float constants_4 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
+    const float converged_part = constants_4 * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float converged_part_3 = used_1 * estimator_field_3;
-    const float converged_part_3_scaled = 3.0f * converged_part_3;
-    const float converged_part_4 = used_1 * estimator_field_5;
-    const float converged_part_5 = ax_part_full_squared * converged_part_4;
-    const float rows_1_1_converged = start_cosine_converged * (converged_part_2 + (ax_part_full_squared *
-        (converged_part_3_scaled + (5.0f * converged_part_5))));
-    const float rows_1_3_converged = converged_part + (rows_1_1_converged * (heading_sine_scaled_2 -
-        heading_cosine_scaled));
-    const float converged_part_6 = (heading_cosine * used_1_times_V_ax) - (heading_sine * used_1_times_V_ay);
-    const float residuals_1_converged = converged_part_6 - (ax_part_full * (converged_part_2 + (ax_part_full_squared *
-        (converged_part_3 + converged_part_5))));
-    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float converged_part_2 = constants_4 * estimator_field_3;
+    const float converged_part_2_scaled = 3.0f * converged_part_2;
+    const float converged_part_3 = constants_4 * estimator_field_5;
+    const float converged_part_4 = ax_part_full_squared * converged_part_3;
+    const float rows_1_1_converged = start_cosine_converged * (converged_part + (ax_part_full_squared *
+        (converged_part_2_scaled + (5.0f * converged_part_4))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float converged_part_7 = ay_part_full_squared * converged_part_4;
-    const float rows_2_2_converged = start_cosine_converged_2 * (converged_part_2 + (ay_part_full_squared *
-        (converged_part_3_scaled + (5.0f * converged_part_7))));
-    const float converged_part_8 = converged_part_6 - (rows_2_2_converged * ((-1.5812683f * heading_cosine) -
+    const float converged_part_5 = ay_part_full_squared * converged_part_3;
+    const float converged_part_6 = ay_part_full * (converged_part + (ay_part_full_squared * (converged_part_2 +
+        converged_part_5)));
+    const float rows_1_3_converged = (rows_1_1_converged * (heading_sine_scaled_2 - heading_cosine_scaled)) +
+        converged_part_6;
+    const float measured_1 = constants_4 * V_ax_held;
+    const float measured_2 = constants_4 * V_ay_held;
+    const float converged_part_7 = ax_part_full * (converged_part + (ax_part_full_squared * (converged_part_2 +
+        converged_part_4)));
+    const float residuals_1_converged = (heading_cosine * measured_1) - (heading_sine * measured_2) - converged_part_7;
+    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2_converged = start_cosine_converged_2 * (converged_part + (ay_part_full_squared *
+        (converged_part_2_scaled + (5.0f * converged_part_5))));
+    const float converged_part_8 = converged_part_7 - (rows_2_2_converged * ((-1.5812683f * heading_cosine) -
         heading_sine_scaled));
-    const float residuals_2_converged = converged_part - (ay_part_full * (converged_part_2 + (ay_part_full_squared *
-        (converged_part_3 + converged_part_7))));
-    const float used_2 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float used_2_times_V_by = used_2 * V_by_held;
-    const float used_2_times_V_bx = used_2 * V_bx_held;
-    const float converged_part_9 = (heading_cosine * used_2_times_V_by) + (heading_sine * used_2_times_V_bx);
+    const float residuals_2_converged = (heading_cosine * measured_2) + (heading_sine * measured_1) - converged_part_6;
     const float start_cosine_converged_3 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
-    const float converged_part_10 = used_2 * estimator_field_1;
+    const float constants_5 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
+    const float converged_part_9 = constants_5 * estimator_field_1;
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_part_11 = used_2 * estimator_field_3;
-    const float converged_part_11_scaled = 3.0f * converged_part_11;
-    const float converged_part_12 = used_2 * estimator_field_5;
-    const float converged_part_13 = bx_part_full_squared * converged_part_12;
-    const float rows_3_1_converged = start_cosine_converged_3 * (converged_part_10 + (bx_part_full_squared *
-        (converged_part_11_scaled + (5.0f * converged_part_13))));
-    const float rows_3_3_converged = converged_part_9 + (rows_3_1_converged * (heading_sine_scaled_4 -
-        heading_cosine_scaled_2));
-    const float converged_part_14 = (heading_cosine * used_2_times_V_bx) - (heading_sine * used_2_times_V_by);
-    const float residuals_3_converged = converged_part_14 - (bx_part_full * (converged_part_10 + (bx_part_full_squared *
-        (converged_part_11 + converged_part_13))));
-    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float converged_part_10 = constants_5 * estimator_field_3;
+    const float converged_part_10_scaled = 3.0f * converged_part_10;
+    const float converged_part_11 = constants_5 * estimator_field_5;
+    const float converged_part_12 = bx_part_full_squared * converged_part_11;
+    const float rows_3_1_converged = start_cosine_converged_3 * (converged_part_9 + (bx_part_full_squared *
+        (converged_part_10_scaled + (5.0f * converged_part_12))));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float converged_part_15 = by_part_full_squared * converged_part_12;
-    const float rows_4_2_converged = start_cosine_converged_4 * (converged_part_10 + (by_part_full_squared *
-        (converged_part_11_scaled + (5.0f * converged_part_15))));
-    const float converged_part_16 = converged_part_14 - (rows_4_2_converged * ((-0.0858702f * heading_cosine) -
+    const float converged_part_13 = by_part_full_squared * converged_part_11;
+    const float converged_part_14 = by_part_full * (converged_part_9 + (by_part_full_squared * (converged_part_10 +
+        converged_part_13)));
+    const float rows_3_3_converged = (rows_3_1_converged * (heading_sine_scaled_4 - heading_cosine_scaled_2)) +
+        converged_part_14;
+    const float measured_3 = constants_5 * V_bx_held;
+    const float measured_4 = constants_5 * V_by_held;
+    const float converged_part_15 = bx_part_full * (converged_part_9 + (bx_part_full_squared * (converged_part_10 +
+        converged_part_12)));
+    const float residuals_3_converged = (heading_cosine * measured_3) - (heading_sine * measured_4) - converged_part_15;
+    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2_converged = start_cosine_converged_4 * (converged_part_9 + (by_part_full_squared *
+        (converged_part_10_scaled + (5.0f * converged_part_13))));
+    const float converged_part_16 = converged_part_15 - (rows_4_2_converged * ((-0.0858702f * heading_cosine) -
         heading_sine_scaled_3));
-    const float residuals_4_converged = converged_part_9 - (by_part_full * (converged_part_10 + (by_part_full_squared *
-        (converged_part_11 + converged_part_15))));
-    const float used_3 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float used_3_times_V_cy = used_3 * V_cy_held;
-    const float used_3_times_V_cx = used_3 * V_cx_held;
-    const float converged_part_17 = (heading_cosine * used_3_times_V_cy) + (heading_sine * used_3_times_V_cx);
+    const float residuals_4_converged = (heading_cosine * measured_4) + (heading_sine * measured_3) - converged_part_14;
     const float start_cosine_converged_5 = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
-    const float converged_part_18 = used_3 * estimator_field_1;
+    const float constants_6 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
+    const float converged_part_17 = constants_6 * estimator_field_1;
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float converged_part_19 = used_3 * estimator_field_3;
-    const float converged_part_19_scaled = 3.0f * converged_part_19;
-    const float converged_part_20 = used_3 * estimator_field_5;
-    const float converged_part_21 = cx_part_full_squared * converged_part_20;
-    const float rows_5_1_converged = start_cosine_converged_5 * (converged_part_18 + (cx_part_full_squared *
-        (converged_part_19_scaled + (5.0f * converged_part_21))));
-    const float rows_5_3_converged = converged_part_17 + (rows_5_1_converged * (heading_cosine_scaled_4 -
-        heading_sine_scaled_6));
-    const float converged_part_22 = (heading_cosine * used_3_times_V_cx) - (heading_sine * used_3_times_V_cy);
-    const float residuals_5_converged = converged_part_22 - (cx_part_full * (converged_part_18 + (cx_part_full_squared *
-        (converged_part_19 + converged_part_21))));
-    const float start_cosine_converged_6 = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float converged_part_18 = constants_6 * estimator_field_3;
+    const float converged_part_18_scaled = 3.0f * converged_part_18;
+    const float converged_part_19 = constants_6 * estimator_field_5;
+    const float converged_part_20 = cx_part_full_squared * converged_part_19;
+    const float rows_5_1_converged = start_cosine_converged_5 * (converged_part_17 + (cx_part_full_squared *
+        (converged_part_18_scaled + (5.0f * converged_part_20))));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float converged_part_23 = cy_part_full_squared * converged_part_20;
-    const float rows_6_2_converged = start_cosine_converged_6 * (converged_part_18 + (cy_part_full_squared *
-        (converged_part_19_scaled + (5.0f * converged_part_23))));
-    const float converged_part_24 = converged_part_22 - (rows_6_2_converged * (heading_cosine_scaled_3 +
+    const float converged_part_21 = cy_part_full_squared * converged_part_19;
+    const float converged_part_22 = cy_part_full * (converged_part_17 + (cy_part_full_squared * (converged_part_18 +
+        converged_part_21)));
+    const float rows_5_3_converged = (rows_5_1_converged * (heading_cosine_scaled_4 - heading_sine_scaled_6)) +
+        converged_part_22;
+    const float measured_5 = constants_6 * V_cx_held;
+    const float measured_6 = constants_6 * V_cy_held;
+    const float converged_part_23 = cx_part_full * (converged_part_17 + (cx_part_full_squared * (converged_part_18 +
+        converged_part_20)));
+    const float residuals_5_converged = (heading_cosine * measured_5) - (heading_sine * measured_6) - converged_part_23;
+    const float start_cosine_converged_6 = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float rows_6_2_converged = start_cosine_converged_6 * (converged_part_17 + (cy_part_full_squared *
+        (converged_part_18_scaled + (5.0f * converged_part_21))));
+    const float converged_part_24 = converged_part_23 - (rows_6_2_converged * (heading_cosine_scaled_3 +
         heading_sine_scaled_5));
-    const float residuals_6_converged = converged_part_17 - (cy_part_full * (converged_part_18 + (cy_part_full_squared *
-        (converged_part_19 + converged_part_23))));
+    const float residuals_6_converged = (heading_cosine * measured_6) + (heading_sine * measured_5) - converged_part_22;
     const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) + (rows_3_3_converged *
         rows_3_1_converged) + (rows_5_3_converged * rows_5_1_converged);
     const float converged_part_25 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged *
@@ -469,8 +469,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged = then_3_converged * f10_polynomial(then_3_converged_squared);
     const float turns_3_cosine_converged = (heading_cosine * by_cosine_converged) - (heading_sine * by_sine_converged);
     const float turns_3_sine_converged = (heading_sine * by_cosine_converged) + (heading_cosine * by_sine_converged);
-    const float converged_part_29 = (turns_3_cosine_converged * used_1_times_V_ax) - (turns_3_sine_converged *
-        used_1_times_V_ay);
     const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
         (row_1_converged * then_3_converged), 0.5f);
     const float chords_3_cosine_converged = hall_position_three_limit(turns_3_cosine_converged - heading_cosine,
@@ -483,12 +481,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_2 = by_converged * f12_polynomial(f11_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged_2) + (start_cosine_converged *
         by_sine_converged_2);
-    const float converged_part_30 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_31 = converged_part_30 * converged_part_4;
-    const float residuals_1_converged_2 = converged_part_29 - (phasors_1_sine_converged * (converged_part_2 +
-        (converged_part_30 * (converged_part_3 + converged_part_31))));
-    const float converged_part_32 = (turns_3_cosine_converged * used_1_times_V_ay) + (turns_3_sine_converged *
-        used_1_times_V_ax);
+    const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_30 = converged_part_29 * converged_part_3;
+    const float converged_part_31 = phasors_1_sine_converged * (converged_part + (converged_part_29 * (converged_part_2
+        + converged_part_30)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) - (turns_3_sine_converged *
+        measured_2) - converged_part_31;
     const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
         (row_2_converged * then_3_converged), 0.5f);
     const float by_converged_2 = then_2_converged + (1.5833627f * chords_3_cosine_converged) - (1.5812683f *
@@ -498,12 +496,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_3 = by_converged_2 * f12_polynomial(f11_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_3) + (start_cosine_converged_2 *
         by_sine_converged_3);
-    const float converged_part_33 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_34 = converged_part_33 * converged_part_4;
-    const float residuals_2_converged_2 = converged_part_32 - (phasors_2_sine_converged * (converged_part_2 +
-        (converged_part_33 * (converged_part_3 + converged_part_34))));
-    const float converged_part_35 = (turns_3_cosine_converged * used_2_times_V_bx) - (turns_3_sine_converged *
-        used_2_times_V_by);
+    const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_33 = converged_part_32 * converged_part_3;
+    const float converged_part_34 = phasors_2_sine_converged * (converged_part + (converged_part_32 * (converged_part_2
+        + converged_part_33)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) + (turns_3_sine_converged *
+        measured_1) - converged_part_34;
     const float by_converged_3 = then_1_converged - (0.0858702f * chords_3_cosine_converged) - (0.08168141f *
         chords_3_sine_converged);
     const float f13_argument = by_converged_3 * by_converged_3;
@@ -511,12 +509,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_4 = by_converged_3 * f14_polynomial(f13_argument);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_4) + (start_cosine_converged_3 *
         by_sine_converged_4);
-    const float converged_part_36 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_37 = converged_part_36 * converged_part_12;
-    const float residuals_3_converged_2 = converged_part_35 - (phasors_3_sine_converged * (converged_part_10 +
-        (converged_part_36 * (converged_part_11 + converged_part_37))));
-    const float converged_part_38 = (turns_3_cosine_converged * used_2_times_V_by) + (turns_3_sine_converged *
-        used_2_times_V_bx);
+    const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_36 = converged_part_35 * converged_part_11;
+    const float converged_part_37 = phasors_3_sine_converged * (converged_part_9 + (converged_part_35 *
+        (converged_part_10 + converged_part_36)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) - (turns_3_sine_converged *
+        measured_4) - converged_part_37;
     const float by_converged_4 = then_2_converged + (0.08168141f * chords_3_cosine_converged) - (0.0858702f *
         chords_3_sine_converged);
     const float f13_argument_2 = by_converged_4 * by_converged_4;
@@ -524,12 +522,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_5 = by_converged_4 * f14_polynomial(f13_argument_2);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_5) + (start_cosine_converged_4 *
         by_sine_converged_5);
-    const float converged_part_39 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_40 = converged_part_39 * converged_part_12;
-    const float residuals_4_converged_2 = converged_part_38 - (phasors_4_sine_converged * (converged_part_10 +
-        (converged_part_39 * (converged_part_11 + converged_part_40))));
-    const float converged_part_41 = (turns_3_cosine_converged * used_3_times_V_cx) - (turns_3_sine_converged *
-        used_3_times_V_cy);
+    const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_39 = converged_part_38 * converged_part_11;
+    const float converged_part_40 = phasors_4_sine_converged * (converged_part_9 + (converged_part_38 *
+        (converged_part_10 + converged_part_39)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) + (turns_3_sine_converged *
+        measured_3) - converged_part_40;
     const float by_converged_5 = then_1_converged + (1.6671385f * chords_3_cosine_converged) + (1.6650441f *
         chords_3_sine_converged);
     const float f15_argument = by_converged_5 * by_converged_5;
@@ -537,12 +535,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_6 = by_converged_5 * f16_polynomial(f15_argument);
     const float phasors_5_sine_converged = (cx_part_full * by_cosine_converged_6) + (start_cosine_converged_5 *
         by_sine_converged_6);
-    const float converged_part_42 = phasors_5_sine_converged * phasors_5_sine_converged;
-    const float converged_part_43 = converged_part_42 * converged_part_20;
-    const float residuals_5_converged_2 = converged_part_41 - (phasors_5_sine_converged * (converged_part_18 +
-        (converged_part_42 * (converged_part_19 + converged_part_43))));
-    const float converged_part_44 = (turns_3_cosine_converged * used_3_times_V_cy) + (turns_3_sine_converged *
-        used_3_times_V_cx);
+    const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
+    const float converged_part_42 = converged_part_41 * converged_part_19;
+    const float converged_part_43 = phasors_5_sine_converged * (converged_part_17 + (converged_part_41 *
+        (converged_part_18 + converged_part_42)));
+    const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) - (turns_3_sine_converged *
+        measured_6) - converged_part_43;
     const float by_converged_6 = then_2_converged - (1.6650441f * chords_3_cosine_converged) + (1.6671385f *
         chords_3_sine_converged);
     const float f15_argument_2 = by_converged_6 * by_converged_6;
@@ -550,10 +548,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_7 = by_converged_6 * f16_polynomial(f15_argument_2);
     const float phasors_6_sine_converged = (cy_part_full * by_cosine_converged_7) + (start_cosine_converged_6 *
         by_sine_converged_7);
-    const float converged_part_45 = phasors_6_sine_converged * phasors_6_sine_converged;
-    const float converged_part_46 = converged_part_45 * converged_part_20;
-    const float residuals_6_converged_2 = converged_part_44 - (phasors_6_sine_converged * (converged_part_18 +
-        (converged_part_45 * (converged_part_19 + converged_part_46))));
+    const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
+    const float converged_part_45 = converged_part_44 * converged_part_19;
+    const float converged_part_46 = phasors_6_sine_converged * (converged_part_17 + (converged_part_44 *
+        (converged_part_18 + converged_part_45)));
+    const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) + (turns_3_sine_converged *
+        measured_5) - converged_part_46;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
         residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
         residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) + (residuals_6_converged_2 *
@@ -569,34 +569,34 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_6_converged;
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
     const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged_2) - (ax_part_full *
-        by_sine_converged_2)) * (converged_part_2 + (converged_part_30 * (converged_part_3_scaled + (5.0f *
-        converged_part_31))));
-    const float rows_1_3_converged_2 = converged_part_32 + (rows_1_1_converged_2 * ((1.5812683f *
-        turns_3_sine_converged) - (1.5833627f * turns_3_cosine_converged)));
+        by_sine_converged_2)) * (converged_part + (converged_part_29 * (converged_part_2_scaled + (5.0f *
+        converged_part_30))));
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) - (1.5833627f *
+        turns_3_cosine_converged))) + converged_part_34;
     const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_3) - (ay_part_full *
-        by_sine_converged_3)) * (converged_part_2 + (converged_part_33 * (converged_part_3_scaled + (5.0f *
-        converged_part_34))));
-    const float converged_part_47 = converged_part_29 - (rows_2_2_converged_2 * ((-1.5812683f *
+        by_sine_converged_3)) * (converged_part + (converged_part_32 * (converged_part_2_scaled + (5.0f *
+        converged_part_33))));
+    const float converged_part_47 = converged_part_31 - (rows_2_2_converged_2 * ((-1.5812683f *
         turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
     const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_4) - (bx_part_full *
-        by_sine_converged_4)) * (converged_part_10 + (converged_part_36 * (converged_part_11_scaled + (5.0f *
-        converged_part_37))));
-    const float rows_3_3_converged_2 = converged_part_38 + (rows_3_1_converged_2 * ((0.0858702f *
-        turns_3_sine_converged) - (0.08168141f * turns_3_cosine_converged)));
+        by_sine_converged_4)) * (converged_part_9 + (converged_part_35 * (converged_part_10_scaled + (5.0f *
+        converged_part_36))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) - (0.08168141f *
+        turns_3_cosine_converged))) + converged_part_40;
     const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_5) - (by_part_full *
-        by_sine_converged_5)) * (converged_part_10 + (converged_part_39 * (converged_part_11_scaled + (5.0f *
-        converged_part_40))));
-    const float converged_part_48 = converged_part_35 - (rows_4_2_converged_2 * ((-0.0858702f *
+        by_sine_converged_5)) * (converged_part_9 + (converged_part_38 * (converged_part_10_scaled + (5.0f *
+        converged_part_39))));
+    const float converged_part_48 = converged_part_37 - (rows_4_2_converged_2 * ((-0.0858702f *
         turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
     const float rows_5_1_converged_2 = ((start_cosine_converged_5 * by_cosine_converged_6) - (cx_part_full *
-        by_sine_converged_6)) * (converged_part_18 + (converged_part_42 * (converged_part_19_scaled + (5.0f *
-        converged_part_43))));
-    const float rows_5_3_converged_2 = converged_part_44 + (rows_5_1_converged_2 * ((1.6650441f *
-        turns_3_cosine_converged) - (1.6671385f * turns_3_sine_converged)));
+        by_sine_converged_6)) * (converged_part_17 + (converged_part_41 * (converged_part_18_scaled + (5.0f *
+        converged_part_42))));
+    const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) - (1.6671385f *
+        turns_3_sine_converged))) + converged_part_46;
     const float rows_6_2_converged_2 = ((start_cosine_converged_6 * by_cosine_converged_7) - (cy_part_full *
-        by_sine_converged_7)) * (converged_part_18 + (converged_part_45 * (converged_part_19_scaled + (5.0f *
-        converged_part_46))));
-    const float converged_part_49 = converged_part_41 - (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged)
+        by_sine_converged_7)) * (converged_part_17 + (converged_part_44 * (converged_part_18_scaled + (5.0f *
+        converged_part_45))));
+    const float converged_part_49 = converged_part_43 - (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged)
         + (1.6650441f * turns_3_sine_converged)));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
         rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
@@ -641,8 +641,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         by_sine_converged_8);
     const float turns_3_sine_converged_2 = (heading_sine * by_cosine_converged_8) + (heading_cosine *
         by_sine_converged_8);
-    const float converged_part_55 = (turns_3_cosine_converged_2 * used_1_times_V_ax) - (turns_3_sine_converged_2 *
-        used_1_times_V_ay);
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_three_limit((better_converged) ? (then_1_converged +
         ((gradient_1_converged_2 * converged_part_50) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
@@ -658,12 +656,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_9 = by_converged_7 * f12_polynomial(f11_argument_3);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_9) + (start_cosine_converged *
         by_sine_converged_9);
-    const float converged_part_56 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_57 = converged_part_56 * converged_part_4;
-    const float residuals_1_converged_3 = converged_part_55 - (phasors_1_sine_converged_2 * (converged_part_2 +
-        (converged_part_56 * (converged_part_3 + converged_part_57))));
-    const float converged_part_58 = (turns_3_cosine_converged_2 * used_1_times_V_ay) + (turns_3_sine_converged_2 *
-        used_1_times_V_ax);
+    const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_56 = converged_part_55 * converged_part_3;
+    const float converged_part_57 = phasors_1_sine_converged_2 * (converged_part + (converged_part_55 *
+        (converged_part_2 + converged_part_56)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) - (turns_3_sine_converged_2 *
+        measured_2) - converged_part_57;
     const float then_2_converged_2 = hall_position_three_limit((better_converged) ? (then_2_converged +
         ((gradient_2_converged_2 * converged_part_52) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
         (then_2_converged + other_2_converged)), 0.5f);
@@ -674,12 +672,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_10 = by_converged_8 * f12_polynomial(f11_argument_4);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_10) + (start_cosine_converged_2 *
         by_sine_converged_10);
-    const float converged_part_59 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_60 = converged_part_59 * converged_part_4;
-    const float residuals_2_converged_3 = converged_part_58 - (phasors_2_sine_converged_2 * (converged_part_2 +
-        (converged_part_59 * (converged_part_3 + converged_part_60))));
-    const float converged_part_61 = (turns_3_cosine_converged_2 * used_2_times_V_bx) - (turns_3_sine_converged_2 *
-        used_2_times_V_by);
+    const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_59 = converged_part_58 * converged_part_3;
+    const float converged_part_60 = phasors_2_sine_converged_2 * (converged_part + (converged_part_58 *
+        (converged_part_2 + converged_part_59)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) + (turns_3_sine_converged_2 *
+        measured_1) - converged_part_60;
     const float by_converged_9 = hall_position_three_limit(then_1_converged_2 - (0.0858702f *
         chords_3_cosine_converged_2) - (0.08168141f * chords_3_sine_converged_2), 0.52349424f);
     const float f13_argument_3 = by_converged_9 * by_converged_9;
@@ -687,12 +685,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_11 = by_converged_9 * f14_polynomial(f13_argument_3);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_11) + (start_cosine_converged_3 *
         by_sine_converged_11);
-    const float converged_part_62 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_63 = converged_part_62 * converged_part_12;
-    const float residuals_3_converged_3 = converged_part_61 - (phasors_3_sine_converged_2 * (converged_part_10 +
-        (converged_part_62 * (converged_part_11 + converged_part_63))));
-    const float converged_part_64 = (turns_3_cosine_converged_2 * used_2_times_V_by) + (turns_3_sine_converged_2 *
-        used_2_times_V_bx);
+    const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_62 = converged_part_61 * converged_part_11;
+    const float converged_part_63 = phasors_3_sine_converged_2 * (converged_part_9 + (converged_part_61 *
+        (converged_part_10 + converged_part_62)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) - (turns_3_sine_converged_2 *
+        measured_4) - converged_part_63;
     const float by_converged_10 = hall_position_three_limit(then_2_converged_2 + (0.08168141f *
         chords_3_cosine_converged_2) - (0.0858702f * chords_3_sine_converged_2), 0.52349424f);
     const float f13_argument_4 = by_converged_10 * by_converged_10;
@@ -700,12 +698,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_12 = by_converged_10 * f14_polynomial(f13_argument_4);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_12) + (start_cosine_converged_4 *
         by_sine_converged_12);
-    const float converged_part_65 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_66 = converged_part_65 * converged_part_12;
-    const float residuals_4_converged_3 = converged_part_64 - (phasors_4_sine_converged_2 * (converged_part_10 +
-        (converged_part_65 * (converged_part_11 + converged_part_66))));
-    const float converged_part_67 = (turns_3_cosine_converged_2 * used_3_times_V_cx) - (turns_3_sine_converged_2 *
-        used_3_times_V_cy);
+    const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_65 = converged_part_64 * converged_part_11;
+    const float converged_part_66 = phasors_4_sine_converged_2 * (converged_part_9 + (converged_part_64 *
+        (converged_part_10 + converged_part_65)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) + (turns_3_sine_converged_2 *
+        measured_3) - converged_part_66;
     const float by_converged_11 = then_1_converged_2 + (1.6671385f * chords_3_cosine_converged_2) + (1.6650441f *
         chords_3_sine_converged_2);
     const float f17_argument = by_converged_11 * by_converged_11;
@@ -713,12 +711,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_13 = by_converged_11 * f18_polynomial(f17_argument);
     const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_converged_13) + (start_cosine_converged_5 *
         by_sine_converged_13);
-    const float converged_part_68 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
-    const float converged_part_69 = converged_part_68 * converged_part_20;
-    const float residuals_5_converged_3 = converged_part_67 - (phasors_5_sine_converged_2 * (converged_part_18 +
-        (converged_part_68 * (converged_part_19 + converged_part_69))));
-    const float converged_part_70 = (turns_3_cosine_converged_2 * used_3_times_V_cy) + (turns_3_sine_converged_2 *
-        used_3_times_V_cx);
+    const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
+    const float converged_part_68 = converged_part_67 * converged_part_19;
+    const float converged_part_69 = phasors_5_sine_converged_2 * (converged_part_17 + (converged_part_67 *
+        (converged_part_18 + converged_part_68)));
+    const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) - (turns_3_sine_converged_2 *
+        measured_6) - converged_part_69;
     const float by_converged_12 = then_2_converged_2 - (1.6650441f * chords_3_cosine_converged_2) + (1.6671385f *
         chords_3_sine_converged_2);
     const float f17_argument_2 = by_converged_12 * by_converged_12;
@@ -726,10 +724,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_14 = by_converged_12 * f18_polynomial(f17_argument_2);
     const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_converged_14) + (start_cosine_converged_6 *
         by_sine_converged_14);
-    const float converged_part_71 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
-    const float converged_part_72 = converged_part_71 * converged_part_20;
-    const float residuals_6_converged_3 = converged_part_70 - (phasors_6_sine_converged_2 * (converged_part_18 +
-        (converged_part_71 * (converged_part_19 + converged_part_72))));
+    const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
+    const float converged_part_71 = converged_part_70 * converged_part_19;
+    const float converged_part_72 = phasors_6_sine_converged_2 * (converged_part_17 + (converged_part_70 *
+        (converged_part_18 + converged_part_71)));
+    const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) + (turns_3_sine_converged_2 *
+        measured_5) - converged_part_72;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
@@ -737,34 +737,34 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
     const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_54) + 1e-08f);
     const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_9) - (ax_part_full *
-        by_sine_converged_9)) * (converged_part_2 + (converged_part_56 * (converged_part_3_scaled + (5.0f *
-        converged_part_57))));
-    const float rows_1_3_converged_3 = converged_part_58 + (rows_1_1_converged_3 * ((1.5812683f *
-        turns_3_sine_converged_2) - (1.5833627f * turns_3_cosine_converged_2)));
+        by_sine_converged_9)) * (converged_part + (converged_part_55 * (converged_part_2_scaled + (5.0f *
+        converged_part_56))));
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) - (1.5833627f *
+        turns_3_cosine_converged_2))) + converged_part_60;
     const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_10) - (ay_part_full *
-        by_sine_converged_10)) * (converged_part_2 + (converged_part_59 * (converged_part_3_scaled + (5.0f *
-        converged_part_60))));
-    const float converged_part_73 = converged_part_55 - (rows_2_2_converged_3 * ((-1.5812683f *
+        by_sine_converged_10)) * (converged_part + (converged_part_58 * (converged_part_2_scaled + (5.0f *
+        converged_part_59))));
+    const float converged_part_73 = converged_part_57 - (rows_2_2_converged_3 * ((-1.5812683f *
         turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
     const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_11) - (bx_part_full *
-        by_sine_converged_11)) * (converged_part_10 + (converged_part_62 * (converged_part_11_scaled + (5.0f *
-        converged_part_63))));
-    const float rows_3_3_converged_3 = converged_part_64 + (rows_3_1_converged_3 * ((0.0858702f *
-        turns_3_sine_converged_2) - (0.08168141f * turns_3_cosine_converged_2)));
+        by_sine_converged_11)) * (converged_part_9 + (converged_part_61 * (converged_part_10_scaled + (5.0f *
+        converged_part_62))));
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) - (0.08168141f *
+        turns_3_cosine_converged_2))) + converged_part_66;
     const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_12) - (by_part_full *
-        by_sine_converged_12)) * (converged_part_10 + (converged_part_65 * (converged_part_11_scaled + (5.0f *
-        converged_part_66))));
-    const float converged_part_74 = converged_part_61 - (rows_4_2_converged_3 * ((-0.0858702f *
+        by_sine_converged_12)) * (converged_part_9 + (converged_part_64 * (converged_part_10_scaled + (5.0f *
+        converged_part_65))));
+    const float converged_part_74 = converged_part_63 - (rows_4_2_converged_3 * ((-0.0858702f *
         turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
     const float rows_5_1_converged_3 = ((start_cosine_converged_5 * by_cosine_converged_13) - (cx_part_full *
-        by_sine_converged_13)) * (converged_part_18 + (converged_part_68 * (converged_part_19_scaled + (5.0f *
-        converged_part_69))));
-    const float rows_5_3_converged_3 = converged_part_70 + (rows_5_1_converged_3 * ((1.6650441f *
-        turns_3_cosine_converged_2) - (1.6671385f * turns_3_sine_converged_2)));
+        by_sine_converged_13)) * (converged_part_17 + (converged_part_67 * (converged_part_18_scaled + (5.0f *
+        converged_part_68))));
+    const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) - (1.6671385f
+        * turns_3_sine_converged_2))) + converged_part_72;
     const float rows_6_2_converged_3 = ((start_cosine_converged_6 * by_cosine_converged_14) - (cy_part_full *
-        by_sine_converged_14)) * (converged_part_18 + (converged_part_71 * (converged_part_19_scaled + (5.0f *
-        converged_part_72))));
-    const float converged_part_75 = converged_part_67 - (rows_6_2_converged_3 * ((1.6671385f *
+        by_sine_converged_14)) * (converged_part_17 + (converged_part_70 * (converged_part_18_scaled + (5.0f *
+        converged_part_71))));
+    const float converged_part_75 = converged_part_69 - (rows_6_2_converged_3 * ((1.6671385f *
         turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
         rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
@@ -812,8 +812,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         by_sine_converged_15);
     const float turns_3_sine_converged_3 = (heading_sine * by_cosine_converged_15) + (heading_cosine *
         by_sine_converged_15);
-    const float converged_part_81 = (turns_3_cosine_converged_3 * used_1_times_V_ax) - (turns_3_sine_converged_3 *
-        used_1_times_V_ay);
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
         ((gradient_1_converged_3 * converged_part_76) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
@@ -829,12 +827,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_16 = by_converged_13 * f12_polynomial(f11_argument_5);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_16) + (start_cosine_converged *
         by_sine_converged_16);
-    const float converged_part_82 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_83 = converged_part_82 * converged_part_4;
-    const float residuals_1_converged_4 = converged_part_81 - (phasors_1_sine_converged_3 * (converged_part_2 +
-        (converged_part_82 * (converged_part_3 + converged_part_83))));
-    const float converged_part_84 = (turns_3_cosine_converged_3 * used_1_times_V_ay) + (turns_3_sine_converged_3 *
-        used_1_times_V_ax);
+    const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_82 = converged_part_81 * converged_part_3;
+    const float converged_part_83 = phasors_1_sine_converged_3 * (converged_part + (converged_part_81 *
+        (converged_part_2 + converged_part_82)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) - (turns_3_sine_converged_3 *
+        measured_2) - converged_part_83;
     const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
         ((gradient_2_converged_3 * converged_part_78) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
         (then_2_converged_2 + other_2_converged_2)), 0.5f);
@@ -845,12 +843,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_17 = by_converged_14 * f12_polynomial(f11_argument_6);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_17) + (start_cosine_converged_2 *
         by_sine_converged_17);
-    const float converged_part_85 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_86 = converged_part_85 * converged_part_4;
-    const float residuals_2_converged_4 = converged_part_84 - (phasors_2_sine_converged_3 * (converged_part_2 +
-        (converged_part_85 * (converged_part_3 + converged_part_86))));
-    const float converged_part_87 = (turns_3_cosine_converged_3 * used_2_times_V_bx) - (turns_3_sine_converged_3 *
-        used_2_times_V_by);
+    const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_85 = converged_part_84 * converged_part_3;
+    const float converged_part_86 = phasors_2_sine_converged_3 * (converged_part + (converged_part_84 *
+        (converged_part_2 + converged_part_85)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) + (turns_3_sine_converged_3 *
+        measured_1) - converged_part_86;
     const float by_converged_15 = hall_position_three_limit(then_1_converged_3 - (0.0858702f *
         chords_3_cosine_converged_3) - (0.08168141f * chords_3_sine_converged_3), 0.52349424f);
     const float f13_argument_5 = by_converged_15 * by_converged_15;
@@ -858,12 +856,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_18 = by_converged_15 * f14_polynomial(f13_argument_5);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_18) + (start_cosine_converged_3 *
         by_sine_converged_18);
-    const float converged_part_88 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_89 = converged_part_88 * converged_part_12;
-    const float residuals_3_converged_4 = converged_part_87 - (phasors_3_sine_converged_3 * (converged_part_10 +
-        (converged_part_88 * (converged_part_11 + converged_part_89))));
-    const float converged_part_90 = (turns_3_cosine_converged_3 * used_2_times_V_by) + (turns_3_sine_converged_3 *
-        used_2_times_V_bx);
+    const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_88 = converged_part_87 * converged_part_11;
+    const float converged_part_89 = phasors_3_sine_converged_3 * (converged_part_9 + (converged_part_87 *
+        (converged_part_10 + converged_part_88)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) - (turns_3_sine_converged_3 *
+        measured_4) - converged_part_89;
     const float by_converged_16 = hall_position_three_limit(then_2_converged_3 + (0.08168141f *
         chords_3_cosine_converged_3) - (0.0858702f * chords_3_sine_converged_3), 0.52349424f);
     const float f13_argument_6 = by_converged_16 * by_converged_16;
@@ -871,12 +869,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_19 = by_converged_16 * f14_polynomial(f13_argument_6);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_19) + (start_cosine_converged_4 *
         by_sine_converged_19);
-    const float converged_part_91 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_92 = converged_part_91 * converged_part_12;
-    const float residuals_4_converged_4 = converged_part_90 - (phasors_4_sine_converged_3 * (converged_part_10 +
-        (converged_part_91 * (converged_part_11 + converged_part_92))));
-    const float converged_part_93 = (turns_3_cosine_converged_3 * used_3_times_V_cx) - (turns_3_sine_converged_3 *
-        used_3_times_V_cy);
+    const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_91 = converged_part_90 * converged_part_11;
+    const float converged_part_92 = phasors_4_sine_converged_3 * (converged_part_9 + (converged_part_90 *
+        (converged_part_10 + converged_part_91)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) + (turns_3_sine_converged_3 *
+        measured_3) - converged_part_92;
     const float by_converged_17 = then_1_converged_3 + (1.6671385f * chords_3_cosine_converged_3) + (1.6650441f *
         chords_3_sine_converged_3);
     const float f17_argument_3 = by_converged_17 * by_converged_17;
@@ -884,12 +882,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_20 = by_converged_17 * f18_polynomial(f17_argument_3);
     const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_converged_20) + (start_cosine_converged_5 *
         by_sine_converged_20);
-    const float converged_part_94 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
-    const float converged_part_95 = converged_part_94 * converged_part_20;
-    const float residuals_5_converged_4 = converged_part_93 - (phasors_5_sine_converged_3 * (converged_part_18 +
-        (converged_part_94 * (converged_part_19 + converged_part_95))));
-    const float converged_part_96 = (turns_3_cosine_converged_3 * used_3_times_V_cy) + (turns_3_sine_converged_3 *
-        used_3_times_V_cx);
+    const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
+    const float converged_part_94 = converged_part_93 * converged_part_19;
+    const float converged_part_95 = phasors_5_sine_converged_3 * (converged_part_17 + (converged_part_93 *
+        (converged_part_18 + converged_part_94)));
+    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) - (turns_3_sine_converged_3 *
+        measured_6) - converged_part_95;
     const float by_converged_18 = then_2_converged_3 - (1.6650441f * chords_3_cosine_converged_3) + (1.6671385f *
         chords_3_sine_converged_3);
     const float f17_argument_4 = by_converged_18 * by_converged_18;
@@ -897,10 +895,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_21 = by_converged_18 * f18_polynomial(f17_argument_4);
     const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_converged_21) + (start_cosine_converged_6 *
         by_sine_converged_21);
-    const float converged_part_97 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
-    const float converged_part_98 = converged_part_97 * converged_part_20;
-    const float residuals_6_converged_4 = converged_part_96 - (phasors_6_sine_converged_3 * (converged_part_18 +
-        (converged_part_97 * (converged_part_19 + converged_part_98))));
+    const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
+    const float converged_part_97 = converged_part_96 * converged_part_19;
+    const float converged_part_98 = phasors_6_sine_converged_3 * (converged_part_17 + (converged_part_96 *
+        (converged_part_18 + converged_part_97)));
+    const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) + (turns_3_sine_converged_3 *
+        measured_5) - converged_part_98;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
@@ -908,34 +908,34 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
     const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_80) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_16) - (ax_part_full *
-        by_sine_converged_16)) * (converged_part_2 + (converged_part_82 * (converged_part_3_scaled + (5.0f *
-        converged_part_83))));
-    const float rows_1_3_converged_4 = converged_part_84 + (rows_1_1_converged_4 * ((1.5812683f *
-        turns_3_sine_converged_3) - (1.5833627f * turns_3_cosine_converged_3)));
+        by_sine_converged_16)) * (converged_part + (converged_part_81 * (converged_part_2_scaled + (5.0f *
+        converged_part_82))));
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) - (1.5833627f *
+        turns_3_cosine_converged_3))) + converged_part_86;
     const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_17) - (ay_part_full *
-        by_sine_converged_17)) * (converged_part_2 + (converged_part_85 * (converged_part_3_scaled + (5.0f *
-        converged_part_86))));
-    const float converged_part_99 = converged_part_81 - (rows_2_2_converged_4 * ((-1.5812683f *
+        by_sine_converged_17)) * (converged_part + (converged_part_84 * (converged_part_2_scaled + (5.0f *
+        converged_part_85))));
+    const float converged_part_99 = converged_part_83 - (rows_2_2_converged_4 * ((-1.5812683f *
         turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
     const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_18) - (bx_part_full *
-        by_sine_converged_18)) * (converged_part_10 + (converged_part_88 * (converged_part_11_scaled + (5.0f *
-        converged_part_89))));
-    const float rows_3_3_converged_4 = converged_part_90 + (rows_3_1_converged_4 * ((0.0858702f *
-        turns_3_sine_converged_3) - (0.08168141f * turns_3_cosine_converged_3)));
+        by_sine_converged_18)) * (converged_part_9 + (converged_part_87 * (converged_part_10_scaled + (5.0f *
+        converged_part_88))));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) - (0.08168141f *
+        turns_3_cosine_converged_3))) + converged_part_92;
     const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_19) - (by_part_full *
-        by_sine_converged_19)) * (converged_part_10 + (converged_part_91 * (converged_part_11_scaled + (5.0f *
-        converged_part_92))));
-    const float converged_part_100 = converged_part_87 - (rows_4_2_converged_4 * ((-0.0858702f *
+        by_sine_converged_19)) * (converged_part_9 + (converged_part_90 * (converged_part_10_scaled + (5.0f *
+        converged_part_91))));
+    const float converged_part_100 = converged_part_89 - (rows_4_2_converged_4 * ((-0.0858702f *
         turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
     const float rows_5_1_converged_4 = ((start_cosine_converged_5 * by_cosine_converged_20) - (cx_part_full *
-        by_sine_converged_20)) * (converged_part_18 + (converged_part_94 * (converged_part_19_scaled + (5.0f *
-        converged_part_95))));
-    const float rows_5_3_converged_4 = converged_part_96 + (rows_5_1_converged_4 * ((1.6650441f *
-        turns_3_cosine_converged_3) - (1.6671385f * turns_3_sine_converged_3)));
+        by_sine_converged_20)) * (converged_part_17 + (converged_part_93 * (converged_part_18_scaled + (5.0f *
+        converged_part_94))));
+    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) - (1.6671385f
+        * turns_3_sine_converged_3))) + converged_part_98;
     const float rows_6_2_converged_4 = ((start_cosine_converged_6 * by_cosine_converged_21) - (cy_part_full *
-        by_sine_converged_21)) * (converged_part_18 + (converged_part_97 * (converged_part_19_scaled + (5.0f *
-        converged_part_98))));
-    const float converged_part_101 = converged_part_93 - (rows_6_2_converged_4 * ((1.6671385f *
+        by_sine_converged_21)) * (converged_part_17 + (converged_part_96 * (converged_part_18_scaled + (5.0f *
+        converged_part_97))));
+    const float converged_part_101 = converged_part_95 - (rows_6_2_converged_4 * ((1.6671385f *
         turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
         rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
@@ -983,8 +983,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         by_sine_converged_22);
     const float turns_3_sine_converged_4 = (heading_sine * by_cosine_converged_22) + (heading_cosine *
         by_sine_converged_22);
-    const float converged_part_107 = (turns_3_cosine_converged_4 * used_1_times_V_ax) - (turns_3_sine_converged_4 *
-        used_1_times_V_ay);
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
         ((gradient_1_converged_4 * converged_part_102) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
@@ -1000,12 +998,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_23 = by_converged_19 * f12_polynomial(f11_argument_7);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_23) + (start_cosine_converged *
         by_sine_converged_23);
-    const float converged_part_108 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_109 = converged_part_108 * converged_part_4;
-    const float residuals_1_converged_5 = converged_part_107 - (phasors_1_sine_converged_4 * (converged_part_2 +
-        (converged_part_108 * (converged_part_3 + converged_part_109))));
-    const float converged_part_110 = (turns_3_cosine_converged_4 * used_1_times_V_ay) + (turns_3_sine_converged_4 *
-        used_1_times_V_ax);
+    const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_108 = converged_part_107 * converged_part_3;
+    const float converged_part_109 = phasors_1_sine_converged_4 * (converged_part + (converged_part_107 *
+        (converged_part_2 + converged_part_108)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) - (turns_3_sine_converged_4 *
+        measured_2) - converged_part_109;
     const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
         ((gradient_2_converged_4 * converged_part_104) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_2_converged_3 + other_2_converged_3)), 0.5f);
@@ -1016,12 +1014,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_24 = by_converged_20 * f12_polynomial(f11_argument_8);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_24) + (start_cosine_converged_2 *
         by_sine_converged_24);
-    const float converged_part_111 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_112 = converged_part_111 * converged_part_4;
-    const float residuals_2_converged_5 = converged_part_110 - (phasors_2_sine_converged_4 * (converged_part_2 +
-        (converged_part_111 * (converged_part_3 + converged_part_112))));
-    const float converged_part_113 = (turns_3_cosine_converged_4 * used_2_times_V_bx) - (turns_3_sine_converged_4 *
-        used_2_times_V_by);
+    const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_111 = converged_part_110 * converged_part_3;
+    const float converged_part_112 = phasors_2_sine_converged_4 * (converged_part + (converged_part_110 *
+        (converged_part_2 + converged_part_111)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) + (turns_3_sine_converged_4 *
+        measured_1) - converged_part_112;
     const float by_converged_21 = hall_position_three_limit(then_1_converged_4 - (0.0858702f *
         chords_3_cosine_converged_4) - (0.08168141f * chords_3_sine_converged_4), 0.52349424f);
     const float f13_argument_7 = by_converged_21 * by_converged_21;
@@ -1029,12 +1027,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_25 = by_converged_21 * f14_polynomial(f13_argument_7);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_25) + (start_cosine_converged_3 *
         by_sine_converged_25);
-    const float converged_part_114 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_115 = converged_part_114 * converged_part_12;
-    const float residuals_3_converged_5 = converged_part_113 - (phasors_3_sine_converged_4 * (converged_part_10 +
-        (converged_part_114 * (converged_part_11 + converged_part_115))));
-    const float converged_part_116 = (turns_3_cosine_converged_4 * used_2_times_V_by) + (turns_3_sine_converged_4 *
-        used_2_times_V_bx);
+    const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_114 = converged_part_113 * converged_part_11;
+    const float converged_part_115 = phasors_3_sine_converged_4 * (converged_part_9 + (converged_part_113 *
+        (converged_part_10 + converged_part_114)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) - (turns_3_sine_converged_4 *
+        measured_4) - converged_part_115;
     const float by_converged_22 = hall_position_three_limit(then_2_converged_4 + (0.08168141f *
         chords_3_cosine_converged_4) - (0.0858702f * chords_3_sine_converged_4), 0.52349424f);
     const float f13_argument_8 = by_converged_22 * by_converged_22;
@@ -1042,12 +1040,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_26 = by_converged_22 * f14_polynomial(f13_argument_8);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_26) + (start_cosine_converged_4 *
         by_sine_converged_26);
-    const float converged_part_117 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_118 = converged_part_117 * converged_part_12;
-    const float residuals_4_converged_5 = converged_part_116 - (phasors_4_sine_converged_4 * (converged_part_10 +
-        (converged_part_117 * (converged_part_11 + converged_part_118))));
-    const float converged_part_119 = (turns_3_cosine_converged_4 * used_3_times_V_cx) - (turns_3_sine_converged_4 *
-        used_3_times_V_cy);
+    const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_117 = converged_part_116 * converged_part_11;
+    const float converged_part_118 = phasors_4_sine_converged_4 * (converged_part_9 + (converged_part_116 *
+        (converged_part_10 + converged_part_117)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) + (turns_3_sine_converged_4 *
+        measured_3) - converged_part_118;
     const float by_converged_23 = then_1_converged_4 + (1.6671385f * chords_3_cosine_converged_4) + (1.6650441f *
         chords_3_sine_converged_4);
     const float f17_argument_5 = by_converged_23 * by_converged_23;
@@ -1055,12 +1053,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_27 = by_converged_23 * f18_polynomial(f17_argument_5);
     const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_converged_27) + (start_cosine_converged_5 *
         by_sine_converged_27);
-    const float converged_part_120 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
-    const float converged_part_121 = converged_part_120 * converged_part_20;
-    const float residuals_5_converged_5 = converged_part_119 - (phasors_5_sine_converged_4 * (converged_part_18 +
-        (converged_part_120 * (converged_part_19 + converged_part_121))));
-    const float converged_part_122 = (turns_3_cosine_converged_4 * used_3_times_V_cy) + (turns_3_sine_converged_4 *
-        used_3_times_V_cx);
+    const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
+    const float converged_part_120 = converged_part_119 * converged_part_19;
+    const float converged_part_121 = phasors_5_sine_converged_4 * (converged_part_17 + (converged_part_119 *
+        (converged_part_18 + converged_part_120)));
+    const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) - (turns_3_sine_converged_4 *
+        measured_6) - converged_part_121;
     const float by_converged_24 = then_2_converged_4 - (1.6650441f * chords_3_cosine_converged_4) + (1.6671385f *
         chords_3_sine_converged_4);
     const float f17_argument_6 = by_converged_24 * by_converged_24;
@@ -1068,10 +1066,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_28 = by_converged_24 * f18_polynomial(f17_argument_6);
     const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_converged_28) + (start_cosine_converged_6 *
         by_sine_converged_28);
-    const float converged_part_123 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
-    const float converged_part_124 = converged_part_123 * converged_part_20;
-    const float residuals_6_converged_5 = converged_part_122 - (phasors_6_sine_converged_4 * (converged_part_18 +
-        (converged_part_123 * (converged_part_19 + converged_part_124))));
+    const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
+    const float converged_part_123 = converged_part_122 * converged_part_19;
+    const float converged_part_124 = phasors_6_sine_converged_4 * (converged_part_17 + (converged_part_122 *
+        (converged_part_18 + converged_part_123)));
+    const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) + (turns_3_sine_converged_4 *
+        measured_5) - converged_part_124;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
         residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
         residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) + (residuals_6_converged_5 *
@@ -1087,14 +1087,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_106)
         + 1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_23) - (ax_part_full *
-        by_sine_converged_23)) * (converged_part_2 + (converged_part_108 * (converged_part_3_scaled + (5.0f *
-        converged_part_109))));
+        by_sine_converged_23)) * (converged_part + (converged_part_107 * (converged_part_2_scaled + (5.0f *
+        converged_part_108))));
     const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_25) - (bx_part_full *
-        by_sine_converged_25)) * (converged_part_10 + (converged_part_114 * (converged_part_11_scaled + (5.0f *
-        converged_part_115))));
+        by_sine_converged_25)) * (converged_part_9 + (converged_part_113 * (converged_part_10_scaled + (5.0f *
+        converged_part_114))));
     const float rows_5_1_converged_5 = ((start_cosine_converged_5 * by_cosine_converged_27) - (cx_part_full *
-        by_sine_converged_27)) * (converged_part_18 + (converged_part_120 * (converged_part_19_scaled + (5.0f *
-        converged_part_121))));
+        by_sine_converged_27)) * (converged_part_17 + (converged_part_119 * (converged_part_18_scaled + (5.0f *
+        converged_part_120))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
         residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) - (0.00992376f *
         then_1_converged_4);
@@ -1102,31 +1102,31 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
     const float converged_part_125 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_24) - (ay_part_full *
-        by_sine_converged_24)) * (converged_part_2 + (converged_part_111 * (converged_part_3_scaled + (5.0f *
-        converged_part_112))));
+        by_sine_converged_24)) * (converged_part + (converged_part_110 * (converged_part_2_scaled + (5.0f *
+        converged_part_111))));
     const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_26) - (by_part_full *
-        by_sine_converged_26)) * (converged_part_10 + (converged_part_117 * (converged_part_11_scaled + (5.0f *
-        converged_part_118))));
+        by_sine_converged_26)) * (converged_part_9 + (converged_part_116 * (converged_part_10_scaled + (5.0f *
+        converged_part_117))));
     const float rows_6_2_converged_5 = ((start_cosine_converged_6 * by_cosine_converged_28) - (cy_part_full *
-        by_sine_converged_28)) * (converged_part_18 + (converged_part_123 * (converged_part_19_scaled + (5.0f *
-        converged_part_124))));
+        by_sine_converged_28)) * (converged_part_17 + (converged_part_122 * (converged_part_18_scaled + (5.0f *
+        converged_part_123))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
         residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) - (0.00992376f *
         then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
         rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
     const float converged_part_126 = gradient_2_converged_5 * inverse_2;
-    const float rows_1_3_converged_5 = converged_part_110 + (rows_1_1_converged_5 * ((1.5812683f *
-        turns_3_sine_converged_4) - (1.5833627f * turns_3_cosine_converged_4)));
-    const float converged_part_127 = converged_part_107 - (rows_2_2_converged_5 * ((-1.5812683f *
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) - (1.5833627f *
+        turns_3_cosine_converged_4))) + converged_part_112;
+    const float converged_part_127 = converged_part_109 - (rows_2_2_converged_5 * ((-1.5812683f *
         turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
-    const float rows_3_3_converged_5 = converged_part_116 + (rows_3_1_converged_5 * ((0.0858702f *
-        turns_3_sine_converged_4) - (0.08168141f * turns_3_cosine_converged_4)));
-    const float converged_part_128 = converged_part_113 - (rows_4_2_converged_5 * ((-0.0858702f *
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) - (0.08168141f *
+        turns_3_cosine_converged_4))) + converged_part_118;
+    const float converged_part_128 = converged_part_115 - (rows_4_2_converged_5 * ((-0.0858702f *
         turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
-    const float rows_5_3_converged_5 = converged_part_122 + (rows_5_1_converged_5 * ((1.6650441f *
-        turns_3_cosine_converged_4) - (1.6671385f * turns_3_sine_converged_4)));
-    const float converged_part_129 = converged_part_119 - (rows_6_2_converged_5 * ((1.6671385f *
+    const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) - (1.6671385f
+        * turns_3_sine_converged_4))) + converged_part_124;
+    const float converged_part_129 = converged_part_121 - (rows_6_2_converged_5 * ((1.6671385f *
         turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
         rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);

@@ -53,10 +53,11 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block
     volts = channels.voltages(len(array.positions))
     count, w = len(volts), array.wave_number
     arms = [(w * x, w * y) for x, y in array.positions]
+    field = partial(planar.field, len(array.positions), 0.0, amplitude="amplitude")
     return glsdc_estimator.estimator(
         "estimator",
         time,
-        Implicit(partial(planar.residuals, len(array.positions), 0.0, amplitude="amplitude")),
+        Implicit(planar.turned(field, len(array.positions)).residual),
         glsdc_model.covariance([array.deviation] * count, [tuning.model_error] * count),
         channels=volts,
         unknowns=_unknowns(tuning),

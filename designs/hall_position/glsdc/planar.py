@@ -26,7 +26,7 @@ from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_solution
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_linearisation import Prediction
-from synth.blocks.glsdc_model import Implicit, Phase, Unknown
+from synth.blocks.glsdc_model import Measurement, Phase, Turned, Unknown
 from synth.blocks.glsdc_solution import Iteration, Normal
 from synth.signals import Signal
 
@@ -60,7 +60,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     ]
     volts = channels.voltages(len(array.positions))
     model = glsdc_jacobian.model(
-        Implicit(partial(residuals, len(array.positions), array.c, weighted=True)),
+        turned(partial(field, len(array.positions), array.c, weighted=True), len(array.positions)),
         array.deviation**2 * np.eye(len(volts)),
         volts,
         (),
@@ -79,6 +79,7 @@ def solve(
     """Return the solution of a sample from a predicted pose, without the sensors that are `excluded`."""
     measured = [u[f"{s.name}_held"] for s in of.model.channels]
     used = [1 - each for each in excluded] if excluded is not None else [ca.SX(1)] * len(of.array.positions)
+    measured = [used[n // 2] * volts for n, volts in enumerate(measured)]
     constants = ca.vertcat(*(k[c.name] for c in field_constants(of.array)), *used)
     prediction = glsdc_linearisation.predict(of.model, [pose[n] for n in POSE], measured, constants, named)
     sample = glsdc_solution.Problem(of.model, prediction, [ca.SX(0)] * len(POSE), None)
@@ -117,20 +118,22 @@ def _phase(axis: str, arm: Pair) -> Callable[[Exprs, Exprs], ca.SX]:
     return phase
 
 
-def residuals(
-    sensors: int, c: float, q: Exprs, y: Exprs, k: Exprs, amplitude: str = "", weighted: bool = False
-) -> Exprs:
-    """Return the residuals of the sensors, V, in the axes of the field; `amplitude` is the name of its unknown.
+def turned(of: Measurement, sensors: int) -> Turned:
+    """Return the model of sensors in a field, by its voltages in fixed axes."""
+    return Turned(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])
 
-    If they are `weighted`, the voltages and the field of each sensor are multiplied by its weight.
+
+def field(sensors: int, c: float, q: Exprs, k: Exprs, amplitude: str = "", weighted: bool = False) -> Exprs:
+    """Return the voltages of the sensors, V, in the axes of the field; `amplitude` is the name of its unknown.
+
+    If they are `weighted`, the field of each sensor is multiplied by its weight.
     """
-    of, cosine, sine = {}, q["cos_yaw"], q["sin_yaw"]
+    of = {}
     for letter in ascii_lowercase[:sensors]:
         weight = k[f"weight_{letter}"] if weighted else ca.SX(1)
-        vx, vy = weight * y[f"V_{letter}x"], weight * y[f"V_{letter}y"]
         f1, f3, f5 = (weight * k[f"field_{n}"] for n in (1, 3, 5))
-        for axis, v in (("x", cosine * vx - sine * vy), ("y", cosine * vy + sine * vx)):
+        for axis in AXES:
             p = q[f"sin_{letter}{axis}"]
-            field = p * (f1 + p**2 * (f3 + p**2 * f5))
-            of[f"V_{letter}{axis}"] = v - (q[amplitude] * field if amplitude else weight * c + field)
+            value = p * (f1 + p**2 * (f3 + p**2 * f5))
+            of[f"V_{letter}{axis}"] = q[amplitude] * value if amplitude else weight * c + value
     return of
