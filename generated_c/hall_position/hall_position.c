@@ -1,9 +1,11 @@
 /* hall_position. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(HALL_POSITION_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -74,38 +76,31 @@ static inline float f3_polynomial(float t)
 
 /* ax_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
  * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2; relative error at
- * most 1.9e-07. */
+ * most 1.1e-07. */
 static inline float ax_part_cosine_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.0078124558f + (t * (1.016805e-05f + (t * -5.1534967e-09f)))));
+    return 1.0f + (t * (-0.0078125f + (t * (1.0172516e-05f + (t * (-5.2972737e-09f + (t * 1.4511657e-12f)))))));
 }
 
-/* f5_polynomial; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
- * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 6e-08. */
+/* f5_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999994f + (t * 0.041647233f)));
+    return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* f6_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
- * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 2.1e-07. */
-static inline float f6_polynomial(float t)
-{
-    return 0.9999999f + (t * -0.16658026f);
-}
-
-/* f7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
+/* f6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
  * 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f7_polynomial(float t)
+static inline float f6_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.001388265f + (t * 2.4109138e-05f)))))));
 }
 
-/* f8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
+/* f7_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
  * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f8_polynomial(float t)
+static inline float f7_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
@@ -119,9 +114,21 @@ void hall_position_init(hall_position_state_t *state)
     };
 }
 
+#if defined(HALL_POSITION_DIAGNOSTICS)
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 {
+    return hall_position_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t hall_position_step_diagnosed(hall_position_state_t *state, const hall_position_input_t *in,
+    hall_position_output_t *out,
+    hall_position_diagnostics_t *diagnostics)
+#else
+uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
+#endif
+{
     static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -131,6 +138,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
+#if defined(HALL_POSITION_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u, &faults);
@@ -180,12 +193,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = 8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine *
-        ax_part_sine))));
-    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
+    const float ax_part_doubled = hall_position_limit(8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f *
+        (ax_part_sine * ax_part_sine)))), 2.002f);
     const float sines_2_ax_part_full = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full * sines_2_ax_part_full)));
-    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
+    const float ax_part_full = hall_position_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full *
+        sines_2_ax_part_full))), 1.001f);
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
@@ -195,12 +207,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = 8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine *
-        ay_part_sine))));
-    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
+    const float ay_part_doubled = hall_position_limit(8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f *
+        (ay_part_sine * ay_part_sine)))), 2.002f);
     const float sines_2_ay_part_full = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full * sines_2_ay_part_full)));
-    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
+    const float ay_part_full = hall_position_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full *
+        sines_2_ay_part_full))), 1.001f);
     const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_3 = limited_bx * limited_bx;
@@ -208,12 +219,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float bx_part_sine = 8.0f * f3_3;
     const float bx_part_cosine = ax_part_cosine_polynomial(f3_argument_3);
     const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
-    const float bx_part_doubled = 8.0f * (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine *
-        bx_part_sine))));
-    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
+    const float bx_part_doubled = hall_position_limit(8.0f * (f3_3_times_bx_part_cosine * (1.0f - (0.03125f *
+        (bx_part_sine * bx_part_sine)))), 2.002f);
     const float sines_2_bx_part_full = 8.0f * f3_3_times_bx_part_cosine;
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx_part_full * sines_2_bx_part_full)));
-    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
+    const float bx_part_full = hall_position_limit(bx_part_doubled * (1.0f - (0.125f * (sines_2_bx_part_full *
+        sines_2_bx_part_full))), 1.001f);
     const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_4 = limited_by * limited_by;
@@ -221,12 +231,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_part_sine = 8.0f * f3_4;
     const float by_part_cosine = ax_part_cosine_polynomial(f3_argument_4);
     const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
-    const float by_part_doubled = 8.0f * (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine *
-        by_part_sine))));
-    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
+    const float by_part_doubled = hall_position_limit(8.0f * (f3_4_times_by_part_cosine * (1.0f - (0.03125f *
+        (by_part_sine * by_part_sine)))), 2.002f);
     const float sines_2_by_part_full = 8.0f * f3_4_times_by_part_cosine;
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full * sines_2_by_part_full)));
-    /*@ admit -1.001f <= by_part_full <= 1.001f; */
+    const float by_part_full = hall_position_limit(by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full *
+        sines_2_by_part_full))), 1.001f);
     const float start_cosine_converged = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float estimator_field_3_scaled = 3.0f * estimator_field_3;
@@ -286,67 +295,68 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) - (converged_part_10 *
         residuals_4_converged) - (row_1_converged * gradient_1_converged) - (row_2_converged * gradient_2_converged)) /
         converged_part_14, 0.10100254f);
+    const float half_converged = root_2 * sinf(0.5f * then_3_converged);
+    const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
-    const float by_cosine_converged = f5_polynomial(then_3_converged_squared);
-    const float by_sine_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
-    const float turns_3_cosine_converged = (heading_cosine * by_cosine_converged) - (heading_sine * by_sine_converged);
-    const float turns_3_sine_converged = (heading_sine * by_cosine_converged) + (heading_cosine * by_sine_converged);
+    const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
+    const float converged_part_15 = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float turns_3_cosine_converged = heading_cosine - converged_part_15;
+    const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
+    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) - (row_1_converged *
         then_3_converged), 0.5f);
-    const float converged_part_15 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged - heading_cosine,
-        0.10100254f);
-    const float converged_part_16 = three_quarters_pi * hall_position_limit(turns_3_sine_converged - heading_sine,
-        0.10100254f);
-    const float by_converged = then_1_converged - converged_part_15 + converged_part_16;
-    const float f7_argument = by_converged * by_converged;
-    const float by_cosine_converged_2 = f7_polynomial(f7_argument);
-    const float by_sine_converged_2 = by_converged * f8_polynomial(f7_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged_2) + (start_cosine_converged *
-        by_sine_converged_2);
-    const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_18 = converged_part_17 * estimator_field_5;
-    const float converged_part_19 = phasors_1_sine_converged * (estimator_field_1 + (converged_part_17 *
-        (estimator_field_3 + converged_part_18)));
+    const float converged_part_16 = three_quarters_pi * hall_position_limit(-converged_part_15, 0.10100254f);
+    const float converged_part_17 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
+    const float by_converged = then_1_converged - converged_part_16 + converged_part_17;
+    const float f6_argument = by_converged * by_converged;
+    const float by_cosine_converged = f6_polynomial(f6_argument);
+    const float by_sine_converged = by_converged * f7_polynomial(f6_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged) + (start_cosine_converged *
+        by_sine_converged);
+    const float converged_part_18 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_19 = converged_part_18 * estimator_field_5;
+    const float converged_part_20 = phasors_1_sine_converged * (estimator_field_1 + (converged_part_18 *
+        (estimator_field_3 + converged_part_19)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) - (turns_3_sine_converged * V_ay_held)
-        - converged_part_19;
+        - converged_part_20;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) - (row_2_converged *
         then_3_converged), 0.5f);
-    const float by_converged_2 = then_2_converged - converged_part_15 - converged_part_16;
-    const float f7_argument_2 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_3 = f7_polynomial(f7_argument_2);
-    const float by_sine_converged_3 = by_converged_2 * f8_polynomial(f7_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_3) + (start_cosine_converged_2 *
-        by_sine_converged_3);
-    const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_21 = converged_part_20 * estimator_field_5;
-    const float converged_part_22 = phasors_2_sine_converged * (estimator_field_1 + (converged_part_20 *
-        (estimator_field_3 + converged_part_21)));
+    const float by_converged_2 = then_2_converged - converged_part_16 - converged_part_17;
+    const float f6_argument_2 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f6_polynomial(f6_argument_2);
+    const float by_sine_converged_2 = by_converged_2 * f7_polynomial(f6_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_2) + (start_cosine_converged_2 *
+        by_sine_converged_2);
+    const float converged_part_21 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_22 = converged_part_21 * estimator_field_5;
+    const float converged_part_23 = phasors_2_sine_converged * (estimator_field_1 + (converged_part_21 *
+        (estimator_field_3 + converged_part_22)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) + (turns_3_sine_converged * V_ax_held)
-        - converged_part_22;
-    const float by_converged_3 = then_1_converged + converged_part_15 - converged_part_16;
-    const float f7_argument_3 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_4 = f7_polynomial(f7_argument_3);
-    const float by_sine_converged_4 = by_converged_3 * f8_polynomial(f7_argument_3);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_4) + (start_cosine_converged_3 *
-        by_sine_converged_4);
-    const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_24 = converged_part_23 * estimator_field_5;
-    const float converged_part_25 = phasors_3_sine_converged * (estimator_field_1 + (converged_part_23 *
-        (estimator_field_3 + converged_part_24)));
+        - converged_part_23;
+    const float by_converged_3 = then_1_converged + converged_part_16 - converged_part_17;
+    const float f6_argument_3 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f6_polynomial(f6_argument_3);
+    const float by_sine_converged_3 = by_converged_3 * f7_polynomial(f6_argument_3);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_3) + (start_cosine_converged_3 *
+        by_sine_converged_3);
+    const float converged_part_24 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_25 = converged_part_24 * estimator_field_5;
+    const float converged_part_26 = phasors_3_sine_converged * (estimator_field_1 + (converged_part_24 *
+        (estimator_field_3 + converged_part_25)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) - (turns_3_sine_converged * V_by_held)
-        - converged_part_25;
-    const float by_converged_4 = then_2_converged + converged_part_15 + converged_part_16;
-    const float f7_argument_4 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_5 = f7_polynomial(f7_argument_4);
-    const float by_sine_converged_5 = by_converged_4 * f8_polynomial(f7_argument_4);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_5) + (start_cosine_converged_4 *
-        by_sine_converged_5);
-    const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_27 = converged_part_26 * estimator_field_5;
-    const float converged_part_28 = phasors_4_sine_converged * (estimator_field_1 + (converged_part_26 *
-        (estimator_field_3 + converged_part_27)));
+        - converged_part_26;
+    const float by_converged_4 = then_2_converged + converged_part_16 + converged_part_17;
+    const float f6_argument_4 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f6_polynomial(f6_argument_4);
+    const float by_sine_converged_4 = by_converged_4 * f7_polynomial(f6_argument_4);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_4) + (start_cosine_converged_4 *
+        by_sine_converged_4);
+    const float converged_part_27 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_28 = converged_part_27 * estimator_field_5;
+    const float converged_part_29 = phasors_4_sine_converged * (estimator_field_1 + (converged_part_27 *
+        (estimator_field_3 + converged_part_28)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) + (turns_3_sine_converged * V_bx_held)
-        - converged_part_28;
+        - converged_part_29;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
         residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
         residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) + (0.00992376f *
@@ -355,391 +365,391 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         residuals_2_converged) + (residuals_3_converged * residuals_3_converged) + (residuals_4_converged *
         residuals_4_converged);
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
-    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged_2) - (ax_part_full *
-        by_sine_converged_2)) * (estimator_field_1 + (converged_part_17 * (estimator_field_3_scaled + (5.0f *
-        converged_part_18))));
-    const float converged_part_29 = three_quarters_pi * turns_3_cosine_converged;
-    const float converged_part_30 = three_quarters_pi * turns_3_sine_converged;
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_29 + converged_part_30)) +
-        converged_part_22;
-    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_3) - (ay_part_full *
-        by_sine_converged_3)) * (estimator_field_1 + (converged_part_20 * (estimator_field_3_scaled + (5.0f *
-        converged_part_21))));
-    const float converged_part_31 = converged_part_19 - (rows_2_2_converged_2 * (converged_part_30 -
-        converged_part_29));
-    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_4) - (bx_part_full *
-        by_sine_converged_4)) * (estimator_field_1 + (converged_part_23 * (estimator_field_3_scaled + (5.0f *
-        converged_part_24))));
-    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
-        converged_part_30)) + converged_part_28;
-    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_5) - (by_part_full *
-        by_sine_converged_5)) * (estimator_field_1 + (converged_part_26 * (estimator_field_3_scaled + (5.0f *
-        converged_part_27))));
-    const float converged_part_32 = converged_part_25 - (rows_4_2_converged_2 * (converged_part_29 -
+    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged) - (ax_part_full *
+        by_sine_converged)) * (estimator_field_1 + (converged_part_18 * (estimator_field_3_scaled + (5.0f *
+        converged_part_19))));
+    const float converged_part_30 = three_quarters_pi * turns_3_cosine_converged;
+    const float converged_part_31 = three_quarters_pi * turns_3_sine_converged;
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_30 + converged_part_31)) +
+        converged_part_23;
+    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_2) - (ay_part_full *
+        by_sine_converged_2)) * (estimator_field_1 + (converged_part_21 * (estimator_field_3_scaled + (5.0f *
+        converged_part_22))));
+    const float converged_part_32 = converged_part_20 - (rows_2_2_converged_2 * (converged_part_31 -
         converged_part_30));
+    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_3) - (bx_part_full *
+        by_sine_converged_3)) * (estimator_field_1 + (converged_part_24 * (estimator_field_3_scaled + (5.0f *
+        converged_part_25))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
+        converged_part_31)) + converged_part_29;
+    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_4) - (by_part_full *
+        by_sine_converged_4)) * (estimator_field_1 + (converged_part_27 * (estimator_field_3_scaled + (5.0f *
+        converged_part_28))));
+    const float converged_part_33 = converged_part_26 - (rows_4_2_converged_2 * (converged_part_30 -
+        converged_part_31));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
         rows_3_1_converged_2);
-    const float converged_part_33 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
+    const float converged_part_34 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
         rows_3_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_33, 8330.405f);
+    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_34, 8330.405f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
         residuals_3_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_34 = (converged_part_31 * rows_2_2_converged_2) + (converged_part_32 *
+    const float converged_part_35 = (converged_part_32 * rows_2_2_converged_2) + (converged_part_33 *
         rows_4_2_converged_2);
-    const float converged_part_35 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
+    const float converged_part_36 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
         rows_4_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_limit(-(converged_part_34 * converged_part_35), 8330.405f);
+    const float row_2_converged_2 = hall_position_limit(-(converged_part_35 * converged_part_36), 8330.405f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
         residuals_4_converged_2) - (0.00992376f * then_2_converged);
-    const float converged_part_36 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_31
-        * converged_part_31) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_32 * converged_part_32) +
-        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_34), 2.7546635f);
+    const float converged_part_37 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_32
+        * converged_part_32) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_33 * converged_part_33) +
+        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_35), 2.7546635f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
-    float converged_part_37 = cost_converged;
+    float converged_part_38 = cost_converged;
     if (!better_converged) {
         other_3_converged = 0.0f;
         other_1_converged = 0.0f;
         other_2_converged = 0.0f;
-        converged_part_37 = squares_converged;
+        converged_part_38 = squares_converged;
     }
-    const float converged_part_38 = (better_converged) ? (then_3_converged + (((rows_1_3_converged_2 *
-        residuals_1_converged_2) - (converged_part_31 * residuals_2_converged_2) + (rows_3_3_converged_2 *
-        residuals_3_converged_2) - (converged_part_32 * residuals_4_converged_2) - (2.7546635f * then_3_converged) -
+    const float converged_part_39 = (better_converged) ? (then_3_converged + (((rows_1_3_converged_2 *
+        residuals_1_converged_2) - (converged_part_32 * residuals_2_converged_2) + (rows_3_3_converged_2 *
+        residuals_3_converged_2) - (converged_part_33 * residuals_4_converged_2) - (2.7546635f * then_3_converged) -
         (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2)) /
-        converged_part_36)) : (0.5f * (then_3_converged + other_3_converged));
-    const float then_3_converged_2 = hall_position_limit(converged_part_38, 0.10100254f);
+        converged_part_37)) : (0.5f * (then_3_converged + other_3_converged));
+    const float then_3_converged_2 = hall_position_limit(converged_part_39, 0.10100254f);
+    const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
+    const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
-    const float by_cosine_converged_6 = f5_polynomial(then_3_converged_2_squared);
-    const float by_sine_converged_6 = then_3_converged_2 * f6_polynomial(then_3_converged_2_squared);
-    const float turns_3_cosine_converged_2 = (heading_cosine * by_cosine_converged_6) - (heading_sine *
-        by_sine_converged_6);
-    const float turns_3_sine_converged_2 = (heading_sine * by_cosine_converged_6) + (heading_cosine *
-        by_sine_converged_6);
+    const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
+    const float converged_part_40 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float turns_3_cosine_converged_2 = heading_cosine - converged_part_40;
+    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) - (heading_sine *
+        half_converged_2_squared);
+    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_limit((better_converged) ? (then_1_converged +
-        ((gradient_1_converged_2 * converged_part_33) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
+        ((gradient_1_converged_2 * converged_part_34) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
         (then_1_converged + other_1_converged)), 0.5f);
-    const float converged_part_39 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_2 - heading_cosine,
-        0.10100254f);
-    const float converged_part_40 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_2 - heading_sine,
-        0.10100254f);
-    const float by_converged_5 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
+    const float converged_part_41 = three_quarters_pi * hall_position_limit(-converged_part_40, 0.10100254f);
+    const float converged_part_42 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
+    const float by_converged_5 = hall_position_limit(then_1_converged_2 - converged_part_41 + converged_part_42,
         0.97596323f);
-    const float f7_argument_5 = by_converged_5 * by_converged_5;
-    const float by_cosine_converged_7 = f7_polynomial(f7_argument_5);
-    const float by_sine_converged_7 = by_converged_5 * f8_polynomial(f7_argument_5);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_7) + (start_cosine_converged *
-        by_sine_converged_7);
-    const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_42 = converged_part_41 * estimator_field_5;
-    const float converged_part_43 = phasors_1_sine_converged_2 * (estimator_field_1 + (converged_part_41 *
-        (estimator_field_3 + converged_part_42)));
+    const float f6_argument_5 = by_converged_5 * by_converged_5;
+    const float by_cosine_converged_5 = f6_polynomial(f6_argument_5);
+    const float by_sine_converged_5 = by_converged_5 * f7_polynomial(f6_argument_5);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_5) + (start_cosine_converged *
+        by_sine_converged_5);
+    const float converged_part_43 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_44 = converged_part_43 * estimator_field_5;
+    const float converged_part_45 = phasors_1_sine_converged_2 * (estimator_field_1 + (converged_part_43 *
+        (estimator_field_3 + converged_part_44)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) - (turns_3_sine_converged_2 *
-        V_ay_held) - converged_part_43;
+        V_ay_held) - converged_part_45;
     const float then_2_converged_2 = hall_position_limit((better_converged) ? (then_2_converged +
-        ((gradient_2_converged_2 * converged_part_35) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
+        ((gradient_2_converged_2 * converged_part_36) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
         (then_2_converged + other_2_converged)), 0.5f);
-    const float by_converged_6 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
+    const float by_converged_6 = hall_position_limit(then_2_converged_2 - converged_part_41 - converged_part_42,
         0.97596323f);
-    const float f7_argument_6 = by_converged_6 * by_converged_6;
-    const float by_cosine_converged_8 = f7_polynomial(f7_argument_6);
-    const float by_sine_converged_8 = by_converged_6 * f8_polynomial(f7_argument_6);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_8) + (start_cosine_converged_2 *
-        by_sine_converged_8);
-    const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_45 = converged_part_44 * estimator_field_5;
-    const float converged_part_46 = phasors_2_sine_converged_2 * (estimator_field_1 + (converged_part_44 *
-        (estimator_field_3 + converged_part_45)));
+    const float f6_argument_6 = by_converged_6 * by_converged_6;
+    const float by_cosine_converged_6 = f6_polynomial(f6_argument_6);
+    const float by_sine_converged_6 = by_converged_6 * f7_polynomial(f6_argument_6);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_6) + (start_cosine_converged_2 *
+        by_sine_converged_6);
+    const float converged_part_46 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_47 = converged_part_46 * estimator_field_5;
+    const float converged_part_48 = phasors_2_sine_converged_2 * (estimator_field_1 + (converged_part_46 *
+        (estimator_field_3 + converged_part_47)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) + (turns_3_sine_converged_2 *
-        V_ax_held) - converged_part_46;
-    const float by_converged_7 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
+        V_ax_held) - converged_part_48;
+    const float by_converged_7 = hall_position_limit(then_1_converged_2 + converged_part_41 - converged_part_42,
         0.97596323f);
-    const float f7_argument_7 = by_converged_7 * by_converged_7;
-    const float by_cosine_converged_9 = f7_polynomial(f7_argument_7);
-    const float by_sine_converged_9 = by_converged_7 * f8_polynomial(f7_argument_7);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_9) + (start_cosine_converged_3 *
-        by_sine_converged_9);
-    const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_48 = converged_part_47 * estimator_field_5;
-    const float converged_part_49 = phasors_3_sine_converged_2 * (estimator_field_1 + (converged_part_47 *
-        (estimator_field_3 + converged_part_48)));
+    const float f6_argument_7 = by_converged_7 * by_converged_7;
+    const float by_cosine_converged_7 = f6_polynomial(f6_argument_7);
+    const float by_sine_converged_7 = by_converged_7 * f7_polynomial(f6_argument_7);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_7) + (start_cosine_converged_3 *
+        by_sine_converged_7);
+    const float converged_part_49 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_50 = converged_part_49 * estimator_field_5;
+    const float converged_part_51 = phasors_3_sine_converged_2 * (estimator_field_1 + (converged_part_49 *
+        (estimator_field_3 + converged_part_50)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) - (turns_3_sine_converged_2 *
-        V_by_held) - converged_part_49;
-    const float by_converged_8 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
+        V_by_held) - converged_part_51;
+    const float by_converged_8 = hall_position_limit(then_2_converged_2 + converged_part_41 + converged_part_42,
         0.97596323f);
-    const float f7_argument_8 = by_converged_8 * by_converged_8;
-    const float by_cosine_converged_10 = f7_polynomial(f7_argument_8);
-    const float by_sine_converged_10 = by_converged_8 * f8_polynomial(f7_argument_8);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_10) + (start_cosine_converged_4 *
-        by_sine_converged_10);
-    const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_51 = converged_part_50 * estimator_field_5;
-    const float converged_part_52 = phasors_4_sine_converged_2 * (estimator_field_1 + (converged_part_50 *
-        (estimator_field_3 + converged_part_51)));
+    const float f6_argument_8 = by_converged_8 * by_converged_8;
+    const float by_cosine_converged_8 = f6_polynomial(f6_argument_8);
+    const float by_sine_converged_8 = by_converged_8 * f7_polynomial(f6_argument_8);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_8) + (start_cosine_converged_4 *
+        by_sine_converged_8);
+    const float converged_part_52 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_53 = converged_part_52 * estimator_field_5;
+    const float converged_part_54 = phasors_4_sine_converged_2 * (estimator_field_1 + (converged_part_52 *
+        (estimator_field_3 + converged_part_53)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) + (turns_3_sine_converged_2 *
-        V_bx_held) - converged_part_52;
+        V_bx_held) - converged_part_54;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) + (0.00992376f *
         (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_37) + 1e-08f);
-    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_7) - (ax_part_full *
-        by_sine_converged_7)) * (estimator_field_1 + (converged_part_41 * (estimator_field_3_scaled + (5.0f *
-        converged_part_42))));
-    const float converged_part_53 = three_quarters_pi * turns_3_cosine_converged_2;
-    const float converged_part_54 = three_quarters_pi * turns_3_sine_converged_2;
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_53 + converged_part_54)) +
-        converged_part_46;
-    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_8) - (ay_part_full *
-        by_sine_converged_8)) * (estimator_field_1 + (converged_part_44 * (estimator_field_3_scaled + (5.0f *
-        converged_part_45))));
-    const float converged_part_55 = converged_part_43 - (rows_2_2_converged_3 * (converged_part_54 -
-        converged_part_53));
-    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_9) - (bx_part_full *
-        by_sine_converged_9)) * (estimator_field_1 + (converged_part_47 * (estimator_field_3_scaled + (5.0f *
-        converged_part_48))));
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_38) + 1e-08f);
+    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_5) - (ax_part_full *
+        by_sine_converged_5)) * (estimator_field_1 + (converged_part_43 * (estimator_field_3_scaled + (5.0f *
+        converged_part_44))));
+    const float converged_part_55 = three_quarters_pi * turns_3_cosine_converged_2;
+    const float converged_part_56 = three_quarters_pi * turns_3_sine_converged_2;
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_55 + converged_part_56)) +
+        converged_part_48;
+    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_6) - (ay_part_full *
+        by_sine_converged_6)) * (estimator_field_1 + (converged_part_46 * (estimator_field_3_scaled + (5.0f *
+        converged_part_47))));
+    const float converged_part_57 = converged_part_45 - (rows_2_2_converged_3 * (converged_part_56 -
+        converged_part_55));
+    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_7) - (bx_part_full *
+        by_sine_converged_7)) * (estimator_field_1 + (converged_part_49 * (estimator_field_3_scaled + (5.0f *
+        converged_part_50))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
-        converged_part_54)) + converged_part_52;
-    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_10) - (by_part_full *
-        by_sine_converged_10)) * (estimator_field_1 + (converged_part_50 * (estimator_field_3_scaled + (5.0f *
-        converged_part_51))));
-    const float converged_part_56 = converged_part_49 - (rows_4_2_converged_3 * (converged_part_53 -
-        converged_part_54));
+        converged_part_56)) + converged_part_54;
+    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_8) - (by_part_full *
+        by_sine_converged_8)) * (estimator_field_1 + (converged_part_52 * (estimator_field_3_scaled + (5.0f *
+        converged_part_53))));
+    const float converged_part_58 = converged_part_51 - (rows_4_2_converged_3 * (converged_part_55 -
+        converged_part_56));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
         rows_3_1_converged_3);
-    const float converged_part_57 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
+    const float converged_part_59 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
         rows_3_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_57, 8330.405f);
+    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_59, 8330.405f);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) + (rows_3_1_converged_3 *
         residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
-    const float converged_part_58 = (converged_part_55 * rows_2_2_converged_3) + (converged_part_56 *
+    const float converged_part_60 = (converged_part_57 * rows_2_2_converged_3) + (converged_part_58 *
         rows_4_2_converged_3);
-    const float converged_part_59 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
+    const float converged_part_61 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
         rows_4_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_limit(-(converged_part_58 * converged_part_59), 8330.405f);
+    const float row_2_converged_3 = hall_position_limit(-(converged_part_60 * converged_part_61), 8330.405f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) + (rows_4_2_converged_3 *
         residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
-    const float converged_part_60 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_55
-        * converged_part_55) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_56 * converged_part_56) +
-        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_58), 2.7546635f);
+    const float converged_part_62 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_57
+        * converged_part_57) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_58 * converged_part_58) +
+        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_60), 2.7546635f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_part_61 = cost_converged_2;
+    float converged_part_63 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_part_61 = converged_part_37;
+        converged_part_63 = converged_part_38;
     }
-    const float converged_part_62 = (better_converged_2) ? (then_3_converged_2 + (((rows_1_3_converged_3 *
-        residuals_1_converged_3) - (converged_part_55 * residuals_2_converged_3) + (rows_3_3_converged_3 *
-        residuals_3_converged_3) - (converged_part_56 * residuals_4_converged_3) - (2.7546635f * then_3_converged_2) -
+    const float converged_part_64 = (better_converged_2) ? (then_3_converged_2 + (((rows_1_3_converged_3 *
+        residuals_1_converged_3) - (converged_part_57 * residuals_2_converged_3) + (rows_3_3_converged_3 *
+        residuals_3_converged_3) - (converged_part_58 * residuals_4_converged_3) - (2.7546635f * then_3_converged_2) -
         (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3)) /
-        converged_part_60)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
-    const float then_3_converged_3 = hall_position_limit(converged_part_62, 0.10100254f);
+        converged_part_62)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
+    const float then_3_converged_3 = hall_position_limit(converged_part_64, 0.10100254f);
+    const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
+    const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
-    const float by_cosine_converged_11 = f5_polynomial(then_3_converged_3_squared);
-    const float by_sine_converged_11 = then_3_converged_3 * f6_polynomial(then_3_converged_3_squared);
-    const float turns_3_cosine_converged_3 = (heading_cosine * by_cosine_converged_11) - (heading_sine *
-        by_sine_converged_11);
-    const float turns_3_sine_converged_3 = (heading_sine * by_cosine_converged_11) + (heading_cosine *
-        by_sine_converged_11);
+    const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
+    const float converged_part_65 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float turns_3_cosine_converged_3 = heading_cosine - converged_part_65;
+    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) - (heading_sine *
+        half_converged_3_squared);
+    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_57) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
+        ((gradient_1_converged_3 * converged_part_59) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
         (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float converged_part_63 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_3 - heading_cosine,
-        0.10100254f);
-    const float converged_part_64 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_3 - heading_sine,
-        0.10100254f);
-    const float by_converged_9 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
+    const float converged_part_66 = three_quarters_pi * hall_position_limit(-converged_part_65, 0.10100254f);
+    const float converged_part_67 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
+    const float by_converged_9 = hall_position_limit(then_1_converged_3 - converged_part_66 + converged_part_67,
         0.97596323f);
-    const float f7_argument_9 = by_converged_9 * by_converged_9;
-    const float by_cosine_converged_12 = f7_polynomial(f7_argument_9);
-    const float by_sine_converged_12 = by_converged_9 * f8_polynomial(f7_argument_9);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_12) + (start_cosine_converged *
-        by_sine_converged_12);
-    const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_66 = converged_part_65 * estimator_field_5;
-    const float converged_part_67 = phasors_1_sine_converged_3 * (estimator_field_1 + (converged_part_65 *
-        (estimator_field_3 + converged_part_66)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) - (turns_3_sine_converged_3 *
-        V_ay_held) - converged_part_67;
-    const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_59) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_converged_10 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
-        0.97596323f);
-    const float f7_argument_10 = by_converged_10 * by_converged_10;
-    const float by_cosine_converged_13 = f7_polynomial(f7_argument_10);
-    const float by_sine_converged_13 = by_converged_10 * f8_polynomial(f7_argument_10);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_13) + (start_cosine_converged_2 *
-        by_sine_converged_13);
-    const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float f6_argument_9 = by_converged_9 * by_converged_9;
+    const float by_cosine_converged_9 = f6_polynomial(f6_argument_9);
+    const float by_sine_converged_9 = by_converged_9 * f7_polynomial(f6_argument_9);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_9) + (start_cosine_converged *
+        by_sine_converged_9);
+    const float converged_part_68 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
     const float converged_part_69 = converged_part_68 * estimator_field_5;
-    const float converged_part_70 = phasors_2_sine_converged_3 * (estimator_field_1 + (converged_part_68 *
+    const float converged_part_70 = phasors_1_sine_converged_3 * (estimator_field_1 + (converged_part_68 *
         (estimator_field_3 + converged_part_69)));
-    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) + (turns_3_sine_converged_3 *
-        V_ax_held) - converged_part_70;
-    const float by_converged_11 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) - (turns_3_sine_converged_3 *
+        V_ay_held) - converged_part_70;
+    const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
+        ((gradient_2_converged_3 * converged_part_61) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
+        (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_converged_10 = hall_position_limit(then_2_converged_3 - converged_part_66 - converged_part_67,
         0.97596323f);
-    const float f7_argument_11 = by_converged_11 * by_converged_11;
-    const float by_cosine_converged_14 = f7_polynomial(f7_argument_11);
-    const float by_sine_converged_14 = by_converged_11 * f8_polynomial(f7_argument_11);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_14) + (start_cosine_converged_3 *
-        by_sine_converged_14);
-    const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float f6_argument_10 = by_converged_10 * by_converged_10;
+    const float by_cosine_converged_10 = f6_polynomial(f6_argument_10);
+    const float by_sine_converged_10 = by_converged_10 * f7_polynomial(f6_argument_10);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_10) + (start_cosine_converged_2 *
+        by_sine_converged_10);
+    const float converged_part_71 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
     const float converged_part_72 = converged_part_71 * estimator_field_5;
-    const float converged_part_73 = phasors_3_sine_converged_3 * (estimator_field_1 + (converged_part_71 *
+    const float converged_part_73 = phasors_2_sine_converged_3 * (estimator_field_1 + (converged_part_71 *
         (estimator_field_3 + converged_part_72)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) - (turns_3_sine_converged_3 *
-        V_by_held) - converged_part_73;
-    const float by_converged_12 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) + (turns_3_sine_converged_3 *
+        V_ax_held) - converged_part_73;
+    const float by_converged_11 = hall_position_limit(then_1_converged_3 + converged_part_66 - converged_part_67,
         0.97596323f);
-    const float f7_argument_12 = by_converged_12 * by_converged_12;
-    const float by_cosine_converged_15 = f7_polynomial(f7_argument_12);
-    const float by_sine_converged_15 = by_converged_12 * f8_polynomial(f7_argument_12);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_15) + (start_cosine_converged_4 *
-        by_sine_converged_15);
-    const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float f6_argument_11 = by_converged_11 * by_converged_11;
+    const float by_cosine_converged_11 = f6_polynomial(f6_argument_11);
+    const float by_sine_converged_11 = by_converged_11 * f7_polynomial(f6_argument_11);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_11) + (start_cosine_converged_3 *
+        by_sine_converged_11);
+    const float converged_part_74 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
     const float converged_part_75 = converged_part_74 * estimator_field_5;
-    const float converged_part_76 = phasors_4_sine_converged_3 * (estimator_field_1 + (converged_part_74 *
+    const float converged_part_76 = phasors_3_sine_converged_3 * (estimator_field_1 + (converged_part_74 *
         (estimator_field_3 + converged_part_75)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) - (turns_3_sine_converged_3 *
+        V_by_held) - converged_part_76;
+    const float by_converged_12 = hall_position_limit(then_2_converged_3 + converged_part_66 + converged_part_67,
+        0.97596323f);
+    const float f6_argument_12 = by_converged_12 * by_converged_12;
+    const float by_cosine_converged_12 = f6_polynomial(f6_argument_12);
+    const float by_sine_converged_12 = by_converged_12 * f7_polynomial(f6_argument_12);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_12) + (start_cosine_converged_4 *
+        by_sine_converged_12);
+    const float converged_part_77 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_78 = converged_part_77 * estimator_field_5;
+    const float converged_part_79 = phasors_4_sine_converged_3 * (estimator_field_1 + (converged_part_77 *
+        (estimator_field_3 + converged_part_78)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) + (turns_3_sine_converged_3 *
-        V_bx_held) - converged_part_76;
+        V_bx_held) - converged_part_79;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) + (0.00992376f *
         (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_61) + 1e-08f);
-    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_12) - (ax_part_full *
-        by_sine_converged_12)) * (estimator_field_1 + (converged_part_65 * (estimator_field_3_scaled + (5.0f *
-        converged_part_66))));
-    const float converged_part_77 = three_quarters_pi * turns_3_cosine_converged_3;
-    const float converged_part_78 = three_quarters_pi * turns_3_sine_converged_3;
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_77 + converged_part_78)) +
-        converged_part_70;
-    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_13) - (ay_part_full *
-        by_sine_converged_13)) * (estimator_field_1 + (converged_part_68 * (estimator_field_3_scaled + (5.0f *
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_63) + 1e-08f);
+    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_9) - (ax_part_full *
+        by_sine_converged_9)) * (estimator_field_1 + (converged_part_68 * (estimator_field_3_scaled + (5.0f *
         converged_part_69))));
-    const float converged_part_79 = converged_part_67 - (rows_2_2_converged_4 * (converged_part_78 -
-        converged_part_77));
-    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_14) - (bx_part_full *
-        by_sine_converged_14)) * (estimator_field_1 + (converged_part_71 * (estimator_field_3_scaled + (5.0f *
+    const float converged_part_80 = three_quarters_pi * turns_3_cosine_converged_3;
+    const float converged_part_81 = three_quarters_pi * turns_3_sine_converged_3;
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_80 + converged_part_81)) +
+        converged_part_73;
+    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_10) - (ay_part_full *
+        by_sine_converged_10)) * (estimator_field_1 + (converged_part_71 * (estimator_field_3_scaled + (5.0f *
         converged_part_72))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
-        converged_part_78)) + converged_part_76;
-    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_15) - (by_part_full *
-        by_sine_converged_15)) * (estimator_field_1 + (converged_part_74 * (estimator_field_3_scaled + (5.0f *
+    const float converged_part_82 = converged_part_70 - (rows_2_2_converged_4 * (converged_part_81 -
+        converged_part_80));
+    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_11) - (bx_part_full *
+        by_sine_converged_11)) * (estimator_field_1 + (converged_part_74 * (estimator_field_3_scaled + (5.0f *
         converged_part_75))));
-    const float converged_part_80 = converged_part_73 - (rows_4_2_converged_4 * (converged_part_77 -
-        converged_part_78));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
+        converged_part_81)) + converged_part_79;
+    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_12) - (by_part_full *
+        by_sine_converged_12)) * (estimator_field_1 + (converged_part_77 * (estimator_field_3_scaled + (5.0f *
+        converged_part_78))));
+    const float converged_part_83 = converged_part_76 - (rows_4_2_converged_4 * (converged_part_80 -
+        converged_part_81));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
         rows_3_1_converged_4);
-    const float converged_part_81 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
+    const float converged_part_84 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
         rows_3_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_81, 8330.405f);
+    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_84, 8330.405f);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) + (rows_3_1_converged_4 *
         residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
-    const float converged_part_82 = (converged_part_79 * rows_2_2_converged_4) + (converged_part_80 *
+    const float converged_part_85 = (converged_part_82 * rows_2_2_converged_4) + (converged_part_83 *
         rows_4_2_converged_4);
-    const float converged_part_83 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
+    const float converged_part_86 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
         rows_4_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_limit(-(converged_part_82 * converged_part_83), 8330.405f);
+    const float row_2_converged_4 = hall_position_limit(-(converged_part_85 * converged_part_86), 8330.405f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) + (rows_4_2_converged_4 *
         residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
-    const float converged_part_84 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_79
-        * converged_part_79) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_80 * converged_part_80) +
-        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_82), 2.7546635f);
+    const float converged_part_87 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_82
+        * converged_part_82) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_83 * converged_part_83) +
+        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_85), 2.7546635f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_part_85 = cost_converged_3;
+    float converged_part_88 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_part_85 = converged_part_61;
+        converged_part_88 = converged_part_63;
     }
-    const float converged_part_86 = (better_converged_3) ? (then_3_converged_3 + (((rows_1_3_converged_4 *
-        residuals_1_converged_4) - (converged_part_79 * residuals_2_converged_4) + (rows_3_3_converged_4 *
-        residuals_3_converged_4) - (converged_part_80 * residuals_4_converged_4) - (2.7546635f * then_3_converged_3) -
+    const float converged_part_89 = (better_converged_3) ? (then_3_converged_3 + (((rows_1_3_converged_4 *
+        residuals_1_converged_4) - (converged_part_82 * residuals_2_converged_4) + (rows_3_3_converged_4 *
+        residuals_3_converged_4) - (converged_part_83 * residuals_4_converged_4) - (2.7546635f * then_3_converged_3) -
         (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) /
-        converged_part_84)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
-    const float then_3_converged_4 = hall_position_limit(converged_part_86, 0.10100254f);
+        converged_part_87)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
+    const float then_3_converged_4 = hall_position_limit(converged_part_89, 0.10100254f);
+    const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
+    const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
-    const float by_cosine_converged_16 = f5_polynomial(then_3_converged_4_squared);
-    const float by_sine_converged_16 = then_3_converged_4 * f6_polynomial(then_3_converged_4_squared);
-    const float turns_3_cosine_converged_4 = (heading_cosine * by_cosine_converged_16) - (heading_sine *
-        by_sine_converged_16);
-    const float turns_3_sine_converged_4 = (heading_sine * by_cosine_converged_16) + (heading_cosine *
-        by_sine_converged_16);
+    const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
+    const float converged_part_90 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float turns_3_cosine_converged_4 = heading_cosine - converged_part_90;
+    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) - (heading_sine *
+        half_converged_4_squared);
+    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_81) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
+        ((gradient_1_converged_4 * converged_part_84) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float converged_part_87 = three_quarters_pi * hall_position_limit(turns_3_cosine_converged_4 - heading_cosine,
-        0.10100254f);
-    const float converged_part_88 = three_quarters_pi * hall_position_limit(turns_3_sine_converged_4 - heading_sine,
-        0.10100254f);
-    const float by_converged_13 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
+    const float converged_part_91 = three_quarters_pi * hall_position_limit(-converged_part_90, 0.10100254f);
+    const float converged_part_92 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
+    const float by_converged_13 = hall_position_limit(then_1_converged_4 - converged_part_91 + converged_part_92,
         0.97596323f);
-    const float f7_argument_13 = by_converged_13 * by_converged_13;
-    const float by_cosine_converged_17 = f7_polynomial(f7_argument_13);
-    const float by_sine_converged_17 = by_converged_13 * f8_polynomial(f7_argument_13);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_17) + (start_cosine_converged *
-        by_sine_converged_17);
-    const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_90 = converged_part_89 * estimator_field_5;
-    const float converged_part_91 = phasors_1_sine_converged_4 * (estimator_field_1 + (converged_part_89 *
-        (estimator_field_3 + converged_part_90)));
+    const float f6_argument_13 = by_converged_13 * by_converged_13;
+    const float by_cosine_converged_13 = f6_polynomial(f6_argument_13);
+    const float by_sine_converged_13 = by_converged_13 * f7_polynomial(f6_argument_13);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_13) + (start_cosine_converged *
+        by_sine_converged_13);
+    const float converged_part_93 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_94 = converged_part_93 * estimator_field_5;
+    const float converged_part_95 = phasors_1_sine_converged_4 * (estimator_field_1 + (converged_part_93 *
+        (estimator_field_3 + converged_part_94)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) - (turns_3_sine_converged_4 *
-        V_ay_held) - converged_part_91;
+        V_ay_held) - converged_part_95;
     const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_83) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
+        ((gradient_2_converged_4 * converged_part_86) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_converged_14 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
+    const float by_converged_14 = hall_position_limit(then_2_converged_4 - converged_part_91 - converged_part_92,
         0.97596323f);
-    const float f7_argument_14 = by_converged_14 * by_converged_14;
-    const float by_cosine_converged_18 = f7_polynomial(f7_argument_14);
-    const float by_sine_converged_18 = by_converged_14 * f8_polynomial(f7_argument_14);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_18) + (start_cosine_converged_2 *
-        by_sine_converged_18);
-    const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_93 = converged_part_92 * estimator_field_5;
-    const float converged_part_94 = phasors_2_sine_converged_4 * (estimator_field_1 + (converged_part_92 *
-        (estimator_field_3 + converged_part_93)));
+    const float f6_argument_14 = by_converged_14 * by_converged_14;
+    const float by_cosine_converged_14 = f6_polynomial(f6_argument_14);
+    const float by_sine_converged_14 = by_converged_14 * f7_polynomial(f6_argument_14);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_14) + (start_cosine_converged_2 *
+        by_sine_converged_14);
+    const float converged_part_96 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_97 = converged_part_96 * estimator_field_5;
+    const float converged_part_98 = phasors_2_sine_converged_4 * (estimator_field_1 + (converged_part_96 *
+        (estimator_field_3 + converged_part_97)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) + (turns_3_sine_converged_4 *
-        V_ax_held) - converged_part_94;
-    const float by_converged_15 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
+        V_ax_held) - converged_part_98;
+    const float by_converged_15 = hall_position_limit(then_1_converged_4 + converged_part_91 - converged_part_92,
         0.97596323f);
-    const float f7_argument_15 = by_converged_15 * by_converged_15;
-    const float by_cosine_converged_19 = f7_polynomial(f7_argument_15);
-    const float by_sine_converged_19 = by_converged_15 * f8_polynomial(f7_argument_15);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_19) + (start_cosine_converged_3 *
-        by_sine_converged_19);
-    const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_96 = converged_part_95 * estimator_field_5;
-    const float converged_part_97 = phasors_3_sine_converged_4 * (estimator_field_1 + (converged_part_95 *
-        (estimator_field_3 + converged_part_96)));
+    const float f6_argument_15 = by_converged_15 * by_converged_15;
+    const float by_cosine_converged_15 = f6_polynomial(f6_argument_15);
+    const float by_sine_converged_15 = by_converged_15 * f7_polynomial(f6_argument_15);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_15) + (start_cosine_converged_3 *
+        by_sine_converged_15);
+    const float converged_part_99 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_100 = converged_part_99 * estimator_field_5;
+    const float converged_part_101 = phasors_3_sine_converged_4 * (estimator_field_1 + (converged_part_99 *
+        (estimator_field_3 + converged_part_100)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) - (turns_3_sine_converged_4 *
-        V_by_held) - converged_part_97;
-    const float by_converged_16 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
+        V_by_held) - converged_part_101;
+    const float by_converged_16 = hall_position_limit(then_2_converged_4 + converged_part_91 + converged_part_92,
         0.97596323f);
-    const float f7_argument_16 = by_converged_16 * by_converged_16;
-    const float by_cosine_converged_20 = f7_polynomial(f7_argument_16);
-    const float by_sine_converged_20 = by_converged_16 * f8_polynomial(f7_argument_16);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_20) + (start_cosine_converged_4 *
-        by_sine_converged_20);
-    const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_99 = converged_part_98 * estimator_field_5;
-    const float converged_part_100 = phasors_4_sine_converged_4 * (estimator_field_1 + (converged_part_98 *
-        (estimator_field_3 + converged_part_99)));
+    const float f6_argument_16 = by_converged_16 * by_converged_16;
+    const float by_cosine_converged_16 = f6_polynomial(f6_argument_16);
+    const float by_sine_converged_16 = by_converged_16 * f7_polynomial(f6_argument_16);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_16) + (start_cosine_converged_4 *
+        by_sine_converged_16);
+    const float converged_part_102 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_103 = converged_part_102 * estimator_field_5;
+    const float converged_part_104 = phasors_4_sine_converged_4 * (estimator_field_1 + (converged_part_102 *
+        (estimator_field_3 + converged_part_103)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) + (turns_3_sine_converged_4 *
-        V_bx_held) - converged_part_100;
+        V_bx_held) - converged_part_104;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
         residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
         residuals_4_converged_5);
@@ -750,56 +760,56 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         then_3_converged_4_squared));
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) + (0.00992376f *
-        then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_85) +
+        then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_88) +
         1e-08f);
-    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_17) - (ax_part_full *
-        by_sine_converged_17)) * (estimator_field_1 + (converged_part_89 * (estimator_field_3_scaled + (5.0f *
-        converged_part_90))));
-    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_19) - (bx_part_full *
-        by_sine_converged_19)) * (estimator_field_1 + (converged_part_95 * (estimator_field_3_scaled + (5.0f *
-        converged_part_96))));
+    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_13) - (ax_part_full *
+        by_sine_converged_13)) * (estimator_field_1 + (converged_part_93 * (estimator_field_3_scaled + (5.0f *
+        converged_part_94))));
+    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_15) - (bx_part_full *
+        by_sine_converged_15)) * (estimator_field_1 + (converged_part_99 * (estimator_field_3_scaled + (5.0f *
+        converged_part_100))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
         residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
     const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 *
         rows_3_1_converged_5) + 0.00992376f);
-    const float converged_part_101 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_18) - (ay_part_full *
-        by_sine_converged_18)) * (estimator_field_1 + (converged_part_92 * (estimator_field_3_scaled + (5.0f *
-        converged_part_93))));
-    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_20) - (by_part_full *
-        by_sine_converged_20)) * (estimator_field_1 + (converged_part_98 * (estimator_field_3_scaled + (5.0f *
-        converged_part_99))));
+    const float converged_part_105 = gradient_1_converged_5 * inverse_1;
+    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_14) - (ay_part_full *
+        by_sine_converged_14)) * (estimator_field_1 + (converged_part_96 * (estimator_field_3_scaled + (5.0f *
+        converged_part_97))));
+    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_16) - (by_part_full *
+        by_sine_converged_16)) * (estimator_field_1 + (converged_part_102 * (estimator_field_3_scaled + (5.0f *
+        converged_part_103))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
         residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
         rows_4_2_converged_5) + 0.00992376f);
-    const float converged_part_102 = gradient_2_converged_5 * inverse_2;
-    const float converged_part_103 = three_quarters_pi * turns_3_cosine_converged_4;
-    const float converged_part_104 = three_quarters_pi * turns_3_sine_converged_4;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_103 + converged_part_104)) +
-        converged_part_94;
-    const float converged_part_105 = converged_part_91 - (rows_2_2_converged_5 * (converged_part_104 -
-        converged_part_103));
+    const float converged_part_106 = gradient_2_converged_5 * inverse_2;
+    const float converged_part_107 = three_quarters_pi * turns_3_cosine_converged_4;
+    const float converged_part_108 = three_quarters_pi * turns_3_sine_converged_4;
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_107 + converged_part_108)) +
+        converged_part_98;
+    const float converged_part_109 = converged_part_95 - (rows_2_2_converged_5 * (converged_part_108 -
+        converged_part_107));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
-        converged_part_104)) + converged_part_100;
-    const float converged_part_106 = converged_part_97 - (rows_4_2_converged_5 * (converged_part_103 -
-        converged_part_104));
+        converged_part_108)) + converged_part_104;
+    const float converged_part_110 = converged_part_101 - (rows_4_2_converged_5 * (converged_part_107 -
+        converged_part_108));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
         rows_3_1_converged_5);
     const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
-    const float converged_part_107 = (converged_part_105 * rows_2_2_converged_5) + (converged_part_106 *
+    const float converged_part_111 = (converged_part_109 * rows_2_2_converged_5) + (converged_part_110 *
         rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(converged_part_107 * inverse_2), 8330.405f);
-    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_105 *
-        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_106 *
+    const float by_yaw_Y = hall_position_limit(-(converged_part_111 * inverse_2), 8330.405f);
+    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_109 *
+        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_110 *
         residuals_4_converged_5) - (2.7546635f * then_3_converged_4) - (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y *
         gradient_2_converged_5);
-    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_105 *
-        converged_part_105) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_106 * converged_part_106)
-        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_107), 2.7546635f);
+    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_109 *
+        converged_part_109) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_110 * converged_part_110)
+        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_111), 2.7546635f);
     const float step_converged = forward_3_converged / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_101) +
-        (gradient_2_converged_5 * converged_part_102) + (forward_3_converged * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_105) +
+        (gradient_2_converged_5 * converged_part_106) + (forward_3_converged * step_converged)) <= 1e-08f);
     float at_3;
     float at_1;
     float at_2;
@@ -807,8 +817,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, 0.10100254f);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_101 - (by_yaw_X * moves_3_X)), 0.5f);
-        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_102 - (by_yaw_Y * moves_3_X)), 0.5f);
+        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_105 - (by_yaw_X * moves_3_X)), 0.5f);
+        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_106 - (by_yaw_Y * moves_3_X)), 0.5f);
     } else {
         if (better_converged_4) {
             at_3 = then_3_converged_4;
@@ -961,6 +971,26 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
+#if defined(HALL_POSITION_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->saturated |= (fabsf(ax_part_doubled) >= 2.002f) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(ax_part_full) >= 1.001f) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(ay_part_doubled) >= 2.002f) ? 0x00000004u : 0u;
+        diagnostics->saturated |= (fabsf(ay_part_full) >= 1.001f) ? 0x00000008u : 0u;
+        diagnostics->saturated |= (fabsf(bx_part_doubled) >= 2.002f) ? 0x00000010u : 0u;
+        diagnostics->saturated |= (fabsf(bx_part_full) >= 1.001f) ? 0x00000020u : 0u;
+        diagnostics->saturated |= (fabsf(by_part_doubled) >= 2.002f) ? 0x00000040u : 0u;
+        diagnostics->saturated |= (fabsf(by_part_full) >= 1.001f) ? 0x00000080u : 0u;
+    }
+#endif
 
+#if defined(HALL_POSITION_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }

@@ -68,10 +68,10 @@ static inline float f3_polynomial(float t)
 
 /* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
  * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) in -2.95293951 .. 3.5246768, t = x^2; relative error at most
- * 2e-07. */
+ * 1.1e-07. */
 static inline float ax_part_cosine_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.031249814f + (t * (0.00016268597f + (t * -3.296361e-07f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.00016276025f + (t * (-3.390221e-07f + (t * 3.7130776e-10f)))))));
 }
 
 /* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
@@ -84,10 +84,10 @@ static inline float f5_polynomial(float t)
 
 /* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
  * (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
- * 2.3e-07. */
+ * 1.2e-07. */
 static inline float ay_part_cosine_polynomial(float t)
 {
-    return 0.9999999f + (t * (-0.031249747f + (t * (0.00016267128f + (t * -3.2880223e-07f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.39012e-07f + (t * 3.7075404e-10f)))))));
 }
 
 /* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
@@ -172,10 +172,10 @@ static inline float dx_part_cosine_polynomial(float t)
 
 /* f17_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
  * (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
- * 2.4e-07. */
+ * 1.2e-07. */
 static inline float f17_polynomial(float t)
 {
-    return 0.124999985f + (t * (-0.00032550405f + (t * 2.51782e-07f)));
+    return 0.125f + (t * (-0.0003255208f + (t * (2.5430614e-07f + (t * -9.3915965e-11f)))));
 }
 
 /* dy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
@@ -194,10 +194,10 @@ static inline float f19_polynomial(float t)
 }
 
 /* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 2.7e-07. */
+ * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 1.2e-07. */
 static inline float f20_polynomial(float t)
 {
-    return 0.9999998f + (t * (-0.16665627f + (t * 0.008242804f)));
+    return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689277f)))));
 }
 
 /* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
@@ -250,10 +250,10 @@ static inline float f27_polynomial(float t)
 }
 
 /* f28_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 2.7e-07. */
+ * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 1.2e-07. */
 static inline float f28_polynomial(float t)
 {
-    return 0.9999998f + (t * (-0.16665688f + (t * 0.008246067f)));
+    return 1.0f + (t * (-0.16666666f + (t * (0.008333099f + (t * -0.00019693414f)))));
 }
 
 /* f29_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,

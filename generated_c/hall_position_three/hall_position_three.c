@@ -1,9 +1,11 @@
 /* hall_position_three. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position_three.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -95,10 +97,10 @@ static inline float f5_polynomial(float t)
 
 /* bx_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (0.0858701992 * (1 - (...)))) - (0.081681409 *
  * clamp(((...) * (...)), -1, 1))), -3.76010655, 3.76010655) in -3.76010656 .. 3.76010656, t = x^2; relative error at
- * most 2.7e-07. */
+ * most 1.3e-07. */
 static inline float bx_part_cosine_polynomial(float t)
 {
-    return 0.9999999f + (t * (-0.031249713f + (t * (0.00016266223f + (t * -3.2826537e-07f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.390026e-07f + (t * 3.7027664e-10f)))))));
 }
 
 /* f7_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) + (1.6671385 * (1 - (...)))) + (1.66504411 *
@@ -117,82 +119,82 @@ static inline float cx_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.007812486f + (t * (1.0170291e-05f + (t * -5.1943916e-09f)))));
 }
 
-/* f9_polynomial; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)), -0.140220856,
- * 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 6e-08. */
+/* f9_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)), -0.140220856,
+ * 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
 static inline float f9_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999976f + (t * 0.041628234f)));
-}
-
-/* f10_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)),
- * -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
-static inline float f10_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666663f + (t * 0.008327514f)));
 }
 
-/* f11_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
+/* f10_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
  * 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at most
- * 2.7e-07. */
-static inline float f11_polynomial(float t)
+ * 1.3e-07. */
+static inline float f10_polynomial(float t)
 {
-    return 0.9999998f + (t * (-0.49999484f + (t * (0.041640162f + (t * -0.0013436289f)))));
+    return 1.0f + (t * (-0.5f + (t * (0.0416666f + (t * (-0.0013885538f + (t * 2.4265188e-05f)))))));
 }
 
-/* f12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
+/* f11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
  * -0.140220856, 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f12_polynomial(float t)
+static inline float f11_polynomial(float t)
 {
     return 1.0f + (t * (-0.1666663f + (t * (0.008330877f + (t * -0.00019370353f)))));
 }
 
-/* f13_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+/* f12_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
  * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
  * most 6e-08. */
-static inline float f13_polynomial(float t)
+static inline float f12_polynomial(float t)
 {
     return 1.0f + (t * (-0.4999999f + (t * (0.041664638f + (t * -0.0013759605f)))));
 }
 
-/* f14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+/* f13_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
  * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
- * most 2.3e-07. */
-static inline float f14_polynomial(float t)
+ * most 1.2e-07. */
+static inline float f13_polynomial(float t)
 {
-    return 0.9999999f + (t * (-0.1666584f + (t * 0.008252266f)));
+    return 1.0f + (t * (-0.16666666f + (t * (0.008333108f + (t * -0.00019697788f)))));
 }
 
-/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+/* f14_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
  * 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f15_polynomial(float t)
+static inline float f14_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
 }
 
-/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+/* f15_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
  * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f16_polynomial(float t)
+static inline float f15_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
 }
 
-/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+/* f16_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
  * 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f17_polynomial(float t)
+static inline float f16_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
 }
 
-/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+/* f17_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
  * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f18_polynomial(float t)
+static inline float f17_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
+}
+
+/* f18_polynomial; x = ((((...) || (...)) && (!estimator_searching)) ? 0 : (converged ? clamp((...), -0.140220856,
+ * 0.140220856) : ((...) ? (...) : (...)))) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 6e-08. */
+static inline float f18_polynomial(float t)
+{
+    return 1.0f + (t * (-0.49999976f + (t * 0.041628234f)));
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -204,9 +206,22 @@ void hall_position_three_init(hall_position_three_state_t *state)
     };
 }
 
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
 {
+    return hall_position_three_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out,
+    hall_position_three_diagnostics_t *diagnostics)
+#else
+uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out)
+#endif
+{
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -216,6 +231,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
@@ -279,12 +300,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = 8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine *
-        ax_part_sine))));
-    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
+    const float ax_part_doubled = hall_position_three_limit(8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f *
+        (ax_part_sine * ax_part_sine)))), 2.002f);
     const float sines_2_ax_part_full = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full * sines_2_ax_part_full)));
-    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
+    const float ax_part_full = hall_position_three_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full *
+        sines_2_ax_part_full))), 1.001f);
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float heading_cosine_scaled = 1.5833627f * heading_cosine;
@@ -296,12 +316,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = 8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine *
-        ay_part_sine))));
-    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
+    const float ay_part_doubled = hall_position_three_limit(8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f *
+        (ay_part_sine * ay_part_sine)))), 2.002f);
     const float sines_2_ay_part_full = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full * sines_2_ay_part_full)));
-    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
+    const float ay_part_full = hall_position_three_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full *
+        sines_2_ay_part_full))), 1.001f);
     const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
     const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
         heading_sine_scaled_3, 3.7601066f);
@@ -309,10 +328,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float f5 = limited_bx * f5_polynomial(f5_argument);
     const float bx_part_sine = 4.0f * f5;
     const float bx_part_cosine = bx_part_cosine_polynomial(f5_argument);
-    const float bx_part_doubled = 4.0f * (f5 * bx_part_cosine);
-    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
-    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
+    const float bx_part_doubled = hall_position_three_limit(4.0f * (f5 * bx_part_cosine), 2.002f);
+    const float bx_part_full = hall_position_three_limit(bx_part_doubled * (1.0f - (0.125f * (bx_part_sine *
+        bx_part_sine))), 1.001f);
     const float heading_cosine_scaled_2 = 0.08168141f * heading_cosine;
     const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
     const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
@@ -321,10 +339,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float f5_2 = limited_by * f5_polynomial(f5_argument_2);
     const float by_part_sine = 4.0f * f5_2;
     const float by_part_cosine = bx_part_cosine_polynomial(f5_argument_2);
-    const float by_part_doubled = 4.0f * (f5_2 * by_part_cosine);
-    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
-    /*@ admit -1.001f <= by_part_full <= 1.001f; */
+    const float by_part_doubled = hall_position_three_limit(4.0f * (f5_2 * by_part_cosine), 2.002f);
+    const float by_part_full = hall_position_three_limit(by_part_doubled * (1.0f - (0.125f * (by_part_sine *
+        by_part_sine))), 1.001f);
     const float heading_cosine_scaled_3 = 1.6671385f * heading_cosine;
     const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
     const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
@@ -334,12 +351,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cx_part_sine = 8.0f * f7;
     const float cx_part_cosine = cx_part_cosine_polynomial(f7_argument);
     const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
-    const float cx_part_doubled = 8.0f * (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine *
-        cx_part_sine))));
-    /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
+    const float cx_part_doubled = hall_position_three_limit(8.0f * (f7_times_cx_part_cosine * (1.0f - (0.03125f *
+        (cx_part_sine * cx_part_sine)))), 2.002f);
     const float sines_2_cx_part_full = 8.0f * f7_times_cx_part_cosine;
-    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx_part_full * sines_2_cx_part_full)));
-    /*@ admit -1.001f <= cx_part_full <= 1.001f; */
+    const float cx_part_full = hall_position_three_limit(cx_part_doubled * (1.0f - (0.125f * (sines_2_cx_part_full *
+        sines_2_cx_part_full))), 1.001f);
     const float heading_cosine_scaled_4 = 1.6650441f * heading_cosine;
     const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
     const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
@@ -349,12 +365,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cy_part_sine = 8.0f * f7_2;
     const float cy_part_cosine = cx_part_cosine_polynomial(f7_argument_2);
     const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
-    const float cy_part_doubled = 8.0f * (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine *
-        cy_part_sine))));
-    /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
+    const float cy_part_doubled = hall_position_three_limit(8.0f * (f7_2_times_cy_part_cosine * (1.0f - (0.03125f *
+        (cy_part_sine * cy_part_sine)))), 2.002f);
     const float sines_2_cy_part_full = 8.0f * f7_2_times_cy_part_cosine;
-    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy_part_full * sines_2_cy_part_full)));
-    /*@ admit -1.001f <= cy_part_full <= 1.001f; */
+    const float cy_part_full = hall_position_three_limit(cy_part_doubled * (1.0f - (0.125f * (sines_2_cy_part_full *
+        sines_2_cy_part_full))), 1.001f);
     const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
     const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
@@ -464,96 +479,98 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) - (converged_part_24 *
         residuals_6_converged) - (row_1_converged * gradient_1_converged) - (row_2_converged * gradient_2_converged)) /
         converged_part_28, 0.14022085f);
+    const float half_converged = root_2 * sinf(0.5f * then_3_converged);
+    const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
-    const float by_cosine_converged = f9_polynomial(then_3_converged_squared);
-    const float by_sine_converged = then_3_converged * f10_polynomial(then_3_converged_squared);
-    const float turns_3_cosine_converged = (heading_cosine * by_cosine_converged) - (heading_sine * by_sine_converged);
-    const float turns_3_sine_converged = (heading_sine * by_cosine_converged) + (heading_cosine * by_sine_converged);
+    const float sine_converged = then_3_converged * f9_polynomial(then_3_converged_squared);
+    const float converged_part_29 = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float turns_3_cosine_converged = heading_cosine - converged_part_29;
+    const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
+    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
         (row_1_converged * then_3_converged), 0.5f);
-    const float chords_3_cosine_converged = hall_position_three_limit(turns_3_cosine_converged - heading_cosine,
-        0.14022085f);
-    const float chords_3_sine_converged = hall_position_three_limit(turns_3_sine_converged - heading_sine, 0.14022085f);
-    const float by_converged = then_1_converged - (1.5812683f * chords_3_cosine_converged) - (1.5833627f *
-        chords_3_sine_converged);
-    const float f11_argument = by_converged * by_converged;
-    const float by_cosine_converged_2 = f11_polynomial(f11_argument);
-    const float by_sine_converged_2 = by_converged * f12_polynomial(f11_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged_2) + (start_cosine_converged *
-        by_sine_converged_2);
-    const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_30 = converged_part_29 * converged_part_3;
-    const float converged_part_31 = phasors_1_sine_converged * (converged_part + (converged_part_29 * (converged_part_2
-        + converged_part_30)));
+    const float limited_3_cosine_converged = hall_position_three_limit(-converged_part_29, 0.14022085f);
+    const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
+    const float by_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) - (1.5833627f *
+        limited_3_sine_converged);
+    const float f10_argument = by_converged * by_converged;
+    const float by_cosine_converged = f10_polynomial(f10_argument);
+    const float by_sine_converged = by_converged * f11_polynomial(f10_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged) + (start_cosine_converged *
+        by_sine_converged);
+    const float converged_part_30 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_31 = converged_part_30 * converged_part_3;
+    const float converged_part_32 = phasors_1_sine_converged * (converged_part + (converged_part_30 * (converged_part_2
+        + converged_part_31)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) - (turns_3_sine_converged *
-        measured_2) - converged_part_31;
+        measured_2) - converged_part_32;
     const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
         (row_2_converged * then_3_converged), 0.5f);
-    const float by_converged_2 = then_2_converged + (1.5833627f * chords_3_cosine_converged) - (1.5812683f *
-        chords_3_sine_converged);
-    const float f11_argument_2 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_3 = f11_polynomial(f11_argument_2);
-    const float by_sine_converged_3 = by_converged_2 * f12_polynomial(f11_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_3) + (start_cosine_converged_2 *
-        by_sine_converged_3);
-    const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_33 = converged_part_32 * converged_part_3;
-    const float converged_part_34 = phasors_2_sine_converged * (converged_part + (converged_part_32 * (converged_part_2
-        + converged_part_33)));
+    const float by_converged_2 = then_2_converged + (1.5833627f * limited_3_cosine_converged) - (1.5812683f *
+        limited_3_sine_converged);
+    const float f10_argument_2 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f10_polynomial(f10_argument_2);
+    const float by_sine_converged_2 = by_converged_2 * f11_polynomial(f10_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_2) + (start_cosine_converged_2 *
+        by_sine_converged_2);
+    const float converged_part_33 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_34 = converged_part_33 * converged_part_3;
+    const float converged_part_35 = phasors_2_sine_converged * (converged_part + (converged_part_33 * (converged_part_2
+        + converged_part_34)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) + (turns_3_sine_converged *
-        measured_1) - converged_part_34;
-    const float by_converged_3 = then_1_converged - (0.0858702f * chords_3_cosine_converged) - (0.08168141f *
-        chords_3_sine_converged);
-    const float f13_argument = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_4 = f13_polynomial(f13_argument);
-    const float by_sine_converged_4 = by_converged_3 * f14_polynomial(f13_argument);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_4) + (start_cosine_converged_3 *
-        by_sine_converged_4);
-    const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_36 = converged_part_35 * converged_part_11;
-    const float converged_part_37 = phasors_3_sine_converged * (converged_part_9 + (converged_part_35 *
-        (converged_part_10 + converged_part_36)));
+        measured_1) - converged_part_35;
+    const float by_converged_3 = then_1_converged - (0.0858702f * limited_3_cosine_converged) - (0.08168141f *
+        limited_3_sine_converged);
+    const float f12_argument = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f12_polynomial(f12_argument);
+    const float by_sine_converged_3 = by_converged_3 * f13_polynomial(f12_argument);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_3) + (start_cosine_converged_3 *
+        by_sine_converged_3);
+    const float converged_part_36 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_37 = converged_part_36 * converged_part_11;
+    const float converged_part_38 = phasors_3_sine_converged * (converged_part_9 + (converged_part_36 *
+        (converged_part_10 + converged_part_37)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) - (turns_3_sine_converged *
-        measured_4) - converged_part_37;
-    const float by_converged_4 = then_2_converged + (0.08168141f * chords_3_cosine_converged) - (0.0858702f *
-        chords_3_sine_converged);
-    const float f13_argument_2 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_5 = f13_polynomial(f13_argument_2);
-    const float by_sine_converged_5 = by_converged_4 * f14_polynomial(f13_argument_2);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_5) + (start_cosine_converged_4 *
-        by_sine_converged_5);
-    const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_39 = converged_part_38 * converged_part_11;
-    const float converged_part_40 = phasors_4_sine_converged * (converged_part_9 + (converged_part_38 *
-        (converged_part_10 + converged_part_39)));
+        measured_4) - converged_part_38;
+    const float by_converged_4 = then_2_converged + (0.08168141f * limited_3_cosine_converged) - (0.0858702f *
+        limited_3_sine_converged);
+    const float f12_argument_2 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f12_polynomial(f12_argument_2);
+    const float by_sine_converged_4 = by_converged_4 * f13_polynomial(f12_argument_2);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_4) + (start_cosine_converged_4 *
+        by_sine_converged_4);
+    const float converged_part_39 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_40 = converged_part_39 * converged_part_11;
+    const float converged_part_41 = phasors_4_sine_converged * (converged_part_9 + (converged_part_39 *
+        (converged_part_10 + converged_part_40)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) + (turns_3_sine_converged *
-        measured_3) - converged_part_40;
-    const float by_converged_5 = then_1_converged + (1.6671385f * chords_3_cosine_converged) + (1.6650441f *
-        chords_3_sine_converged);
-    const float f15_argument = by_converged_5 * by_converged_5;
-    const float by_cosine_converged_6 = f15_polynomial(f15_argument);
-    const float by_sine_converged_6 = by_converged_5 * f16_polynomial(f15_argument);
-    const float phasors_5_sine_converged = (cx_part_full * by_cosine_converged_6) + (start_cosine_converged_5 *
-        by_sine_converged_6);
-    const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
-    const float converged_part_42 = converged_part_41 * converged_part_19;
-    const float converged_part_43 = phasors_5_sine_converged * (converged_part_17 + (converged_part_41 *
-        (converged_part_18 + converged_part_42)));
+        measured_3) - converged_part_41;
+    const float by_converged_5 = then_1_converged + (1.6671385f * limited_3_cosine_converged) + (1.6650441f *
+        limited_3_sine_converged);
+    const float f14_argument = by_converged_5 * by_converged_5;
+    const float by_cosine_converged_5 = f14_polynomial(f14_argument);
+    const float by_sine_converged_5 = by_converged_5 * f15_polynomial(f14_argument);
+    const float phasors_5_sine_converged = (cx_part_full * by_cosine_converged_5) + (start_cosine_converged_5 *
+        by_sine_converged_5);
+    const float converged_part_42 = phasors_5_sine_converged * phasors_5_sine_converged;
+    const float converged_part_43 = converged_part_42 * converged_part_19;
+    const float converged_part_44 = phasors_5_sine_converged * (converged_part_17 + (converged_part_42 *
+        (converged_part_18 + converged_part_43)));
     const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) - (turns_3_sine_converged *
-        measured_6) - converged_part_43;
-    const float by_converged_6 = then_2_converged - (1.6650441f * chords_3_cosine_converged) + (1.6671385f *
-        chords_3_sine_converged);
-    const float f15_argument_2 = by_converged_6 * by_converged_6;
-    const float by_cosine_converged_7 = f15_polynomial(f15_argument_2);
-    const float by_sine_converged_7 = by_converged_6 * f16_polynomial(f15_argument_2);
-    const float phasors_6_sine_converged = (cy_part_full * by_cosine_converged_7) + (start_cosine_converged_6 *
-        by_sine_converged_7);
-    const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
-    const float converged_part_45 = converged_part_44 * converged_part_19;
-    const float converged_part_46 = phasors_6_sine_converged * (converged_part_17 + (converged_part_44 *
-        (converged_part_18 + converged_part_45)));
+        measured_6) - converged_part_44;
+    const float by_converged_6 = then_2_converged - (1.6650441f * limited_3_cosine_converged) + (1.6671385f *
+        limited_3_sine_converged);
+    const float f14_argument_2 = by_converged_6 * by_converged_6;
+    const float by_cosine_converged_6 = f14_polynomial(f14_argument_2);
+    const float by_sine_converged_6 = by_converged_6 * f15_polynomial(f14_argument_2);
+    const float phasors_6_sine_converged = (cy_part_full * by_cosine_converged_6) + (start_cosine_converged_6 *
+        by_sine_converged_6);
+    const float converged_part_45 = phasors_6_sine_converged * phasors_6_sine_converged;
+    const float converged_part_46 = converged_part_45 * converged_part_19;
+    const float converged_part_47 = phasors_6_sine_converged * (converged_part_17 + (converged_part_45 *
+        (converged_part_18 + converged_part_46)));
     const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) + (turns_3_sine_converged *
-        measured_5) - converged_part_46;
+        measured_5) - converged_part_47;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
         residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
         residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) + (residuals_6_converged_2 *
@@ -568,510 +585,510 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float squares_converged = squares_1 + terms_3_converged + terms_4_converged + terms_5_converged +
         terms_6_converged;
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
-    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged_2) - (ax_part_full *
-        by_sine_converged_2)) * (converged_part + (converged_part_29 * (converged_part_2_scaled + (5.0f *
-        converged_part_30))));
+    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged) - (ax_part_full *
+        by_sine_converged)) * (converged_part + (converged_part_30 * (converged_part_2_scaled + (5.0f *
+        converged_part_31))));
     const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) - (1.5833627f *
-        turns_3_cosine_converged))) + converged_part_34;
-    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_3) - (ay_part_full *
-        by_sine_converged_3)) * (converged_part + (converged_part_32 * (converged_part_2_scaled + (5.0f *
-        converged_part_33))));
-    const float converged_part_47 = converged_part_31 - (rows_2_2_converged_2 * ((-1.5812683f *
+        turns_3_cosine_converged))) + converged_part_35;
+    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_2) - (ay_part_full *
+        by_sine_converged_2)) * (converged_part + (converged_part_33 * (converged_part_2_scaled + (5.0f *
+        converged_part_34))));
+    const float converged_part_48 = converged_part_32 - (rows_2_2_converged_2 * ((-1.5812683f *
         turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
-    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_4) - (bx_part_full *
-        by_sine_converged_4)) * (converged_part_9 + (converged_part_35 * (converged_part_10_scaled + (5.0f *
-        converged_part_36))));
+    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_3) - (bx_part_full *
+        by_sine_converged_3)) * (converged_part_9 + (converged_part_36 * (converged_part_10_scaled + (5.0f *
+        converged_part_37))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) - (0.08168141f *
-        turns_3_cosine_converged))) + converged_part_40;
-    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_5) - (by_part_full *
-        by_sine_converged_5)) * (converged_part_9 + (converged_part_38 * (converged_part_10_scaled + (5.0f *
-        converged_part_39))));
-    const float converged_part_48 = converged_part_37 - (rows_4_2_converged_2 * ((-0.0858702f *
+        turns_3_cosine_converged))) + converged_part_41;
+    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_4) - (by_part_full *
+        by_sine_converged_4)) * (converged_part_9 + (converged_part_39 * (converged_part_10_scaled + (5.0f *
+        converged_part_40))));
+    const float converged_part_49 = converged_part_38 - (rows_4_2_converged_2 * ((-0.0858702f *
         turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
-    const float rows_5_1_converged_2 = ((start_cosine_converged_5 * by_cosine_converged_6) - (cx_part_full *
-        by_sine_converged_6)) * (converged_part_17 + (converged_part_41 * (converged_part_18_scaled + (5.0f *
-        converged_part_42))));
+    const float rows_5_1_converged_2 = ((start_cosine_converged_5 * by_cosine_converged_5) - (cx_part_full *
+        by_sine_converged_5)) * (converged_part_17 + (converged_part_42 * (converged_part_18_scaled + (5.0f *
+        converged_part_43))));
     const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) - (1.6671385f *
-        turns_3_sine_converged))) + converged_part_46;
-    const float rows_6_2_converged_2 = ((start_cosine_converged_6 * by_cosine_converged_7) - (cy_part_full *
-        by_sine_converged_7)) * (converged_part_17 + (converged_part_44 * (converged_part_18_scaled + (5.0f *
-        converged_part_45))));
-    const float converged_part_49 = converged_part_43 - (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged)
+        turns_3_sine_converged))) + converged_part_47;
+    const float rows_6_2_converged_2 = ((start_cosine_converged_6 * by_cosine_converged_6) - (cy_part_full *
+        by_sine_converged_6)) * (converged_part_17 + (converged_part_45 * (converged_part_18_scaled + (5.0f *
+        converged_part_46))));
+    const float converged_part_50 = converged_part_44 - (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged)
         + (1.6650441f * turns_3_sine_converged)));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
         rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
-    const float converged_part_50 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
+    const float converged_part_51 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
         rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_50, 4693.3496f);
+    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_51, 4693.3496f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
         residuals_3_converged_2) + (rows_5_1_converged_2 * residuals_5_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_51 = (converged_part_47 * rows_2_2_converged_2) + (converged_part_48 *
-        rows_4_2_converged_2) + (converged_part_49 * rows_6_2_converged_2);
-    const float converged_part_52 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
+    const float converged_part_52 = (converged_part_48 * rows_2_2_converged_2) + (converged_part_49 *
+        rows_4_2_converged_2) + (converged_part_50 * rows_6_2_converged_2);
+    const float converged_part_53 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
         rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_51 * converged_part_52), 4693.3496f);
+    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_52 * converged_part_53), 4693.3496f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
         residuals_4_converged_2) + (rows_6_2_converged_2 * residuals_6_converged_2) - (0.00992376f * then_2_converged);
-    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_47 *
-        residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_48 *
-        residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) - (converged_part_49 *
+    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_48 *
+        residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_49 *
+        residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) - (converged_part_50 *
         residuals_6_converged_2) - (0.87438375f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) -
         (row_2_converged_2 * gradient_2_converged_2);
-    const float converged_part_53 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-        (converged_part_47 * converged_part_47) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_48 *
-        converged_part_48) + (rows_5_3_converged_2 * rows_5_3_converged_2) + (converged_part_49 * converged_part_49) +
-        0.87438375f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_51),
+    const float converged_part_54 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
+        (converged_part_48 * converged_part_48) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_49 *
+        converged_part_49) + (rows_5_3_converged_2 * rows_5_3_converged_2) + (converged_part_50 * converged_part_50) +
+        0.87438375f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_52),
         0.87438375f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
-    float converged_part_54 = cost_converged;
+    float converged_part_55 = cost_converged;
     if (!better_converged) {
         other_3_converged = 0.0f;
         other_1_converged = 0.0f;
         other_2_converged = 0.0f;
-        converged_part_54 = squares_converged;
+        converged_part_55 = squares_converged;
     }
     const float then_3_converged_2 = hall_position_three_limit((better_converged) ? (then_3_converged +
-        (forward_3_converged / converged_part_53)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
+        (forward_3_converged / converged_part_54)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
+    const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
+    const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
-    const float by_cosine_converged_8 = f9_polynomial(then_3_converged_2_squared);
-    const float by_sine_converged_8 = then_3_converged_2 * f10_polynomial(then_3_converged_2_squared);
-    const float turns_3_cosine_converged_2 = (heading_cosine * by_cosine_converged_8) - (heading_sine *
-        by_sine_converged_8);
-    const float turns_3_sine_converged_2 = (heading_sine * by_cosine_converged_8) + (heading_cosine *
-        by_sine_converged_8);
+    const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
+    const float converged_part_56 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float turns_3_cosine_converged_2 = heading_cosine - converged_part_56;
+    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) - (heading_sine *
+        half_converged_2_squared);
+    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_three_limit((better_converged) ? (then_1_converged +
-        ((gradient_1_converged_2 * converged_part_50) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
+        ((gradient_1_converged_2 * converged_part_51) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
         (then_1_converged + other_1_converged)), 0.5f);
-    const float chords_3_cosine_converged_2 = hall_position_three_limit(turns_3_cosine_converged_2 - heading_cosine,
-        0.14022085f);
-    const float chords_3_sine_converged_2 = hall_position_three_limit(turns_3_sine_converged_2 - heading_sine,
-        0.14022085f);
+    const float limited_3_cosine_converged_2 = hall_position_three_limit(-converged_part_56, 0.14022085f);
+    const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
     const float by_converged_7 = hall_position_three_limit(then_1_converged_2 - (1.5812683f *
-        chords_3_cosine_converged_2) - (1.5833627f * chords_3_sine_converged_2), 0.9437473f);
-    const float f11_argument_3 = by_converged_7 * by_converged_7;
-    const float by_cosine_converged_9 = f11_polynomial(f11_argument_3);
-    const float by_sine_converged_9 = by_converged_7 * f12_polynomial(f11_argument_3);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_9) + (start_cosine_converged *
-        by_sine_converged_9);
-    const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_56 = converged_part_55 * converged_part_3;
-    const float converged_part_57 = phasors_1_sine_converged_2 * (converged_part + (converged_part_55 *
-        (converged_part_2 + converged_part_56)));
+        limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
+    const float f10_argument_3 = by_converged_7 * by_converged_7;
+    const float by_cosine_converged_7 = f10_polynomial(f10_argument_3);
+    const float by_sine_converged_7 = by_converged_7 * f11_polynomial(f10_argument_3);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_7) + (start_cosine_converged *
+        by_sine_converged_7);
+    const float converged_part_57 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_58 = converged_part_57 * converged_part_3;
+    const float converged_part_59 = phasors_1_sine_converged_2 * (converged_part + (converged_part_57 *
+        (converged_part_2 + converged_part_58)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) - (turns_3_sine_converged_2 *
-        measured_2) - converged_part_57;
+        measured_2) - converged_part_59;
     const float then_2_converged_2 = hall_position_three_limit((better_converged) ? (then_2_converged +
-        ((gradient_2_converged_2 * converged_part_52) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
+        ((gradient_2_converged_2 * converged_part_53) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
         (then_2_converged + other_2_converged)), 0.5f);
-    const float by_converged_8 = then_2_converged_2 + (1.5833627f * chords_3_cosine_converged_2) - (1.5812683f *
-        chords_3_sine_converged_2);
-    const float f11_argument_4 = by_converged_8 * by_converged_8;
-    const float by_cosine_converged_10 = f11_polynomial(f11_argument_4);
-    const float by_sine_converged_10 = by_converged_8 * f12_polynomial(f11_argument_4);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_10) + (start_cosine_converged_2 *
-        by_sine_converged_10);
-    const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_59 = converged_part_58 * converged_part_3;
-    const float converged_part_60 = phasors_2_sine_converged_2 * (converged_part + (converged_part_58 *
-        (converged_part_2 + converged_part_59)));
+    const float by_converged_8 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) - (1.5812683f *
+        limited_3_sine_converged_2);
+    const float f10_argument_4 = by_converged_8 * by_converged_8;
+    const float by_cosine_converged_8 = f10_polynomial(f10_argument_4);
+    const float by_sine_converged_8 = by_converged_8 * f11_polynomial(f10_argument_4);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_8) + (start_cosine_converged_2 *
+        by_sine_converged_8);
+    const float converged_part_60 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_61 = converged_part_60 * converged_part_3;
+    const float converged_part_62 = phasors_2_sine_converged_2 * (converged_part + (converged_part_60 *
+        (converged_part_2 + converged_part_61)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) + (turns_3_sine_converged_2 *
-        measured_1) - converged_part_60;
+        measured_1) - converged_part_62;
     const float by_converged_9 = hall_position_three_limit(then_1_converged_2 - (0.0858702f *
-        chords_3_cosine_converged_2) - (0.08168141f * chords_3_sine_converged_2), 0.52349424f);
-    const float f13_argument_3 = by_converged_9 * by_converged_9;
-    const float by_cosine_converged_11 = f13_polynomial(f13_argument_3);
-    const float by_sine_converged_11 = by_converged_9 * f14_polynomial(f13_argument_3);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_11) + (start_cosine_converged_3 *
-        by_sine_converged_11);
-    const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_62 = converged_part_61 * converged_part_11;
-    const float converged_part_63 = phasors_3_sine_converged_2 * (converged_part_9 + (converged_part_61 *
-        (converged_part_10 + converged_part_62)));
+        limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
+    const float f12_argument_3 = by_converged_9 * by_converged_9;
+    const float by_cosine_converged_9 = f12_polynomial(f12_argument_3);
+    const float by_sine_converged_9 = by_converged_9 * f13_polynomial(f12_argument_3);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_9) + (start_cosine_converged_3 *
+        by_sine_converged_9);
+    const float converged_part_63 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_64 = converged_part_63 * converged_part_11;
+    const float converged_part_65 = phasors_3_sine_converged_2 * (converged_part_9 + (converged_part_63 *
+        (converged_part_10 + converged_part_64)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) - (turns_3_sine_converged_2 *
-        measured_4) - converged_part_63;
+        measured_4) - converged_part_65;
     const float by_converged_10 = hall_position_three_limit(then_2_converged_2 + (0.08168141f *
-        chords_3_cosine_converged_2) - (0.0858702f * chords_3_sine_converged_2), 0.52349424f);
-    const float f13_argument_4 = by_converged_10 * by_converged_10;
-    const float by_cosine_converged_12 = f13_polynomial(f13_argument_4);
-    const float by_sine_converged_12 = by_converged_10 * f14_polynomial(f13_argument_4);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_12) + (start_cosine_converged_4 *
-        by_sine_converged_12);
-    const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_65 = converged_part_64 * converged_part_11;
-    const float converged_part_66 = phasors_4_sine_converged_2 * (converged_part_9 + (converged_part_64 *
-        (converged_part_10 + converged_part_65)));
+        limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
+    const float f12_argument_4 = by_converged_10 * by_converged_10;
+    const float by_cosine_converged_10 = f12_polynomial(f12_argument_4);
+    const float by_sine_converged_10 = by_converged_10 * f13_polynomial(f12_argument_4);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_10) + (start_cosine_converged_4 *
+        by_sine_converged_10);
+    const float converged_part_66 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_67 = converged_part_66 * converged_part_11;
+    const float converged_part_68 = phasors_4_sine_converged_2 * (converged_part_9 + (converged_part_66 *
+        (converged_part_10 + converged_part_67)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) + (turns_3_sine_converged_2 *
-        measured_3) - converged_part_66;
-    const float by_converged_11 = then_1_converged_2 + (1.6671385f * chords_3_cosine_converged_2) + (1.6650441f *
-        chords_3_sine_converged_2);
-    const float f17_argument = by_converged_11 * by_converged_11;
-    const float by_cosine_converged_13 = f17_polynomial(f17_argument);
-    const float by_sine_converged_13 = by_converged_11 * f18_polynomial(f17_argument);
-    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_converged_13) + (start_cosine_converged_5 *
-        by_sine_converged_13);
-    const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
-    const float converged_part_68 = converged_part_67 * converged_part_19;
-    const float converged_part_69 = phasors_5_sine_converged_2 * (converged_part_17 + (converged_part_67 *
-        (converged_part_18 + converged_part_68)));
+        measured_3) - converged_part_68;
+    const float by_converged_11 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) + (1.6650441f *
+        limited_3_sine_converged_2);
+    const float f16_argument = by_converged_11 * by_converged_11;
+    const float by_cosine_converged_11 = f16_polynomial(f16_argument);
+    const float by_sine_converged_11 = by_converged_11 * f17_polynomial(f16_argument);
+    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_converged_11) + (start_cosine_converged_5 *
+        by_sine_converged_11);
+    const float converged_part_69 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
+    const float converged_part_70 = converged_part_69 * converged_part_19;
+    const float converged_part_71 = phasors_5_sine_converged_2 * (converged_part_17 + (converged_part_69 *
+        (converged_part_18 + converged_part_70)));
     const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) - (turns_3_sine_converged_2 *
-        measured_6) - converged_part_69;
-    const float by_converged_12 = then_2_converged_2 - (1.6650441f * chords_3_cosine_converged_2) + (1.6671385f *
-        chords_3_sine_converged_2);
-    const float f17_argument_2 = by_converged_12 * by_converged_12;
-    const float by_cosine_converged_14 = f17_polynomial(f17_argument_2);
-    const float by_sine_converged_14 = by_converged_12 * f18_polynomial(f17_argument_2);
-    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_converged_14) + (start_cosine_converged_6 *
-        by_sine_converged_14);
-    const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
-    const float converged_part_71 = converged_part_70 * converged_part_19;
-    const float converged_part_72 = phasors_6_sine_converged_2 * (converged_part_17 + (converged_part_70 *
-        (converged_part_18 + converged_part_71)));
+        measured_6) - converged_part_71;
+    const float by_converged_12 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) + (1.6671385f *
+        limited_3_sine_converged_2);
+    const float f16_argument_2 = by_converged_12 * by_converged_12;
+    const float by_cosine_converged_12 = f16_polynomial(f16_argument_2);
+    const float by_sine_converged_12 = by_converged_12 * f17_polynomial(f16_argument_2);
+    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_converged_12) + (start_cosine_converged_6 *
+        by_sine_converged_12);
+    const float converged_part_72 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
+    const float converged_part_73 = converged_part_72 * converged_part_19;
+    const float converged_part_74 = phasors_6_sine_converged_2 * (converged_part_17 + (converged_part_72 *
+        (converged_part_18 + converged_part_73)));
     const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) + (turns_3_sine_converged_2 *
-        measured_5) - converged_part_72;
+        measured_5) - converged_part_74;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
         residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) + (0.00992376f *
         (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_54) + 1e-08f);
-    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_9) - (ax_part_full *
-        by_sine_converged_9)) * (converged_part + (converged_part_55 * (converged_part_2_scaled + (5.0f *
-        converged_part_56))));
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_55) + 1e-08f);
+    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_7) - (ax_part_full *
+        by_sine_converged_7)) * (converged_part + (converged_part_57 * (converged_part_2_scaled + (5.0f *
+        converged_part_58))));
     const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) - (1.5833627f *
-        turns_3_cosine_converged_2))) + converged_part_60;
-    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_10) - (ay_part_full *
-        by_sine_converged_10)) * (converged_part + (converged_part_58 * (converged_part_2_scaled + (5.0f *
-        converged_part_59))));
-    const float converged_part_73 = converged_part_57 - (rows_2_2_converged_3 * ((-1.5812683f *
+        turns_3_cosine_converged_2))) + converged_part_62;
+    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_8) - (ay_part_full *
+        by_sine_converged_8)) * (converged_part + (converged_part_60 * (converged_part_2_scaled + (5.0f *
+        converged_part_61))));
+    const float converged_part_75 = converged_part_59 - (rows_2_2_converged_3 * ((-1.5812683f *
         turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
-    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_11) - (bx_part_full *
-        by_sine_converged_11)) * (converged_part_9 + (converged_part_61 * (converged_part_10_scaled + (5.0f *
-        converged_part_62))));
+    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_9) - (bx_part_full *
+        by_sine_converged_9)) * (converged_part_9 + (converged_part_63 * (converged_part_10_scaled + (5.0f *
+        converged_part_64))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) - (0.08168141f *
-        turns_3_cosine_converged_2))) + converged_part_66;
-    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_12) - (by_part_full *
-        by_sine_converged_12)) * (converged_part_9 + (converged_part_64 * (converged_part_10_scaled + (5.0f *
-        converged_part_65))));
-    const float converged_part_74 = converged_part_63 - (rows_4_2_converged_3 * ((-0.0858702f *
+        turns_3_cosine_converged_2))) + converged_part_68;
+    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_10) - (by_part_full *
+        by_sine_converged_10)) * (converged_part_9 + (converged_part_66 * (converged_part_10_scaled + (5.0f *
+        converged_part_67))));
+    const float converged_part_76 = converged_part_65 - (rows_4_2_converged_3 * ((-0.0858702f *
         turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
-    const float rows_5_1_converged_3 = ((start_cosine_converged_5 * by_cosine_converged_13) - (cx_part_full *
-        by_sine_converged_13)) * (converged_part_17 + (converged_part_67 * (converged_part_18_scaled + (5.0f *
-        converged_part_68))));
+    const float rows_5_1_converged_3 = ((start_cosine_converged_5 * by_cosine_converged_11) - (cx_part_full *
+        by_sine_converged_11)) * (converged_part_17 + (converged_part_69 * (converged_part_18_scaled + (5.0f *
+        converged_part_70))));
     const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) - (1.6671385f
-        * turns_3_sine_converged_2))) + converged_part_72;
-    const float rows_6_2_converged_3 = ((start_cosine_converged_6 * by_cosine_converged_14) - (cy_part_full *
-        by_sine_converged_14)) * (converged_part_17 + (converged_part_70 * (converged_part_18_scaled + (5.0f *
-        converged_part_71))));
-    const float converged_part_75 = converged_part_69 - (rows_6_2_converged_3 * ((1.6671385f *
+        * turns_3_sine_converged_2))) + converged_part_74;
+    const float rows_6_2_converged_3 = ((start_cosine_converged_6 * by_cosine_converged_12) - (cy_part_full *
+        by_sine_converged_12)) * (converged_part_17 + (converged_part_72 * (converged_part_18_scaled + (5.0f *
+        converged_part_73))));
+    const float converged_part_77 = converged_part_71 - (rows_6_2_converged_3 * ((1.6671385f *
         turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
         rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
-    const float converged_part_76 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
+    const float converged_part_78 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
         rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_76, 4693.3496f);
+    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_78, 4693.3496f);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) + (rows_3_1_converged_3 *
         residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) - (0.00992376f *
         then_1_converged_2);
-    const float converged_part_77 = (converged_part_73 * rows_2_2_converged_3) + (converged_part_74 *
-        rows_4_2_converged_3) + (converged_part_75 * rows_6_2_converged_3);
-    const float converged_part_78 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
+    const float converged_part_79 = (converged_part_75 * rows_2_2_converged_3) + (converged_part_76 *
+        rows_4_2_converged_3) + (converged_part_77 * rows_6_2_converged_3);
+    const float converged_part_80 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
         rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_77 * converged_part_78), 4693.3496f);
+    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_79 * converged_part_80), 4693.3496f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) + (rows_4_2_converged_3 *
         residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) - (0.00992376f *
         then_2_converged_2);
-    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_73 *
-        residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_74 *
-        residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) - (converged_part_75 *
+    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_75 *
+        residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_76 *
+        residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) - (converged_part_77 *
         residuals_6_converged_3) - (0.87438375f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) -
         (row_2_converged_3 * gradient_2_converged_3);
-    const float converged_part_79 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-        (converged_part_73 * converged_part_73) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_74 *
-        converged_part_74) + (rows_5_3_converged_3 * rows_5_3_converged_3) + (converged_part_75 * converged_part_75) +
-        0.87438375f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_77),
+    const float converged_part_81 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
+        (converged_part_75 * converged_part_75) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_76 *
+        converged_part_76) + (rows_5_3_converged_3 * rows_5_3_converged_3) + (converged_part_77 * converged_part_77) +
+        0.87438375f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_79),
         0.87438375f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_part_80 = cost_converged_2;
+    float converged_part_82 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_part_80 = converged_part_54;
+        converged_part_82 = converged_part_55;
     }
     const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ? (then_3_converged_2 +
-        (forward_3_converged_2 / converged_part_79)) : (0.5f * (then_3_converged_2 + other_3_converged_2)),
+        (forward_3_converged_2 / converged_part_81)) : (0.5f * (then_3_converged_2 + other_3_converged_2)),
         0.14022085f);
+    const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
+    const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
-    const float by_cosine_converged_15 = f9_polynomial(then_3_converged_3_squared);
-    const float by_sine_converged_15 = then_3_converged_3 * f10_polynomial(then_3_converged_3_squared);
-    const float turns_3_cosine_converged_3 = (heading_cosine * by_cosine_converged_15) - (heading_sine *
-        by_sine_converged_15);
-    const float turns_3_sine_converged_3 = (heading_sine * by_cosine_converged_15) + (heading_cosine *
-        by_sine_converged_15);
+    const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
+    const float converged_part_83 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float turns_3_cosine_converged_3 = heading_cosine - converged_part_83;
+    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) - (heading_sine *
+        half_converged_3_squared);
+    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_76) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
+        ((gradient_1_converged_3 * converged_part_78) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
         (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float chords_3_cosine_converged_3 = hall_position_three_limit(turns_3_cosine_converged_3 - heading_cosine,
-        0.14022085f);
-    const float chords_3_sine_converged_3 = hall_position_three_limit(turns_3_sine_converged_3 - heading_sine,
-        0.14022085f);
+    const float limited_3_cosine_converged_3 = hall_position_three_limit(-converged_part_83, 0.14022085f);
+    const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
     const float by_converged_13 = hall_position_three_limit(then_1_converged_3 - (1.5812683f *
-        chords_3_cosine_converged_3) - (1.5833627f * chords_3_sine_converged_3), 0.9437473f);
-    const float f11_argument_5 = by_converged_13 * by_converged_13;
-    const float by_cosine_converged_16 = f11_polynomial(f11_argument_5);
-    const float by_sine_converged_16 = by_converged_13 * f12_polynomial(f11_argument_5);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_16) + (start_cosine_converged *
-        by_sine_converged_16);
-    const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_82 = converged_part_81 * converged_part_3;
-    const float converged_part_83 = phasors_1_sine_converged_3 * (converged_part + (converged_part_81 *
-        (converged_part_2 + converged_part_82)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) - (turns_3_sine_converged_3 *
-        measured_2) - converged_part_83;
-    const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_78) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_converged_14 = then_2_converged_3 + (1.5833627f * chords_3_cosine_converged_3) - (1.5812683f *
-        chords_3_sine_converged_3);
-    const float f11_argument_6 = by_converged_14 * by_converged_14;
-    const float by_cosine_converged_17 = f11_polynomial(f11_argument_6);
-    const float by_sine_converged_17 = by_converged_14 * f12_polynomial(f11_argument_6);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_17) + (start_cosine_converged_2 *
-        by_sine_converged_17);
-    const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+        limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
+    const float f10_argument_5 = by_converged_13 * by_converged_13;
+    const float by_cosine_converged_13 = f10_polynomial(f10_argument_5);
+    const float by_sine_converged_13 = by_converged_13 * f11_polynomial(f10_argument_5);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_13) + (start_cosine_converged *
+        by_sine_converged_13);
+    const float converged_part_84 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
     const float converged_part_85 = converged_part_84 * converged_part_3;
-    const float converged_part_86 = phasors_2_sine_converged_3 * (converged_part + (converged_part_84 *
+    const float converged_part_86 = phasors_1_sine_converged_3 * (converged_part + (converged_part_84 *
         (converged_part_2 + converged_part_85)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) - (turns_3_sine_converged_3 *
+        measured_2) - converged_part_86;
+    const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
+        ((gradient_2_converged_3 * converged_part_80) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
+        (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_converged_14 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) - (1.5812683f *
+        limited_3_sine_converged_3);
+    const float f10_argument_6 = by_converged_14 * by_converged_14;
+    const float by_cosine_converged_14 = f10_polynomial(f10_argument_6);
+    const float by_sine_converged_14 = by_converged_14 * f11_polynomial(f10_argument_6);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_14) + (start_cosine_converged_2 *
+        by_sine_converged_14);
+    const float converged_part_87 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_88 = converged_part_87 * converged_part_3;
+    const float converged_part_89 = phasors_2_sine_converged_3 * (converged_part + (converged_part_87 *
+        (converged_part_2 + converged_part_88)));
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) + (turns_3_sine_converged_3 *
-        measured_1) - converged_part_86;
+        measured_1) - converged_part_89;
     const float by_converged_15 = hall_position_three_limit(then_1_converged_3 - (0.0858702f *
-        chords_3_cosine_converged_3) - (0.08168141f * chords_3_sine_converged_3), 0.52349424f);
-    const float f13_argument_5 = by_converged_15 * by_converged_15;
-    const float by_cosine_converged_18 = f13_polynomial(f13_argument_5);
-    const float by_sine_converged_18 = by_converged_15 * f14_polynomial(f13_argument_5);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_18) + (start_cosine_converged_3 *
-        by_sine_converged_18);
-    const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_88 = converged_part_87 * converged_part_11;
-    const float converged_part_89 = phasors_3_sine_converged_3 * (converged_part_9 + (converged_part_87 *
-        (converged_part_10 + converged_part_88)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) - (turns_3_sine_converged_3 *
-        measured_4) - converged_part_89;
-    const float by_converged_16 = hall_position_three_limit(then_2_converged_3 + (0.08168141f *
-        chords_3_cosine_converged_3) - (0.0858702f * chords_3_sine_converged_3), 0.52349424f);
-    const float f13_argument_6 = by_converged_16 * by_converged_16;
-    const float by_cosine_converged_19 = f13_polynomial(f13_argument_6);
-    const float by_sine_converged_19 = by_converged_16 * f14_polynomial(f13_argument_6);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_19) + (start_cosine_converged_4 *
-        by_sine_converged_19);
-    const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+        limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
+    const float f12_argument_5 = by_converged_15 * by_converged_15;
+    const float by_cosine_converged_15 = f12_polynomial(f12_argument_5);
+    const float by_sine_converged_15 = by_converged_15 * f13_polynomial(f12_argument_5);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_15) + (start_cosine_converged_3 *
+        by_sine_converged_15);
+    const float converged_part_90 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
     const float converged_part_91 = converged_part_90 * converged_part_11;
-    const float converged_part_92 = phasors_4_sine_converged_3 * (converged_part_9 + (converged_part_90 *
+    const float converged_part_92 = phasors_3_sine_converged_3 * (converged_part_9 + (converged_part_90 *
         (converged_part_10 + converged_part_91)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) - (turns_3_sine_converged_3 *
+        measured_4) - converged_part_92;
+    const float by_converged_16 = hall_position_three_limit(then_2_converged_3 + (0.08168141f *
+        limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
+    const float f12_argument_6 = by_converged_16 * by_converged_16;
+    const float by_cosine_converged_16 = f12_polynomial(f12_argument_6);
+    const float by_sine_converged_16 = by_converged_16 * f13_polynomial(f12_argument_6);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_16) + (start_cosine_converged_4 *
+        by_sine_converged_16);
+    const float converged_part_93 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_94 = converged_part_93 * converged_part_11;
+    const float converged_part_95 = phasors_4_sine_converged_3 * (converged_part_9 + (converged_part_93 *
+        (converged_part_10 + converged_part_94)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) + (turns_3_sine_converged_3 *
-        measured_3) - converged_part_92;
-    const float by_converged_17 = then_1_converged_3 + (1.6671385f * chords_3_cosine_converged_3) + (1.6650441f *
-        chords_3_sine_converged_3);
-    const float f17_argument_3 = by_converged_17 * by_converged_17;
-    const float by_cosine_converged_20 = f17_polynomial(f17_argument_3);
-    const float by_sine_converged_20 = by_converged_17 * f18_polynomial(f17_argument_3);
-    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_converged_20) + (start_cosine_converged_5 *
-        by_sine_converged_20);
-    const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
-    const float converged_part_94 = converged_part_93 * converged_part_19;
-    const float converged_part_95 = phasors_5_sine_converged_3 * (converged_part_17 + (converged_part_93 *
-        (converged_part_18 + converged_part_94)));
-    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) - (turns_3_sine_converged_3 *
-        measured_6) - converged_part_95;
-    const float by_converged_18 = then_2_converged_3 - (1.6650441f * chords_3_cosine_converged_3) + (1.6671385f *
-        chords_3_sine_converged_3);
-    const float f17_argument_4 = by_converged_18 * by_converged_18;
-    const float by_cosine_converged_21 = f17_polynomial(f17_argument_4);
-    const float by_sine_converged_21 = by_converged_18 * f18_polynomial(f17_argument_4);
-    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_converged_21) + (start_cosine_converged_6 *
-        by_sine_converged_21);
-    const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
+        measured_3) - converged_part_95;
+    const float by_converged_17 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) + (1.6650441f *
+        limited_3_sine_converged_3);
+    const float f16_argument_3 = by_converged_17 * by_converged_17;
+    const float by_cosine_converged_17 = f16_polynomial(f16_argument_3);
+    const float by_sine_converged_17 = by_converged_17 * f17_polynomial(f16_argument_3);
+    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_converged_17) + (start_cosine_converged_5 *
+        by_sine_converged_17);
+    const float converged_part_96 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
     const float converged_part_97 = converged_part_96 * converged_part_19;
-    const float converged_part_98 = phasors_6_sine_converged_3 * (converged_part_17 + (converged_part_96 *
+    const float converged_part_98 = phasors_5_sine_converged_3 * (converged_part_17 + (converged_part_96 *
         (converged_part_18 + converged_part_97)));
+    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) - (turns_3_sine_converged_3 *
+        measured_6) - converged_part_98;
+    const float by_converged_18 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) + (1.6671385f *
+        limited_3_sine_converged_3);
+    const float f16_argument_4 = by_converged_18 * by_converged_18;
+    const float by_cosine_converged_18 = f16_polynomial(f16_argument_4);
+    const float by_sine_converged_18 = by_converged_18 * f17_polynomial(f16_argument_4);
+    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_converged_18) + (start_cosine_converged_6 *
+        by_sine_converged_18);
+    const float converged_part_99 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
+    const float converged_part_100 = converged_part_99 * converged_part_19;
+    const float converged_part_101 = phasors_6_sine_converged_3 * (converged_part_17 + (converged_part_99 *
+        (converged_part_18 + converged_part_100)));
     const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) + (turns_3_sine_converged_3 *
-        measured_5) - converged_part_98;
+        measured_5) - converged_part_101;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
         residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) + (0.00992376f *
         (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_80) + 1e-08f);
-    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_16) - (ax_part_full *
-        by_sine_converged_16)) * (converged_part + (converged_part_81 * (converged_part_2_scaled + (5.0f *
-        converged_part_82))));
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) - (1.5833627f *
-        turns_3_cosine_converged_3))) + converged_part_86;
-    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_17) - (ay_part_full *
-        by_sine_converged_17)) * (converged_part + (converged_part_84 * (converged_part_2_scaled + (5.0f *
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_82) + 1e-08f);
+    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_13) - (ax_part_full *
+        by_sine_converged_13)) * (converged_part + (converged_part_84 * (converged_part_2_scaled + (5.0f *
         converged_part_85))));
-    const float converged_part_99 = converged_part_83 - (rows_2_2_converged_4 * ((-1.5812683f *
-        turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
-    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_18) - (bx_part_full *
-        by_sine_converged_18)) * (converged_part_9 + (converged_part_87 * (converged_part_10_scaled + (5.0f *
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) - (1.5833627f *
+        turns_3_cosine_converged_3))) + converged_part_89;
+    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_14) - (ay_part_full *
+        by_sine_converged_14)) * (converged_part + (converged_part_87 * (converged_part_2_scaled + (5.0f *
         converged_part_88))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) - (0.08168141f *
-        turns_3_cosine_converged_3))) + converged_part_92;
-    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_19) - (by_part_full *
-        by_sine_converged_19)) * (converged_part_9 + (converged_part_90 * (converged_part_10_scaled + (5.0f *
+    const float converged_part_102 = converged_part_86 - (rows_2_2_converged_4 * ((-1.5812683f *
+        turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
+    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_15) - (bx_part_full *
+        by_sine_converged_15)) * (converged_part_9 + (converged_part_90 * (converged_part_10_scaled + (5.0f *
         converged_part_91))));
-    const float converged_part_100 = converged_part_89 - (rows_4_2_converged_4 * ((-0.0858702f *
-        turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
-    const float rows_5_1_converged_4 = ((start_cosine_converged_5 * by_cosine_converged_20) - (cx_part_full *
-        by_sine_converged_20)) * (converged_part_17 + (converged_part_93 * (converged_part_18_scaled + (5.0f *
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) - (0.08168141f *
+        turns_3_cosine_converged_3))) + converged_part_95;
+    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_16) - (by_part_full *
+        by_sine_converged_16)) * (converged_part_9 + (converged_part_93 * (converged_part_10_scaled + (5.0f *
         converged_part_94))));
-    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) - (1.6671385f
-        * turns_3_sine_converged_3))) + converged_part_98;
-    const float rows_6_2_converged_4 = ((start_cosine_converged_6 * by_cosine_converged_21) - (cy_part_full *
-        by_sine_converged_21)) * (converged_part_17 + (converged_part_96 * (converged_part_18_scaled + (5.0f *
+    const float converged_part_103 = converged_part_92 - (rows_4_2_converged_4 * ((-0.0858702f *
+        turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
+    const float rows_5_1_converged_4 = ((start_cosine_converged_5 * by_cosine_converged_17) - (cx_part_full *
+        by_sine_converged_17)) * (converged_part_17 + (converged_part_96 * (converged_part_18_scaled + (5.0f *
         converged_part_97))));
-    const float converged_part_101 = converged_part_95 - (rows_6_2_converged_4 * ((1.6671385f *
+    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) - (1.6671385f
+        * turns_3_sine_converged_3))) + converged_part_101;
+    const float rows_6_2_converged_4 = ((start_cosine_converged_6 * by_cosine_converged_18) - (cy_part_full *
+        by_sine_converged_18)) * (converged_part_17 + (converged_part_99 * (converged_part_18_scaled + (5.0f *
+        converged_part_100))));
+    const float converged_part_104 = converged_part_98 - (rows_6_2_converged_4 * ((1.6671385f *
         turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
         rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
-    const float converged_part_102 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
+    const float converged_part_105 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
         rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_102, 4693.3496f);
+    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_105, 4693.3496f);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) + (rows_3_1_converged_4 *
         residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) - (0.00992376f *
         then_1_converged_3);
-    const float converged_part_103 = (converged_part_99 * rows_2_2_converged_4) + (converged_part_100 *
-        rows_4_2_converged_4) + (converged_part_101 * rows_6_2_converged_4);
-    const float converged_part_104 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
+    const float converged_part_106 = (converged_part_102 * rows_2_2_converged_4) + (converged_part_103 *
+        rows_4_2_converged_4) + (converged_part_104 * rows_6_2_converged_4);
+    const float converged_part_107 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
         rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_103 * converged_part_104), 4693.3496f);
+    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_106 * converged_part_107), 4693.3496f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) + (rows_4_2_converged_4 *
         residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) - (0.00992376f *
         then_2_converged_3);
-    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_99 *
-        residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_100 *
-        residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) - (converged_part_101 *
+    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_102 *
+        residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_103 *
+        residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) - (converged_part_104 *
         residuals_6_converged_4) - (0.87438375f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) -
         (row_2_converged_4 * gradient_2_converged_4);
-    const float converged_part_105 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-        (converged_part_99 * converged_part_99) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_100 *
-        converged_part_100) + (rows_5_3_converged_4 * rows_5_3_converged_4) + (converged_part_101 * converged_part_101)
-        + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_103),
-        0.87438375f);
+    const float converged_part_108 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
+        (converged_part_102 * converged_part_102) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_103
+        * converged_part_103) + (rows_5_3_converged_4 * rows_5_3_converged_4) + (converged_part_104 *
+        converged_part_104) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 *
+        converged_part_106), 0.87438375f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_part_106 = cost_converged_3;
+    float converged_part_109 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_part_106 = converged_part_80;
+        converged_part_109 = converged_part_82;
     }
     const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ? (then_3_converged_3 +
-        (forward_3_converged_3 / converged_part_105)) : (0.5f * (then_3_converged_3 + other_3_converged_3)),
+        (forward_3_converged_3 / converged_part_108)) : (0.5f * (then_3_converged_3 + other_3_converged_3)),
         0.14022085f);
+    const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
+    const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
-    const float by_cosine_converged_22 = f9_polynomial(then_3_converged_4_squared);
-    const float by_sine_converged_22 = then_3_converged_4 * f10_polynomial(then_3_converged_4_squared);
-    const float turns_3_cosine_converged_4 = (heading_cosine * by_cosine_converged_22) - (heading_sine *
-        by_sine_converged_22);
-    const float turns_3_sine_converged_4 = (heading_sine * by_cosine_converged_22) + (heading_cosine *
-        by_sine_converged_22);
+    const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
+    const float converged_part_110 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float turns_3_cosine_converged_4 = heading_cosine - converged_part_110;
+    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) - (heading_sine *
+        half_converged_4_squared);
+    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_102) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
+        ((gradient_1_converged_4 * converged_part_105) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float chords_3_cosine_converged_4 = hall_position_three_limit(turns_3_cosine_converged_4 - heading_cosine,
-        0.14022085f);
-    const float chords_3_sine_converged_4 = hall_position_three_limit(turns_3_sine_converged_4 - heading_sine,
-        0.14022085f);
+    const float limited_3_cosine_converged_4 = hall_position_three_limit(-converged_part_110, 0.14022085f);
+    const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
     const float by_converged_19 = hall_position_three_limit(then_1_converged_4 - (1.5812683f *
-        chords_3_cosine_converged_4) - (1.5833627f * chords_3_sine_converged_4), 0.9437473f);
-    const float f11_argument_7 = by_converged_19 * by_converged_19;
-    const float by_cosine_converged_23 = f11_polynomial(f11_argument_7);
-    const float by_sine_converged_23 = by_converged_19 * f12_polynomial(f11_argument_7);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_23) + (start_cosine_converged *
-        by_sine_converged_23);
-    const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_108 = converged_part_107 * converged_part_3;
-    const float converged_part_109 = phasors_1_sine_converged_4 * (converged_part + (converged_part_107 *
-        (converged_part_2 + converged_part_108)));
+        limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
+    const float f10_argument_7 = by_converged_19 * by_converged_19;
+    const float by_cosine_converged_19 = f10_polynomial(f10_argument_7);
+    const float by_sine_converged_19 = by_converged_19 * f11_polynomial(f10_argument_7);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_19) + (start_cosine_converged *
+        by_sine_converged_19);
+    const float converged_part_111 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_112 = converged_part_111 * converged_part_3;
+    const float converged_part_113 = phasors_1_sine_converged_4 * (converged_part + (converged_part_111 *
+        (converged_part_2 + converged_part_112)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) - (turns_3_sine_converged_4 *
-        measured_2) - converged_part_109;
+        measured_2) - converged_part_113;
     const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_104) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
+        ((gradient_2_converged_4 * converged_part_107) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
         (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_converged_20 = then_2_converged_4 + (1.5833627f * chords_3_cosine_converged_4) - (1.5812683f *
-        chords_3_sine_converged_4);
-    const float f11_argument_8 = by_converged_20 * by_converged_20;
-    const float by_cosine_converged_24 = f11_polynomial(f11_argument_8);
-    const float by_sine_converged_24 = by_converged_20 * f12_polynomial(f11_argument_8);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_24) + (start_cosine_converged_2 *
-        by_sine_converged_24);
-    const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_111 = converged_part_110 * converged_part_3;
-    const float converged_part_112 = phasors_2_sine_converged_4 * (converged_part + (converged_part_110 *
-        (converged_part_2 + converged_part_111)));
+    const float by_converged_20 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) - (1.5812683f *
+        limited_3_sine_converged_4);
+    const float f10_argument_8 = by_converged_20 * by_converged_20;
+    const float by_cosine_converged_20 = f10_polynomial(f10_argument_8);
+    const float by_sine_converged_20 = by_converged_20 * f11_polynomial(f10_argument_8);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_20) + (start_cosine_converged_2 *
+        by_sine_converged_20);
+    const float converged_part_114 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_115 = converged_part_114 * converged_part_3;
+    const float converged_part_116 = phasors_2_sine_converged_4 * (converged_part + (converged_part_114 *
+        (converged_part_2 + converged_part_115)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) + (turns_3_sine_converged_4 *
-        measured_1) - converged_part_112;
+        measured_1) - converged_part_116;
     const float by_converged_21 = hall_position_three_limit(then_1_converged_4 - (0.0858702f *
-        chords_3_cosine_converged_4) - (0.08168141f * chords_3_sine_converged_4), 0.52349424f);
-    const float f13_argument_7 = by_converged_21 * by_converged_21;
-    const float by_cosine_converged_25 = f13_polynomial(f13_argument_7);
-    const float by_sine_converged_25 = by_converged_21 * f14_polynomial(f13_argument_7);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_25) + (start_cosine_converged_3 *
-        by_sine_converged_25);
-    const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_114 = converged_part_113 * converged_part_11;
-    const float converged_part_115 = phasors_3_sine_converged_4 * (converged_part_9 + (converged_part_113 *
-        (converged_part_10 + converged_part_114)));
+        limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
+    const float f12_argument_7 = by_converged_21 * by_converged_21;
+    const float by_cosine_converged_21 = f12_polynomial(f12_argument_7);
+    const float by_sine_converged_21 = by_converged_21 * f13_polynomial(f12_argument_7);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_21) + (start_cosine_converged_3 *
+        by_sine_converged_21);
+    const float converged_part_117 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_118 = converged_part_117 * converged_part_11;
+    const float converged_part_119 = phasors_3_sine_converged_4 * (converged_part_9 + (converged_part_117 *
+        (converged_part_10 + converged_part_118)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) - (turns_3_sine_converged_4 *
-        measured_4) - converged_part_115;
+        measured_4) - converged_part_119;
     const float by_converged_22 = hall_position_three_limit(then_2_converged_4 + (0.08168141f *
-        chords_3_cosine_converged_4) - (0.0858702f * chords_3_sine_converged_4), 0.52349424f);
-    const float f13_argument_8 = by_converged_22 * by_converged_22;
-    const float by_cosine_converged_26 = f13_polynomial(f13_argument_8);
-    const float by_sine_converged_26 = by_converged_22 * f14_polynomial(f13_argument_8);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_26) + (start_cosine_converged_4 *
-        by_sine_converged_26);
-    const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_117 = converged_part_116 * converged_part_11;
-    const float converged_part_118 = phasors_4_sine_converged_4 * (converged_part_9 + (converged_part_116 *
-        (converged_part_10 + converged_part_117)));
+        limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
+    const float f12_argument_8 = by_converged_22 * by_converged_22;
+    const float by_cosine_converged_22 = f12_polynomial(f12_argument_8);
+    const float by_sine_converged_22 = by_converged_22 * f13_polynomial(f12_argument_8);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_22) + (start_cosine_converged_4 *
+        by_sine_converged_22);
+    const float converged_part_120 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_121 = converged_part_120 * converged_part_11;
+    const float converged_part_122 = phasors_4_sine_converged_4 * (converged_part_9 + (converged_part_120 *
+        (converged_part_10 + converged_part_121)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) + (turns_3_sine_converged_4 *
-        measured_3) - converged_part_118;
-    const float by_converged_23 = then_1_converged_4 + (1.6671385f * chords_3_cosine_converged_4) + (1.6650441f *
-        chords_3_sine_converged_4);
-    const float f17_argument_5 = by_converged_23 * by_converged_23;
-    const float by_cosine_converged_27 = f17_polynomial(f17_argument_5);
-    const float by_sine_converged_27 = by_converged_23 * f18_polynomial(f17_argument_5);
-    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_converged_27) + (start_cosine_converged_5 *
-        by_sine_converged_27);
-    const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
-    const float converged_part_120 = converged_part_119 * converged_part_19;
-    const float converged_part_121 = phasors_5_sine_converged_4 * (converged_part_17 + (converged_part_119 *
-        (converged_part_18 + converged_part_120)));
+        measured_3) - converged_part_122;
+    const float by_converged_23 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) + (1.6650441f *
+        limited_3_sine_converged_4);
+    const float f16_argument_5 = by_converged_23 * by_converged_23;
+    const float by_cosine_converged_23 = f16_polynomial(f16_argument_5);
+    const float by_sine_converged_23 = by_converged_23 * f17_polynomial(f16_argument_5);
+    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_converged_23) + (start_cosine_converged_5 *
+        by_sine_converged_23);
+    const float converged_part_123 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
+    const float converged_part_124 = converged_part_123 * converged_part_19;
+    const float converged_part_125 = phasors_5_sine_converged_4 * (converged_part_17 + (converged_part_123 *
+        (converged_part_18 + converged_part_124)));
     const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) - (turns_3_sine_converged_4 *
-        measured_6) - converged_part_121;
-    const float by_converged_24 = then_2_converged_4 - (1.6650441f * chords_3_cosine_converged_4) + (1.6671385f *
-        chords_3_sine_converged_4);
-    const float f17_argument_6 = by_converged_24 * by_converged_24;
-    const float by_cosine_converged_28 = f17_polynomial(f17_argument_6);
-    const float by_sine_converged_28 = by_converged_24 * f18_polynomial(f17_argument_6);
-    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_converged_28) + (start_cosine_converged_6 *
-        by_sine_converged_28);
-    const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
-    const float converged_part_123 = converged_part_122 * converged_part_19;
-    const float converged_part_124 = phasors_6_sine_converged_4 * (converged_part_17 + (converged_part_122 *
-        (converged_part_18 + converged_part_123)));
+        measured_6) - converged_part_125;
+    const float by_converged_24 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) + (1.6671385f *
+        limited_3_sine_converged_4);
+    const float f16_argument_6 = by_converged_24 * by_converged_24;
+    const float by_cosine_converged_24 = f16_polynomial(f16_argument_6);
+    const float by_sine_converged_24 = by_converged_24 * f17_polynomial(f16_argument_6);
+    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_converged_24) + (start_cosine_converged_6 *
+        by_sine_converged_24);
+    const float converged_part_126 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
+    const float converged_part_127 = converged_part_126 * converged_part_19;
+    const float converged_part_128 = phasors_6_sine_converged_4 * (converged_part_17 + (converged_part_126 *
+        (converged_part_18 + converged_part_127)));
     const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) + (turns_3_sine_converged_4 *
-        measured_5) - converged_part_124;
+        measured_5) - converged_part_128;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
         residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
         residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) + (residuals_6_converged_5 *
@@ -1084,68 +1101,68 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool gate_exceeded = (growing_gate * growing_gate) < (then_1_converged_4_squared + then_2_converged_4_squared
         + (3.524405f * then_3_converged_4_squared));
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) + (0.00992376f *
-        then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_106)
+        then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_109)
         + 1e-08f);
-    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_23) - (ax_part_full *
-        by_sine_converged_23)) * (converged_part + (converged_part_107 * (converged_part_2_scaled + (5.0f *
-        converged_part_108))));
-    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_25) - (bx_part_full *
-        by_sine_converged_25)) * (converged_part_9 + (converged_part_113 * (converged_part_10_scaled + (5.0f *
-        converged_part_114))));
-    const float rows_5_1_converged_5 = ((start_cosine_converged_5 * by_cosine_converged_27) - (cx_part_full *
-        by_sine_converged_27)) * (converged_part_17 + (converged_part_119 * (converged_part_18_scaled + (5.0f *
-        converged_part_120))));
+    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_19) - (ax_part_full *
+        by_sine_converged_19)) * (converged_part + (converged_part_111 * (converged_part_2_scaled + (5.0f *
+        converged_part_112))));
+    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_21) - (bx_part_full *
+        by_sine_converged_21)) * (converged_part_9 + (converged_part_117 * (converged_part_10_scaled + (5.0f *
+        converged_part_118))));
+    const float rows_5_1_converged_5 = ((start_cosine_converged_5 * by_cosine_converged_23) - (cx_part_full *
+        by_sine_converged_23)) * (converged_part_17 + (converged_part_123 * (converged_part_18_scaled + (5.0f *
+        converged_part_124))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
         residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) - (0.00992376f *
         then_1_converged_4);
     const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 *
         rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
-    const float converged_part_125 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_24) - (ay_part_full *
-        by_sine_converged_24)) * (converged_part + (converged_part_110 * (converged_part_2_scaled + (5.0f *
-        converged_part_111))));
-    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_26) - (by_part_full *
-        by_sine_converged_26)) * (converged_part_9 + (converged_part_116 * (converged_part_10_scaled + (5.0f *
-        converged_part_117))));
-    const float rows_6_2_converged_5 = ((start_cosine_converged_6 * by_cosine_converged_28) - (cy_part_full *
-        by_sine_converged_28)) * (converged_part_17 + (converged_part_122 * (converged_part_18_scaled + (5.0f *
-        converged_part_123))));
+    const float converged_part_129 = gradient_1_converged_5 * inverse_1;
+    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_20) - (ay_part_full *
+        by_sine_converged_20)) * (converged_part + (converged_part_114 * (converged_part_2_scaled + (5.0f *
+        converged_part_115))));
+    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_22) - (by_part_full *
+        by_sine_converged_22)) * (converged_part_9 + (converged_part_120 * (converged_part_10_scaled + (5.0f *
+        converged_part_121))));
+    const float rows_6_2_converged_5 = ((start_cosine_converged_6 * by_cosine_converged_24) - (cy_part_full *
+        by_sine_converged_24)) * (converged_part_17 + (converged_part_126 * (converged_part_18_scaled + (5.0f *
+        converged_part_127))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
         residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) - (0.00992376f *
         then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
         rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
-    const float converged_part_126 = gradient_2_converged_5 * inverse_2;
+    const float converged_part_130 = gradient_2_converged_5 * inverse_2;
     const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) - (1.5833627f *
-        turns_3_cosine_converged_4))) + converged_part_112;
-    const float converged_part_127 = converged_part_109 - (rows_2_2_converged_5 * ((-1.5812683f *
+        turns_3_cosine_converged_4))) + converged_part_116;
+    const float converged_part_131 = converged_part_113 - (rows_2_2_converged_5 * ((-1.5812683f *
         turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) - (0.08168141f *
-        turns_3_cosine_converged_4))) + converged_part_118;
-    const float converged_part_128 = converged_part_115 - (rows_4_2_converged_5 * ((-0.0858702f *
+        turns_3_cosine_converged_4))) + converged_part_122;
+    const float converged_part_132 = converged_part_119 - (rows_4_2_converged_5 * ((-0.0858702f *
         turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
     const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) - (1.6671385f
-        * turns_3_sine_converged_4))) + converged_part_124;
-    const float converged_part_129 = converged_part_121 - (rows_6_2_converged_5 * ((1.6671385f *
+        * turns_3_sine_converged_4))) + converged_part_128;
+    const float converged_part_133 = converged_part_125 - (rows_6_2_converged_5 * ((1.6671385f *
         turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
         rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
     const float x_converged = hall_position_three_limit(left_3_1_converged_5 * inverse_1, 4693.3496f);
-    const float converged_part_130 = (converged_part_127 * rows_2_2_converged_5) + (converged_part_128 *
-        rows_4_2_converged_5) + (converged_part_129 * rows_6_2_converged_5);
-    const float y_converged = hall_position_three_limit(-(converged_part_130 * inverse_2), 4693.3496f);
-    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_127 *
-        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_128 *
-        residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) - (converged_part_129 *
+    const float converged_part_134 = (converged_part_131 * rows_2_2_converged_5) + (converged_part_132 *
+        rows_4_2_converged_5) + (converged_part_133 * rows_6_2_converged_5);
+    const float y_converged = hall_position_three_limit(-(converged_part_134 * inverse_2), 4693.3496f);
+    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_131 *
+        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_132 *
+        residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) - (converged_part_133 *
         residuals_6_converged_5) - (0.87438375f * then_3_converged_4) - (x_converged * gradient_1_converged_5) -
         (y_converged * gradient_2_converged_5);
-    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_127 *
-        converged_part_127) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_128 * converged_part_128)
-        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_129 * converged_part_129) + 0.87438375f -
-        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_130), 0.87438375f);
+    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_131 *
+        converged_part_131) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_132 * converged_part_132)
+        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_133 * converged_part_133) + 0.87438375f -
+        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_134), 0.87438375f);
     const float step_converged = forward_3_converged_4 / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_125) +
-        (gradient_2_converged_5 * converged_part_126) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_129) +
+        (gradient_2_converged_5 * converged_part_130) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
     float at_3;
     float at_1;
     float at_2;
@@ -1153,8 +1170,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float untried_3 = hall_position_three_limit(then_3_converged_4 + step_converged, 0.14022085f);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_125 - (x_converged * moves_3_X)), 0.5f);
-        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_126 - (y_converged * moves_3_X)), 0.5f);
+        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_129 - (x_converged * moves_3_X)), 0.5f);
+        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_130 - (y_converged * moves_3_X)), 0.5f);
     } else {
         if (better_converged_4) {
             at_3 = then_3_converged_4;
@@ -1203,12 +1220,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         turns_x = turns_X ? 1.0f : 0.0f;
     }
     const float pose_pitch_x = state->estimator_pitch_x + turns_x;
-    const float f9_argument = yaw_X * yaw_X;
-    const float by_cosine_X = f9_polynomial(f9_argument);
-    const float by_sine_X = yaw_X * f10_polynomial(f9_argument);
+    const float f18_argument = yaw_X * yaw_X;
+    const float by_cosine_X = f18_polynomial(f18_argument);
+    const float by_sine_X = yaw_X * f9_polynomial(f18_argument);
     const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * by_sine_X);
-    const float sine = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
-    const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine);
+    const float sine_X = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
+    const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x) - lever_cosine;
     const float Y_part = prediction_phase_y + by_phase_y;
     const bool turns_Y = pi < Y_part;
@@ -1224,7 +1241,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         turns_y = turns_Y ? 1.0f : 0.0f;
     }
     const float pose_pitch_y = state->estimator_pitch_y + turns_y;
-    const float lever_sine = (0.0060790665f * sine) - (0.0040132f * cosine);
+    const float lever_sine = (0.0060790665f * sine_X) - (0.0040132f * cosine);
     const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y) - lever_sine;
     const float prediction_yaw_plus_yaw_X = prediction_yaw + yaw_X;
     float angle_yaw = prediction_yaw_plus_yaw_X;
@@ -1332,6 +1349,30 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->damped = damped ? 1.0f : 0.0f;
     out->valid = valid ? 1.0f : 0.0f;
     out->excluded_sensor = (float)estimator_excluded_sensor;
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->saturated |= (fabsf(ax_part_doubled) >= 2.002f) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(ax_part_full) >= 1.001f) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(ay_part_doubled) >= 2.002f) ? 0x00000004u : 0u;
+        diagnostics->saturated |= (fabsf(ay_part_full) >= 1.001f) ? 0x00000008u : 0u;
+        diagnostics->saturated |= (fabsf(bx_part_doubled) >= 2.002f) ? 0x00000010u : 0u;
+        diagnostics->saturated |= (fabsf(bx_part_full) >= 1.001f) ? 0x00000020u : 0u;
+        diagnostics->saturated |= (fabsf(by_part_doubled) >= 2.002f) ? 0x00000040u : 0u;
+        diagnostics->saturated |= (fabsf(by_part_full) >= 1.001f) ? 0x00000080u : 0u;
+        diagnostics->saturated |= (fabsf(cx_part_doubled) >= 2.002f) ? 0x00000100u : 0u;
+        diagnostics->saturated |= (fabsf(cx_part_full) >= 1.001f) ? 0x00000200u : 0u;
+        diagnostics->saturated |= (fabsf(cy_part_doubled) >= 2.002f) ? 0x00000400u : 0u;
+        diagnostics->saturated |= (fabsf(cy_part_full) >= 1.001f) ? 0x00000800u : 0u;
+    }
+#endif
 
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }

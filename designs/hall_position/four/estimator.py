@@ -57,7 +57,7 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block
     return glsdc_estimator.estimator(
         "estimator",
         time,
-        Implicit(planar.turned(field, len(array.positions)).residual),
+        Implicit(planar.in_body_axes(field, len(array.positions)).residual),
         glsdc_model.covariance([array.deviation] * count, [tuning.model_error] * count),
         channels=volts,
         unknowns=_unknowns(tuning),

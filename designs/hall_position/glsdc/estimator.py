@@ -37,8 +37,8 @@ from synth.timing import Discrete
 REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
 DEFAULT_TUNING = Tuning()
-# Relative, of polynomials: an error of 3e-7 in a sine is an error of 3 nm in the position.
-SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
+# Relative, of polynomials. An error of 2e-7 in a sine is one of 2 nm in the position, which a step of a search magnifies.
+SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 1.8e-7, np.float64: 1e-15}
 FLAGS = {
     "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
     "valid": "converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, "

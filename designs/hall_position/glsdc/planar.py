@@ -60,7 +60,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     ]
     volts = channels.voltages(len(array.positions))
     model = glsdc_jacobian.model(
-        turned(partial(field, len(array.positions), array.c, weighted=True), len(array.positions)),
+        in_body_axes(partial(field, len(array.positions), array.c, weighted=True), len(array.positions)),
         array.deviation**2 * np.eye(len(volts)),
         volts,
         (),
@@ -118,7 +118,7 @@ def _phase(axis: str, arm: Pair) -> Callable[[Exprs, Exprs], ca.SX]:
     return phase
 
 
-def turned(of: Measurement, sensors: int) -> Turned:
+def in_body_axes(of: Measurement, sensors: int) -> Turned:
     """Return the model of sensors in a field, by its voltages in fixed axes."""
     return Turned(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])
 
