@@ -109,14 +109,14 @@ def model(
     if strangers := [n for n in angles if n not in signal_names(channels)]:
         raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
     if isinstance(h, Turned):
-        _check_turned(h, channels, unknowns)
+        _check_pairs(h, channels, unknowns)
     of = _symbols(channels, unknowns, phases, constants)
     q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
     turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
     slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
-    moving, turning = _fixed(h, of, q, k) if isinstance(h, Turned) else (residuals, {})
+    moving, turning = _fixed_axes(h, of, q, k) if isinstance(h, Turned) else (residuals, {})
     columns = [
         _derivative(moving, u, of) + _by_phases(moving, s, of) + turning.get(u.name, 0)
         for u, s in zip(unknowns, slopes, strict=True)
@@ -181,14 +181,14 @@ def _residuals(h: Measurement | Implicit | Turned, of: _Symbols, q: Exprs, k: Ex
     return ca.vcat([symbol - values[n] if callable(h) else ca.SX(values[n]) for n, symbol in of.y.items()])
 
 
-def _fixed(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+def _fixed_axes(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
     """Return -f (m,) of a Turned model, and what the turn adds to its derivative by the angle."""
     f = laws.evaluate("h", h.fixed, q, k)
     turning = h.turning(f)
     return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
 
 
-def _check_turned(h: Turned, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
+def _check_pairs(h: Turned, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
     angles = [u.name for u in unknowns if u.rate == 1]
     if h.angle not in angles:
         raise SignalError(f"the body turns by '{h.angle}', which is no unknown angle in rad: {', '.join(angles)}")

@@ -37,7 +37,7 @@ from synth.timing import Discrete
 REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
 DEFAULT_TUNING = Tuning()
-# Relative, of polynomials. An error of 2e-7 in a sine is one of 2 nm in the position, which a step of a search magnifies.
+# Relative, of polynomials: 2e-7 in a sine is 2 nm in the position, which a step of a search may magnify a hundredfold.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 1.8e-7, np.float64: 1e-15}
 FLAGS = {
     "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
