@@ -58,7 +58,8 @@ class Turned:
 
     def residual(self, q: Exprs, y: Exprs, k: Exprs) -> Exprs:
         """Return e of each channel."""
-        c, s, f, of = q[f"cos_{self.angle}"], q[f"sin_{self.angle}"], self.fixed(q, k), {}
+        c, s, f = q[f"cos_{self.angle}"], q[f"sin_{self.angle}"], self.fixed(q, k)
+        of: dict[str, ca.SX] = {}
         for a, b in self.pairs:
             of |= {a: c * y[a] - s * y[b] - f[a], b: c * y[b] + s * y[a] - f[b]}
         return of
