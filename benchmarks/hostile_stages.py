@@ -8,7 +8,7 @@ import casadi as ca
 from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import parity, robustness
-from synth.blocks import axis, dead_reckoning, glsdc_estimator, landing, missed_calls, probe, redundancy
+from synth.blocks import axis, dead_reckoning, following, glsdc_estimator, landing, missed_calls, probe, redundancy
 from synth.blocks.glsdc_model import Unknown
 from synth.plant import Plant
 from synth.signals import Signal
@@ -39,6 +39,7 @@ def examples() -> Mapping[str, Call]:
     controller = stage.controller("held", Discrete(1e-3), interface, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
     moving = dead_reckoning.Axis("gap", GAP, replace(GAP, name="predicted"), U, 0.5, 1.0, 0.9)
+    behind = following.Axis(GAP, replace(GAP, name="gap_ref"), 1e-3, 5)
     angle = Unknown(Signal("angle", "rad", -1, 1), largest_deviation=0.5, step=0.5)
     coils = [Signal(name, "V", -2, 2) for name in ("a", "b")]
     resolver: Call = {
@@ -53,6 +54,8 @@ def examples() -> Mapping[str, Call]:
     return {
         "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
         "dead_reckoning.Axis": fields(moving),
+        "following.Axis": fields(behind),
+        "following.block": {"time": Discrete(1e-3), "axes": [behind]},
         "dead_reckoning.block": {"axes": [moving]},
         "glsdc_estimator.estimator": resolver,
         "glsdc_estimator.guarded": guarded,

@@ -59,7 +59,7 @@ from models import hall_calibration, planar_stage
 from models import hall_contradictions as contradictions
 from models import hall_pairs as pairs
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import safety
+from synth.blocks import dead_reckoning, safety
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal
@@ -92,8 +92,10 @@ COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
 FAR = PITCHES * planar_stage.plant().parameter("l").value
 OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, f"whole pitches from the middle, along {a}") for a in "xy")
 HALF = FAR / PITCHES / 2
+BRIDGED = 2e-3  # m: by which bad samples may leave the pitch that is counted, 14 ms at 0.14 m/s
 WITHIN = tuple(
-    Signal(f"within_{a}", "m", -HALF, HALF, f"raw position along {a}, from the middle of its pitch") for a in "xy"
+    Signal(f"within_{a}", "m", -HALF - BRIDGED, HALF + BRIDGED, f"raw position along {a}, from the middle of its pitch")
+    for a in "xy"
 )
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
@@ -170,14 +172,16 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
             output[f"within_{axis}"] = or_bridge(position, passed)
+            bridge[axis] = passed + x[f"offset_{axis}"] if reckoned else bridge[axis]
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
-            output[f"{axis}_raw"] = by_case(position + offset[axis], bridge[axis], bridge[axis])
+            output[f"{axis}_raw"] = or_bridge(position + offset[axis], bridge[axis])
         if reckoned:
-            e = ca.if_else(ca.logic_and(u["ready"], u["complete"]), output[yaw] - u["phi_predicted"], 0)
+            e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
+            output[dead_reckoning.MEASURED.name] = accepted
         next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
-        next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
+        next["scale"] = by_case(_clip_scale(scale - gain * (X.m + Y.m)), scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
@@ -192,6 +196,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
+    outputs += [dead_reckoning.MEASURED] if reckoned else []
     states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
@@ -269,6 +274,12 @@ def _innovation_weights(A: float) -> tuple[float, float]:
     """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
     bound = contradictions.RESIDUAL_BOUND
     return (bound * A / INNOVATION_BOUND["x"]) ** 2, (bound / INNOVATION_BOUND["phi"]) ** 2
+
+
+def _clip_scale(scale: ca.SX) -> ca.SX:
+    """Return a scale within its range, by its distance to the middle: one comparison where it is inside."""
+    middle, half = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
+    return middle + clip(scale - middle, Signal("distance", "1", -half, half))
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

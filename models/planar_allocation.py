@@ -98,6 +98,7 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     across, rear = c / (2 * a), 2 * b / c
     constants = [
         Constant("half", 0.5, "1", "Table 3: 1/2"),
+        Constant("two", 2.0, "1", "Table 3: both motors"),
         Constant("rear_share", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
         Constant("front_share", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
     ]
@@ -116,7 +117,7 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         front, back = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
         Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
         currents = half - yaw, half + yaw, C, Az, Bz, Cz
-        both, lifts = 2 * half, Az + Bz
+        both, lifts = k["two"] * half, Az + Bz
         achieved = (
             cos * C - sin * both,
             sin * C + cos * both,
@@ -176,7 +177,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         for motor, (cos, sin) in angles.items():
             i_q, i_d = u[f"i_{motor}Q"], u[f"i_{motor}D"]
             alpha, beta = clip(cos * i_q - sin * i_d, PHASES[0]), sqrt(3) / 2 * (sin * i_q + cos * i_d)
-            middle = -alpha / 2
+            middle = k["minus_half"] * alpha
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.PHASE_OFFSETS, phases, strict=True)}
         certified = dict.fromkeys(output, _phase_bound)
@@ -188,6 +189,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         law,
         inputs=[*CURRENTS, *WITHIN, phi],
         outputs=COMPUTED,
+        constants=[Constant("minus_half", -0.5, "1", "(17): cos 120 degrees")],
         tag="phase currents, (17) inverted",
     )
 

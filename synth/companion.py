@@ -47,3 +47,11 @@ class Drive:
 
     plant: Plant
     blocks: tuple[Block, ...]
+
+    def call_order(self, controller: str) -> str:
+        """Return the sentence of the headers on the order in which a sample calls the steps."""
+        steps = [f"{name}_step" for name in (controller, *(block.name for block in self.blocks))]
+        return (
+            f"In each sample, call {' and then '.join(steps)}: a step takes outputs of the steps before it, and the "
+            "outputs of the last one go to the hardware."
+        )

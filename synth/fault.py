@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from synth import arguments
+from synth.errors import SignalError
 
 LATCH_BIT = 31  # of the fault word: it has latched
 BRAKING_BIT = 30  # it brakes before the latch
@@ -14,7 +15,8 @@ class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
 
     `input` is the input that is out of range, `suspect` the one that contradicts others. `about` is the meaning of a
-    bit that concerns no single input, or of one that is more than a range. Without any the bit reports the latch.
+    bit that concerns no single input, or of one that is more than a range. Without any the bit reports the latch. A
+    `status` bit says what the machine does, such as to follow a set-point late, and is no fault: no alarm counts it.
     """
 
     bit: int
@@ -22,6 +24,14 @@ class Fault:
     input: str | None = None
     suspect: str | None = None
     about: str = ""
+    status: bool = False
+
+    def __post_init__(self) -> None:
+        if self.status and (self.input or self.suspect or not self.about):
+            raise SignalError(
+                f"bit {self.bit} is a status, of input '{self.input}' and suspect '{self.suspect}', about "
+                f"'{self.about}': give what it is about, and no input or suspect"
+            )
 
     def renamed(self, names: Mapping[str, str]) -> "Fault":
         """Return the bit with its flag and inputs renamed, old name to new; an input without a bit is not refused."""

@@ -7,6 +7,7 @@
         J = ca.vertcat(...)                 J_1, J_2 of a vector, J_12 of a matrix
         for n in ("x", "z"):
             error = u[n] - x[n]             error_x, error_z
+            place(u[n])                     ratio_x, ratio_z for `ratio` in place()
 
 The functions that a law calls name values in the same way, and a name in the caller replaces one in a called function.
 The names decide what locals are called in C and nothing else: a value that a later pass removes loses its name.
@@ -36,6 +37,7 @@ LIBRARIES = sys.stdlib_module_names - {"__main__"} | {"casadi", "numpy"}
 CHECKS = ("synth.arguments", "synth.kinds", "synth.law")
 # They name a role in Python, not the value that they hold.
 SKIPPED = {"output", "next", "named", "computed", "result", "value", "values", "each", "expr", "exprs", "self", "v"}
+_COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Intermediates = tuple[tuple[str, ca.SX], ...]
@@ -52,7 +54,9 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
     def at_event(frame: FrameType, event: str, _: object) -> None:
         if event == "return" and _computes(frame):
             running = loops.pop(frame, None)
-            names.update(running.scalars(frame) if running else _computed_scalars(frame.f_locals))
+            values = running.scalars(frame) if running else _computed_scalars(frame.f_locals)
+            item = _item_of_call(frame)
+            names.update({k: (_after_item(name, item), expr) for k, (name, expr) in values.items()})
 
     def at_call(frame: FrameType, event: str, _: object) -> Any:
         if not _computes(frame) or not _loop_lines(frame.f_code):
@@ -99,7 +103,8 @@ class _Loops:
 
     def _name_bound(self, frame: FrameType) -> None:
         changed = {n: v for n, v in frame.f_locals.items() if v is not self.bound.get(n)}
-        suffix = _suffix([frame.f_locals.get(t) for t in self.lines.get(self.line, ())])
+        loops = self.lines.get(self.line, ())
+        suffix = "_".join(filter(None, (_item([frame.f_locals.get(t) for t in targets]) for targets in loops)))
         plain = [n for n, v in changed.items() if n not in SKIPPED and _is_computation(v)]
         for name in plain if suffix else ():
             self.new |= set() if name in self.bound else {name}
@@ -112,27 +117,84 @@ def _is_computation(value: object) -> bool:
     return isinstance(value, ca.SX) and value.is_scalar() and not (value.is_constant() or value.is_symbolic())
 
 
-def _suffix(targets: list[object]) -> str:
-    """Return the name that a loop runs over: a target that is a text, else the name of one."""
+def _item_of_call(frame: FrameType) -> str:
+    """Return the name of what the innermost loop or comprehension that calls a function runs over, "" without one."""
+    inner: dict[str, object] = {}
+    caller = frame.f_back
+    while caller and caller.f_code is not record.__code__:
+        if caller.f_code.co_name.startswith("<"):  # a comprehension, up to Python 3.11
+            inner = {**caller.f_locals, **inner}
+        else:
+            variables = {**caller.f_locals, **inner}
+            for targets in reversed(_running(caller)):
+                if item := _item([variables.get(t) for t in targets]):
+                    return item
+            inner = {}
+        caller = caller.f_back
+    return ""
+
+
+def _running(frame: FrameType) -> list[tuple[str, ...]]:
+    """Return the targets of the loops and comprehensions around the call that a frame waits for."""
+    line, end_line, column, end_column = [*frame.f_code.co_positions()][frame.f_lasti // 2]
+    if line is None or end_line is None or column is None or end_column is None:
+        return []
+    call = (line, column), (end_line, end_column)
+    return [r.targets for r in _repetitions(frame.f_code) if r.first <= call[0] and call[1] <= r.last]
+
+
+def _after_item(name: str, item: str) -> str:
+    """Return the name followed by the item, where it does not hold the item already and stays short."""
+    longer = f"{name}_{item}"
+    return longer if item and item not in name.split("_") and len(longer) <= LONGEST else name
+
+
+def _item(targets: list[object]) -> str:
+    """Return the name of what a loop runs over: a target that is a text, else the name of one."""
     texts = [t for t in targets if isinstance(t, str)]
     names = [getattr(t, "name", None) for t in targets]
     return next(iter([*texts, *(n for n in names if isinstance(n, str))]), "")
 
 
+@dataclasses.dataclass(frozen=True)
+class _Repetition:
+    """The body of a loop or a comprehension from `first` to `last`, line and column, and the targets of the loop."""
+
+    first: tuple[int, int]
+    last: tuple[int, int]
+    targets: tuple[str, ...]
+    is_loop: bool
+
+
 @cache
-def _loop_lines(code: CodeType) -> dict[int, tuple[str, ...]]:
-    """Return the lines in the bodies of a function's loops, with the targets of the innermost loop."""
+def _repetitions(code: CodeType) -> tuple[_Repetition, ...]:
+    """Return the loops and comprehensions of a function, outer ones first."""
     try:
-        rows, first = inspect.getsourcelines(code)
+        rows, above = inspect.getsourcelines(code)
         function = ast.parse(textwrap.dedent("".join(rows))).body[0]
     except (OSError, SyntaxError, IndexError):
-        return {}
-    lines: dict[int, tuple[str, ...]] = {}
-    for loop in ast.walk(function):  # outer loops come first
-        if isinstance(loop, ast.For):
-            targets = tuple(n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name))
-            last = loop.body[-1].end_lineno or loop.lineno
-            lines |= dict.fromkeys(range(first + loop.body[0].lineno - 1, first + last), targets)
+        return ()
+    indent = len(rows[0]) - len(rows[0].lstrip())
+    repetitions = []
+    for node in ast.walk(function):
+        if isinstance(node, ast.For | _COMPREHENSIONS):
+            is_loop = isinstance(node, ast.For)
+            start = node.body[0] if isinstance(node, ast.For) else node
+            first = start.lineno + above - 1, start.col_offset + indent
+            last = (node.end_lineno or start.lineno) + above - 1, (node.end_col_offset or 0) + indent
+            for loop in [node] if isinstance(node, ast.For) else node.generators:
+                targets = tuple(n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name))
+                repetitions.append(_Repetition(first, last, targets, is_loop))
+    return tuple(repetitions)
+
+
+@cache
+def _loop_lines(code: CodeType) -> dict[int, tuple[tuple[str, ...], ...]]:
+    """Return the lines in the bodies of a function's loops, with the targets of each loop, the outermost first."""
+    lines: dict[int, tuple[tuple[str, ...], ...]] = {}
+    for loop in (r for r in _repetitions(code) if r.is_loop):
+        for line in range(loop.first[0], loop.last[0] + 1):
+            lines[line] = (*lines.get(line, ()), loop.targets)
     return lines
 
 

@@ -68,7 +68,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
-    block, notes = _with_measured_safe_output(stage), stage.header_notes
+    block, notes = _with_measured_safe_output(stage), [*_call_order(stage), *stage.header_notes]
     files = write.emit(
         block, scalar, {"design": gains_document}, error=error, header_notes=notes, warning=stage.warning
     )
@@ -91,11 +91,17 @@ def _emit_companion(
 ) -> EmittedCode:
     """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
     document = {"design": companion.gains(scalar)} if companion.gains else None
-    error, notes = stage.surrogate_error.get(scalar), companion.header_notes or stage.header_notes
+    drives = stage.drive is not None and companion.block in stage.drive.blocks
+    order, error = _call_order(stage) if drives else [], stage.surrogate_error.get(scalar)
+    notes = [*order, *(companion.header_notes or stage.header_notes)]
     files = write.emit(companion.block, scalar, document, error=error, header_notes=notes)
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
     return _with_vectors(files, companion_inputs, companion_replay)
+
+
+def _call_order(stage: Stage) -> list[str]:
+    return [stage.drive.call_order(stage.name)] if stage.drive else []
 
 
 def _with_measured_safe_output(stage: Stage) -> Block:

@@ -11,6 +11,7 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks import axes
 from synth import cache, contents, slices, store
+from synth.emit import pipeline, write
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 
@@ -268,6 +271,17 @@ def test_what_is_kept_is_not_computed_again(folder: Path) -> None:
     assert store.fetch("ab" * 32, lambda: 1) == 1
     assert store.fetch("ab" * 32, lambda: 2) == 1 and store.holds("ab" * 32)
     assert not list((folder / "locks").iterdir()) and not list(folder.rglob(".writing-*"))
+
+
+def test_the_c_of_a_block_is_printed_once() -> None:
+    block, scalar = axes.block(1), np.float32
+    plain = pipeline.c_source.__wrapped__  # type: ignore[attr-defined]
+    arguments = ((block.rounded(scalar), scalar, False, None), {})
+    assert not store.holds(cache.key(plain, *arguments))
+    files = write.emit(block, scalar).files
+    assert store.holds(cache.key(plain, *arguments)) and write.emit(block, scalar).files == files
+    renamed = replace(block, inputs=tuple(replace(s, about="another sensor") for s in block.inputs))
+    assert any(write.emit(renamed, scalar).files[name] != text for name, text in files.items())
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "altered", "of another key", "of another class", "a folder"])

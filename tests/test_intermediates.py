@@ -1,6 +1,7 @@
 """Intermediate values of a law get the names of the Python variables that hold them."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -75,6 +76,38 @@ def test_a_loop_names_the_value_of_each_iteration_after_what_it_runs_over() -> N
 
     assert values_by_name(law).keys() == {"error_x", "error_z", "total_x", "total", "pushed_x", "pushed_y"}
     assert values_by_name(law)["error_z"] == "(3*x)"
+
+
+def test_a_loop_in_a_loop_names_the_values_after_both() -> None:
+    def law() -> ca.SX:
+        total = x + 1
+        for sensor in "ab":
+            for axis in ("x", "y"):
+                volts = (ord(axis) + 100 * ord(sensor)) * x
+                total += volts
+        return total
+
+    names = {f"{variable}_{sensor}_{axis}" for variable in ("volts", "total") for sensor in "ab" for axis in "xy"}
+    assert values_by_name(law).keys() == names - {"total_b_y"} | {"total"}  # the last sum has its variable's name
+
+
+def test_the_values_of_a_called_function_are_named_after_what_its_caller_runs_over() -> None:
+    """The caller may be a comprehension; one in the arguments of the call is not running, and its variable is stale."""
+
+    def place(gain: int, among: Sequence[int] = ()) -> ca.SX:
+        ratio = gain * x
+        return ratio + len(among)
+
+    def law() -> ca.SX:
+        for axis in ("x", "y"):
+            place(ord(axis))
+        sums = [place(1000 * ord(n), [0]) for n in "ab"]
+        place(7, [ord(axis) for axis in "xy"])
+        return sums[0]
+
+    ratios = {"ratio_x": "(120*x)", "ratio_y": "(121*x)", "ratio_a": "(97000*x)", "ratio_b": "(98000*x)"}
+    values = values_by_name(law)
+    assert {n: v for n, v in values.items() if n.startswith("ratio")} == {**ratios, "ratio": "(7*x)"}
 
 
 def test_a_loop_over_numbers_names_the_last_value() -> None:

@@ -60,7 +60,9 @@ REASON = (
     "latches on the stop; without three it latches as said above; "
 )
 DEGRADED = Fault(
-    len(INTERFACE.inputs) + len(SENSORS), "degraded", about="readings are refused, replaced or contradict each other"
+    len(INTERFACE.inputs) + len(SENSORS),
+    "degraded",
+    about="a reading is refused, replaced or contradicted, or a sensor was a suspect since init",
 )
 INTERFACE_OF_ALL = replace(
     INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason, missed_calls=missed_calls.signal(MISSED_CALLS)

@@ -59,7 +59,7 @@ def _record(controller: host.Controller, name: str, rng: np.random.Generator, ya
     if "reckoning_x_position" not in (recorded.states.dtype.names or ()):
         return recorded
     states, pitch = recorded.states.copy(), planar_stage.plant().parameter("l").value
-    healthy = {"guard_latched": 0, "guard_ready": 1, "guard_left": states["guard_left"].max(), "braking_active": 0}
+    healthy = {"guard_latched": 0, "guard_ready": 1, "guard_left": states["guard_left"].max()}
     healthy |= {"sensing_contradiction_left": 0, "sensing_contradiction_confirmed": 0}
     consistent = {f"reckoning_{axis}_position": pose[axis] for axis in allocation.HORIZONTAL}
     consistent |= {f"sensing_offset_{axis}": pitch * np.round(pose[axis] / pitch) for axis in "xy"}
@@ -73,8 +73,6 @@ def _braking(sound: Steps, rng: np.random.Generator) -> Steps:
     """Return steps of the travel in which too many bad samples have been counted, at any number of those left."""
     states = sound.states.copy()
     states["guard_left"] = rng.integers(1, int(states["guard_left"].max()) + 1, len(sound))
-    if "braking_active" in (states.dtype.names or ()):
-        states["braking_active"] = rng.integers(0, 2, len(sound))
     return Steps("braking", states, sound.inputs)
 
 

@@ -37,6 +37,7 @@ from models.hall_sections import READY
 from models.planar_allocation import HORIZONTAL
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.blocks import following
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly
@@ -54,6 +55,7 @@ PRINTED_WEIGHTS = (1e3, 1e4, 1e3, 1e9, 1e8, 1e8, 1e2, 1e2, 1e2)  # (47), which d
 OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
 RATES = {"x": "d", "y": "f", "phi": "v"}
 ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
+LATE = {"x": 27, "y": 28}  # bits of the fault word: an error is beyond ERROR
 Regulate = Callable[[Plant, "Axis"], Block]
 MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
 
@@ -160,7 +162,7 @@ def regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
-    acting = motion.ACTING[axis.name]
+    acting = motion.acting(plant, axis.name)
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
     largest_error = ERROR.get(axis.name)
@@ -217,5 +219,6 @@ def sensing_blocks(plant: Plant) -> list[Block]:
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    blocks = motion.add_braking(plant, TIME, law(plant, variant, regulate))
+    axes = [following.Axis(MEASURED[axis], REFERENCES[axis], most, LATE[axis]) for axis, most in ERROR.items()]
+    blocks = [*motion.add_braking(plant, TIME, law(plant, variant, regulate)), following.block(TIME, axes)]
     return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

@@ -10,7 +10,6 @@ sound measurement where the force differs from its model. Figures: docs/decision
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from designs.planar_6dof import vertical
 from models import hall_sections as sensing
@@ -25,11 +24,13 @@ from synth.timing import Discrete
 POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
-ACTING = {
-    axis: replace(vertical.ACHIEVED_DEMAND[axis], name=f"acting_{axis}", about="demand that acts until the next sample")
-    for axis in HORIZONTAL
-}
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
+
+
+def acting(plant: Plant, axis: str) -> Signal:
+    """Return the demand that acts until the next sample, within what the motors can achieve."""
+    achieved, most = vertical.ACHIEVED_DEMAND[axis], allocation.achievable_bound(plant)[axis]
+    return Signal(f"acting_{axis}", achieved.unit, -most, most, "demand that acts until the next sample")
 
 
 def axes(plant: Plant) -> list[dead_reckoning.Axis]:
@@ -40,7 +41,7 @@ def axes(plant: Plant) -> list[dead_reckoning.Axis]:
             axis,
             sensing.RAW[axis],
             sensing.PREDICTED[axis],
-            ACTING[axis],
+            acting(plant, axis),
             scales[axis] / plant.parameter(INERTIA[axis]).value,
             FASTEST[axis],
             POLE[axis],

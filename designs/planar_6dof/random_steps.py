@@ -72,7 +72,7 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
     pose = {a: sampling.limited_to_range(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
-    known |= {"braking_active": _random_flags(rng, n, SUSPECTED), "guard_left": _samples_left(block, states, rng)}
+    known["guard_left"] = _samples_left(block, states, rng)
     known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
         plant, pose, rng, n
     )

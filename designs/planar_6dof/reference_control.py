@@ -128,7 +128,7 @@ class Guarded:
     after: dict[str, Array]
     word: Array
     complete: Array
-    braking: Array
+    braked: Array
 
 
 def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
@@ -153,7 +153,7 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     after["guard_ready"] = np.where(all_good, 1, state["guard_ready"])
     brakes = ~all_good & (left <= braking) if braking else np.zeros_like(all_good)
     word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0) + (1 << 30) * brakes).astype(np.uint32)
-    return Guarded(values, after, word, complete, brakes)
+    return Guarded(values, after, word, complete, before <= braking)
 
 
 def vertical_kinematics(v: Columns) -> dict[str, Array]:

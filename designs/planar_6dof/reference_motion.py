@@ -32,7 +32,7 @@ REMAINING = 0.5  # of the rate, after a braking sample
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate")]
-    return {name: np.array(0.0) for name in (*names, "braking_active")}
+    return {name: np.array(0.0) for name in names}
 
 
 def predicted_pose(state: Columns) -> dict[str, Array]:
@@ -68,13 +68,12 @@ def next_rates(state: Columns, measured: Columns, trusted: Array, T: float) -> d
     return rates
 
 
-def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[str, Array]:
+def brake(demands: Columns, rates: Columns, stops: Array, T: float) -> dict[str, Array]:
     """Return the demands in N and N m; while the platen brakes, those that leave a part of the rates."""
-    stops = np.asarray(state["braking_active"])
     after: dict[str, Array] = {}
     for axis, d in demands.items():
         braking = (REMAINING - 1) * rates[axis] / T * INERTIAS[axis]
-        after[axis] = np.where(stops > 0, braking, d)
+        after[axis] = np.where(stops, braking, d)
     return after
 
 

@@ -43,6 +43,7 @@ INNOVATION, YAW_INNOVATION = 6e-4, 0.4  # m; of A, times the square root of the 
 CONFIRMATION = 0.5  # of rho
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
+BRIDGED = PITCH / 2 + 2e-3  # m: from the middle of the pitch, in samples that are not measured
 SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
@@ -217,16 +218,16 @@ def sense(
     }
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
-    e = np.where((ready > 0) & complete, out["phi_raw"] - predicted["phi"], 0)
+    e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
     after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if reckoned else {}
+    out |= {"measured": accepted} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
-        expected = (
-            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
-        )
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
+        expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
+        bridge = expected + offset if reckoned else predicted[axis]
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], bridge)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}

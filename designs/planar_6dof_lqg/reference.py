@@ -31,6 +31,7 @@ PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # (26)
 FORCE = PER_AMPERE * 1.52  # N/A
 WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
 ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": np.inf}  # m, rad
+LATE = {"x": 27, "y": 28}  # bits of the fault word: the error is beyond ERROR
 POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
 HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
@@ -131,6 +132,17 @@ def next_regulator_state(
     }
 
 
+def late_bits(loop_inputs: Mapping[str, tuple[Array, Array, Array]], guarded: shared.Guarded) -> Array:
+    """Return the status bits of x and y, whose error is beyond ERROR; 0 while it brakes and after a latch."""
+    follows = ~guarded.braked & (guarded.after["guard_latched"] == 0)
+    bits = [
+        (1 << bit) * (follows & (np.abs(r - q) > ERROR[axis]))
+        for axis, bit in LATE.items()
+        for q, r, _ in (loop_inputs[axis],)
+    ]
+    return np.sum(bits, axis=0).astype(np.uint32)
+
+
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
     guarded = shared.guard(state, inputs, motion.BRAKING)
@@ -143,16 +155,16 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
-    reckoned = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, (ready > 0) & guarded.complete, float(PERIOD)
+    reckoned = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, (ready > 0) & pose["measured"], float(PERIOD)
     rates = motion.next_rates(state, *reckoned)
-    demands = motion.brake(demands, rates, state, float(PERIOD))
+    demands = motion.brake(demands, rates, guarded.braked, float(PERIOD))
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
-    after |= motion.next_state(state, *reckoned)
+    after |= after_sensing | motion.next_state(state, *reckoned)
+    word = word | late_bits(loop_inputs, guarded)
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

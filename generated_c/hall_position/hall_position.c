@@ -121,8 +121,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
 }
 
 uint32_t hall_position_step_diagnosed(hall_position_state_t *state, const hall_position_input_t *in,
-    hall_position_output_t *out,
-    hall_position_diagnostics_t *diagnostics)
+    hall_position_output_t *out, hall_position_diagnostics_t *diagnostics)
 #else
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 #endif
@@ -180,11 +179,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_ax_part_sine = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (s_ax_part_sine * s_ax_part_sine));
+    const float s_yaw = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
     const float ax_part_sine_part = three_quarters_pi * heading_cosine;
-    const float heading_sine = hall_position_limit(s_ax_part_sine * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))),
-        1.0f);
+    const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
     const float ax_part_sine_part_2 = three_quarters_pi * heading_sine;
     const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
@@ -193,11 +191,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = hall_position_limit(8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f *
-        (ax_part_sine * ax_part_sine)))), 2.002f);
-    const float sines_2_ax_part_full = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = hall_position_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full *
-        sines_2_ax_part_full))), 1.001f);
+    const float ax_part_doubled = hall_position_limit(8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine)))), 2.002f);
+    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float ax_part_full = hall_position_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax))),
+        1.001f);
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
@@ -207,11 +205,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = hall_position_limit(8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f *
-        (ay_part_sine * ay_part_sine)))), 2.002f);
-    const float sines_2_ay_part_full = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = hall_position_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full *
-        sines_2_ay_part_full))), 1.001f);
+    const float ay_part_doubled = hall_position_limit(8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine)))), 2.002f);
+    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float ay_part_full = hall_position_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay))),
+        1.001f);
     const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_3 = limited_bx * limited_bx;
@@ -219,11 +217,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float bx_part_sine = 8.0f * f3_3;
     const float bx_part_cosine = ax_part_cosine_polynomial(f3_argument_3);
     const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
-    const float bx_part_doubled = hall_position_limit(8.0f * (f3_3_times_bx_part_cosine * (1.0f - (0.03125f *
-        (bx_part_sine * bx_part_sine)))), 2.002f);
-    const float sines_2_bx_part_full = 8.0f * f3_3_times_bx_part_cosine;
-    const float bx_part_full = hall_position_limit(bx_part_doubled * (1.0f - (0.125f * (sines_2_bx_part_full *
-        sines_2_bx_part_full))), 1.001f);
+    const float bx_part_doubled = hall_position_limit(8.0f *
+        (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine)))), 2.002f);
+    const float sines_2_bx = 8.0f * f3_3_times_bx_part_cosine;
+    const float bx_part_full = hall_position_limit(bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx))),
+        1.001f);
     const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_4 = limited_by * limited_by;
@@ -231,70 +229,70 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_part_sine = 8.0f * f3_4;
     const float by_part_cosine = ax_part_cosine_polynomial(f3_argument_4);
     const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
-    const float by_part_doubled = hall_position_limit(8.0f * (f3_4_times_by_part_cosine * (1.0f - (0.03125f *
-        (by_part_sine * by_part_sine)))), 2.002f);
-    const float sines_2_by_part_full = 8.0f * f3_4_times_by_part_cosine;
-    const float by_part_full = hall_position_limit(by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full *
-        sines_2_by_part_full))), 1.001f);
-    const float start_cosine_converged = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float by_part_doubled = hall_position_limit(8.0f *
+        (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine)))), 2.002f);
+    const float sines_2_by = 8.0f * f3_4_times_by_part_cosine;
+    const float by_part_full = hall_position_limit(by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by))),
+        1.001f);
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float estimator_field_3_scaled = 3.0f * estimator_field_3;
     const float converged_part = ax_part_full_squared * estimator_field_5;
-    const float rows_1_1_converged = start_cosine_converged * (estimator_field_1 + (ax_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part))));
+    const float rows_1_1_converged = start_cosine_ax * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float converged_part_2 = ay_part_full_squared * estimator_field_5;
-    const float converged_part_3 = ay_part_full * (estimator_field_1 + (ay_part_full_squared * (estimator_field_3 +
-        converged_part_2)));
+    const float converged_part_3 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + converged_part_2)));
     const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_part + ax_part_sine_part_2)) +
         converged_part_3;
-    const float converged_part_4 = ax_part_full * (estimator_field_1 + (ax_part_full_squared * (estimator_field_3 +
-        converged_part)));
+    const float converged_part_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + converged_part)));
     const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_part_4;
-    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2_converged = start_cosine_converged_2 * (estimator_field_1 + (ay_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_2))));
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_2))));
     const float converged_part_5 = converged_part_4 - (rows_2_2_converged * (ax_part_sine_part_2 - ax_part_sine_part));
     const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_part_3;
-    const float start_cosine_converged_3 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
     const float converged_part_6 = bx_part_full_squared * estimator_field_5;
-    const float rows_3_1_converged = start_cosine_converged_3 * (estimator_field_1 + (bx_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_6))));
+    const float rows_3_1_converged = start_cosine_bx * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_6))));
     const float by_part_full_squared = by_part_full * by_part_full;
     const float converged_part_7 = by_part_full_squared * estimator_field_5;
-    const float converged_part_8 = by_part_full * (estimator_field_1 + (by_part_full_squared * (estimator_field_3 +
-        converged_part_7)));
+    const float converged_part_8 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + converged_part_7)));
     const float rows_3_3_converged = (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
         ax_part_sine_part_2)) + converged_part_8;
-    const float converged_part_9 = bx_part_full * (estimator_field_1 + (bx_part_full_squared * (estimator_field_3 +
-        converged_part_6)));
+    const float converged_part_9 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + converged_part_6)));
     const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_part_9;
-    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2_converged = start_cosine_converged_4 * (estimator_field_1 + (by_part_full_squared *
-        (estimator_field_3_scaled + (5.0f * converged_part_7))));
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_7))));
     const float converged_part_10 = converged_part_9 - (rows_4_2_converged * (ax_part_sine_part - ax_part_sine_part_2));
     const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_part_8;
-    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) + (rows_3_3_converged *
-        rows_3_1_converged);
-    const float converged_part_11 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged *
-        rows_3_1_converged) + 0.00992376f);
+    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
+        (rows_3_3_converged * rows_3_1_converged);
+    const float converged_part_11 = 1.0f /
+        ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + 0.00992376f);
     const float row_1_converged = hall_position_limit(left_3_1_converged * converged_part_11, 8330.405f);
-    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) + (rows_3_1_converged *
-        residuals_3_converged);
+    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
+        (rows_3_1_converged * residuals_3_converged);
     const float converged_part_12 = (converged_part_5 * rows_2_2_converged) + (converged_part_10 * rows_4_2_converged);
-    const float converged_part_13 = 1.0f / ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged *
-        rows_4_2_converged) + 0.00992376f);
+    const float converged_part_13 = 1.0f /
+        ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + 0.00992376f);
     const float row_2_converged = hall_position_limit(-(converged_part_12 * converged_part_13), 8330.405f);
-    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) + (rows_4_2_converged *
-        residuals_4_converged);
+    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
+        (rows_4_2_converged * residuals_4_converged);
     const float converged_part_14 = hall_position_max((rows_1_3_converged * rows_1_3_converged) + (converged_part_5 *
         converged_part_5) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_10 * converged_part_10) +
         2.7546635f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_12), 2.7546635f);
-    const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) - (converged_part_5
-        * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) - (converged_part_10 *
-        residuals_4_converged) - (row_1_converged * gradient_1_converged) - (row_2_converged * gradient_2_converged)) /
-        converged_part_14, 0.10100254f);
+    const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
+        (converged_part_5 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (converged_part_10 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
+        (row_2_converged * gradient_2_converged)) / converged_part_14, 0.10100254f);
     const float half_converged = root_2 * sinf(0.5f * then_3_converged);
     const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
@@ -303,104 +301,102 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_cosine_converged = heading_cosine - converged_part_15;
     const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
-    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) - (row_1_converged *
-        then_3_converged), 0.5f);
+    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) -
+        (row_1_converged * then_3_converged), 0.5f);
     const float converged_part_16 = three_quarters_pi * hall_position_limit(-converged_part_15, 0.10100254f);
     const float converged_part_17 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
-    const float by_converged = then_1_converged - converged_part_16 + converged_part_17;
-    const float f6_argument = by_converged * by_converged;
-    const float by_cosine_converged = f6_polynomial(f6_argument);
-    const float by_sine_converged = by_converged * f7_polynomial(f6_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged) + (start_cosine_converged *
-        by_sine_converged);
+    const float by_ax_converged = then_1_converged - converged_part_16 + converged_part_17;
+    const float f6_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f6_polynomial(f6_argument);
+    const float by_sine_ax_converged = by_ax_converged * f7_polynomial(f6_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
+        (start_cosine_ax * by_sine_ax_converged);
     const float converged_part_18 = phasors_1_sine_converged * phasors_1_sine_converged;
     const float converged_part_19 = converged_part_18 * estimator_field_5;
-    const float converged_part_20 = phasors_1_sine_converged * (estimator_field_1 + (converged_part_18 *
-        (estimator_field_3 + converged_part_19)));
-    const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) - (turns_3_sine_converged * V_ay_held)
-        - converged_part_20;
-    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) - (row_2_converged *
-        then_3_converged), 0.5f);
-    const float by_converged_2 = then_2_converged - converged_part_16 - converged_part_17;
-    const float f6_argument_2 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f6_polynomial(f6_argument_2);
-    const float by_sine_converged_2 = by_converged_2 * f7_polynomial(f6_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_2) + (start_cosine_converged_2 *
-        by_sine_converged_2);
+    const float converged_part_20 = phasors_1_sine_converged * (estimator_field_1 +
+        (converged_part_18 * (estimator_field_3 + converged_part_19)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
+        (turns_3_sine_converged * V_ay_held) - converged_part_20;
+    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) -
+        (row_2_converged * then_3_converged), 0.5f);
+    const float by_ay_converged = then_2_converged - converged_part_16 - converged_part_17;
+    const float f6_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f6_polynomial(f6_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f7_polynomial(f6_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
+        (start_cosine_ay * by_sine_ay_converged);
     const float converged_part_21 = phasors_2_sine_converged * phasors_2_sine_converged;
     const float converged_part_22 = converged_part_21 * estimator_field_5;
-    const float converged_part_23 = phasors_2_sine_converged * (estimator_field_1 + (converged_part_21 *
-        (estimator_field_3 + converged_part_22)));
-    const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) + (turns_3_sine_converged * V_ax_held)
-        - converged_part_23;
-    const float by_converged_3 = then_1_converged + converged_part_16 - converged_part_17;
-    const float f6_argument_3 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f6_polynomial(f6_argument_3);
-    const float by_sine_converged_3 = by_converged_3 * f7_polynomial(f6_argument_3);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_3) + (start_cosine_converged_3 *
-        by_sine_converged_3);
+    const float converged_part_23 = phasors_2_sine_converged * (estimator_field_1 +
+        (converged_part_21 * (estimator_field_3 + converged_part_22)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
+        (turns_3_sine_converged * V_ax_held) - converged_part_23;
+    const float by_bx_converged = then_1_converged + converged_part_16 - converged_part_17;
+    const float f6_argument_3 = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f6_polynomial(f6_argument_3);
+    const float by_sine_bx_converged = by_bx_converged * f7_polynomial(f6_argument_3);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
+        (start_cosine_bx * by_sine_bx_converged);
     const float converged_part_24 = phasors_3_sine_converged * phasors_3_sine_converged;
     const float converged_part_25 = converged_part_24 * estimator_field_5;
-    const float converged_part_26 = phasors_3_sine_converged * (estimator_field_1 + (converged_part_24 *
-        (estimator_field_3 + converged_part_25)));
-    const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) - (turns_3_sine_converged * V_by_held)
-        - converged_part_26;
-    const float by_converged_4 = then_2_converged + converged_part_16 + converged_part_17;
-    const float f6_argument_4 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f6_polynomial(f6_argument_4);
-    const float by_sine_converged_4 = by_converged_4 * f7_polynomial(f6_argument_4);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_4) + (start_cosine_converged_4 *
-        by_sine_converged_4);
+    const float converged_part_26 = phasors_3_sine_converged * (estimator_field_1 +
+        (converged_part_24 * (estimator_field_3 + converged_part_25)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
+        (turns_3_sine_converged * V_by_held) - converged_part_26;
+    const float by_converged = then_2_converged + converged_part_16 + converged_part_17;
+    const float f6_argument_4 = by_converged * by_converged;
+    const float by_cosine_converged = f6_polynomial(f6_argument_4);
+    const float by_sine_converged = by_converged * f7_polynomial(f6_argument_4);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_part_27 = phasors_4_sine_converged * phasors_4_sine_converged;
     const float converged_part_28 = converged_part_27 * estimator_field_5;
-    const float converged_part_29 = phasors_4_sine_converged * (estimator_field_1 + (converged_part_27 *
-        (estimator_field_3 + converged_part_28)));
-    const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) + (turns_3_sine_converged * V_bx_held)
-        - converged_part_29;
-    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
-        residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
-        residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) + (0.00992376f *
-        (then_2_converged * then_2_converged)) + (2.7546635f * then_3_converged_squared));
-    const float squares_converged = (residuals_1_converged * residuals_1_converged) + (residuals_2_converged *
-        residuals_2_converged) + (residuals_3_converged * residuals_3_converged) + (residuals_4_converged *
-        residuals_4_converged);
+    const float converged_part_29 = phasors_4_sine_converged * (estimator_field_1 +
+        (converged_part_27 * (estimator_field_3 + converged_part_28)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
+        (turns_3_sine_converged * V_bx_held) - converged_part_29;
+    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
+        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
+        (residuals_4_converged_2 * residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
+        (0.00992376f * (then_2_converged * then_2_converged)) + (2.7546635f * then_3_converged_squared));
+    const float squares_converged = (residuals_1_converged * residuals_1_converged) +
+        (residuals_2_converged * residuals_2_converged) + (residuals_3_converged * residuals_3_converged) +
+        (residuals_4_converged * residuals_4_converged);
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
-    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged) - (ax_part_full *
-        by_sine_converged)) * (estimator_field_1 + (converged_part_18 * (estimator_field_3_scaled + (5.0f *
-        converged_part_19))));
+    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
+        (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
+        (converged_part_18 * (estimator_field_3_scaled + (5.0f * converged_part_19))));
     const float converged_part_30 = three_quarters_pi * turns_3_cosine_converged;
     const float converged_part_31 = three_quarters_pi * turns_3_sine_converged;
     const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_30 + converged_part_31)) +
         converged_part_23;
-    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_2) - (ay_part_full *
-        by_sine_converged_2)) * (estimator_field_1 + (converged_part_21 * (estimator_field_3_scaled + (5.0f *
-        converged_part_22))));
-    const float converged_part_32 = converged_part_20 - (rows_2_2_converged_2 * (converged_part_31 -
-        converged_part_30));
-    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_3) - (bx_part_full *
-        by_sine_converged_3)) * (estimator_field_1 + (converged_part_24 * (estimator_field_3_scaled + (5.0f *
-        converged_part_25))));
+    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
+        (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
+        (converged_part_21 * (estimator_field_3_scaled + (5.0f * converged_part_22))));
+    const float converged_part_32 = converged_part_20 -
+        (rows_2_2_converged_2 * (converged_part_31 - converged_part_30));
+    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
+        (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
+        (converged_part_24 * (estimator_field_3_scaled + (5.0f * converged_part_25))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
         converged_part_31)) + converged_part_29;
-    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_4) - (by_part_full *
-        by_sine_converged_4)) * (estimator_field_1 + (converged_part_27 * (estimator_field_3_scaled + (5.0f *
-        converged_part_28))));
-    const float converged_part_33 = converged_part_26 - (rows_4_2_converged_2 * (converged_part_30 -
-        converged_part_31));
-    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
-        rows_3_1_converged_2);
-    const float converged_part_34 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
-        rows_3_1_converged_2) + 0.00992376f);
+    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
+        (estimator_field_1 + (converged_part_27 * (estimator_field_3_scaled + (5.0f * converged_part_28))));
+    const float converged_part_33 = converged_part_26 -
+        (rows_4_2_converged_2 * (converged_part_30 - converged_part_31));
+    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
+        (rows_3_3_converged_2 * rows_3_1_converged_2);
+    const float converged_part_34 = 1.0f /
+        ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 * rows_3_1_converged_2) + 0.00992376f);
     const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_34, 8330.405f);
-    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
-        residuals_3_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_35 = (converged_part_32 * rows_2_2_converged_2) + (converged_part_33 *
-        rows_4_2_converged_2);
-    const float converged_part_36 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
-        rows_4_2_converged_2) + 0.00992376f);
+    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
+        (rows_3_1_converged_2 * residuals_3_converged_2) - (0.00992376f * then_1_converged);
+    const float converged_part_35 = (converged_part_32 * rows_2_2_converged_2) +
+        (converged_part_33 * rows_4_2_converged_2);
+    const float converged_part_36 = 1.0f /
+        ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 * rows_4_2_converged_2) + 0.00992376f);
     const float row_2_converged_2 = hall_position_limit(-(converged_part_35 * converged_part_36), 8330.405f);
-    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
-        residuals_4_converged_2) - (0.00992376f * then_2_converged);
+    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
+        (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
     const float converged_part_37 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_32
         * converged_part_32) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_33 * converged_part_33) +
         2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_35), 2.7546635f);
@@ -414,11 +410,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         other_2_converged = 0.0f;
         converged_part_38 = squares_converged;
     }
-    const float converged_part_39 = (better_converged) ? (then_3_converged + (((rows_1_3_converged_2 *
-        residuals_1_converged_2) - (converged_part_32 * residuals_2_converged_2) + (rows_3_3_converged_2 *
-        residuals_3_converged_2) - (converged_part_33 * residuals_4_converged_2) - (2.7546635f * then_3_converged) -
-        (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2)) /
-        converged_part_37)) : (0.5f * (then_3_converged + other_3_converged));
+    const float converged_part_39 = (better_converged) ? (then_3_converged +
+        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_32 * residuals_2_converged_2) +
+        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_33 * residuals_4_converged_2) -
+        (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
+        gradient_2_converged_2)) / converged_part_37)) : (0.5f * (then_3_converged + other_3_converged));
     const float then_3_converged_2 = hall_position_limit(converged_part_39, 0.10100254f);
     const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
     const float half_converged_2_squared = half_converged_2 * half_converged_2;
@@ -426,111 +422,111 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
     const float converged_part_40 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
     const float turns_3_cosine_converged_2 = heading_cosine - converged_part_40;
-    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) - (heading_sine *
-        half_converged_2_squared);
+    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
+        (heading_sine * half_converged_2_squared);
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
-    const float then_1_converged_2 = hall_position_limit((better_converged) ? (then_1_converged +
-        ((gradient_1_converged_2 * converged_part_34) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
-        (then_1_converged + other_1_converged)), 0.5f);
+    const float then_1_converged_2 = hall_position_limit((better_converged) ?
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_34) - (row_1_converged_2 * moves_3_converged))) :
+        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
     const float converged_part_41 = three_quarters_pi * hall_position_limit(-converged_part_40, 0.10100254f);
     const float converged_part_42 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
-    const float by_converged_5 = hall_position_limit(then_1_converged_2 - converged_part_41 + converged_part_42,
+    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_41 + converged_part_42,
         0.97596323f);
-    const float f6_argument_5 = by_converged_5 * by_converged_5;
-    const float by_cosine_converged_5 = f6_polynomial(f6_argument_5);
-    const float by_sine_converged_5 = by_converged_5 * f7_polynomial(f6_argument_5);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_5) + (start_cosine_converged *
-        by_sine_converged_5);
+    const float f6_argument_5 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f6_polynomial(f6_argument_5);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f7_polynomial(f6_argument_5);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
+        (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_part_43 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
     const float converged_part_44 = converged_part_43 * estimator_field_5;
-    const float converged_part_45 = phasors_1_sine_converged_2 * (estimator_field_1 + (converged_part_43 *
-        (estimator_field_3 + converged_part_44)));
-    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) - (turns_3_sine_converged_2 *
-        V_ay_held) - converged_part_45;
-    const float then_2_converged_2 = hall_position_limit((better_converged) ? (then_2_converged +
-        ((gradient_2_converged_2 * converged_part_36) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
-        (then_2_converged + other_2_converged)), 0.5f);
-    const float by_converged_6 = hall_position_limit(then_2_converged_2 - converged_part_41 - converged_part_42,
+    const float converged_part_45 = phasors_1_sine_converged_2 * (estimator_field_1 +
+        (converged_part_43 * (estimator_field_3 + converged_part_44)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
+        (turns_3_sine_converged_2 * V_ay_held) - converged_part_45;
+    const float then_2_converged_2 = hall_position_limit((better_converged) ?
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_36) - (row_2_converged_2 * moves_3_converged))) :
+        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
+    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_41 - converged_part_42,
         0.97596323f);
-    const float f6_argument_6 = by_converged_6 * by_converged_6;
-    const float by_cosine_converged_6 = f6_polynomial(f6_argument_6);
-    const float by_sine_converged_6 = by_converged_6 * f7_polynomial(f6_argument_6);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_6) + (start_cosine_converged_2 *
-        by_sine_converged_6);
+    const float f6_argument_6 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f6_polynomial(f6_argument_6);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f7_polynomial(f6_argument_6);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
+        (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_part_46 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
     const float converged_part_47 = converged_part_46 * estimator_field_5;
-    const float converged_part_48 = phasors_2_sine_converged_2 * (estimator_field_1 + (converged_part_46 *
-        (estimator_field_3 + converged_part_47)));
-    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) + (turns_3_sine_converged_2 *
-        V_ax_held) - converged_part_48;
-    const float by_converged_7 = hall_position_limit(then_1_converged_2 + converged_part_41 - converged_part_42,
+    const float converged_part_48 = phasors_2_sine_converged_2 * (estimator_field_1 +
+        (converged_part_46 * (estimator_field_3 + converged_part_47)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
+        (turns_3_sine_converged_2 * V_ax_held) - converged_part_48;
+    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_41 - converged_part_42,
         0.97596323f);
-    const float f6_argument_7 = by_converged_7 * by_converged_7;
-    const float by_cosine_converged_7 = f6_polynomial(f6_argument_7);
-    const float by_sine_converged_7 = by_converged_7 * f7_polynomial(f6_argument_7);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_7) + (start_cosine_converged_3 *
-        by_sine_converged_7);
+    const float f6_argument_7 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f6_polynomial(f6_argument_7);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f7_polynomial(f6_argument_7);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
+        (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_part_49 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
     const float converged_part_50 = converged_part_49 * estimator_field_5;
-    const float converged_part_51 = phasors_3_sine_converged_2 * (estimator_field_1 + (converged_part_49 *
-        (estimator_field_3 + converged_part_50)));
-    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) - (turns_3_sine_converged_2 *
-        V_by_held) - converged_part_51;
-    const float by_converged_8 = hall_position_limit(then_2_converged_2 + converged_part_41 + converged_part_42,
+    const float converged_part_51 = phasors_3_sine_converged_2 * (estimator_field_1 +
+        (converged_part_49 * (estimator_field_3 + converged_part_50)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
+        (turns_3_sine_converged_2 * V_by_held) - converged_part_51;
+    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_41 + converged_part_42,
         0.97596323f);
-    const float f6_argument_8 = by_converged_8 * by_converged_8;
-    const float by_cosine_converged_8 = f6_polynomial(f6_argument_8);
-    const float by_sine_converged_8 = by_converged_8 * f7_polynomial(f6_argument_8);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_8) + (start_cosine_converged_4 *
-        by_sine_converged_8);
+    const float f6_argument_8 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f6_polynomial(f6_argument_8);
+    const float by_sine_converged_2 = by_converged_2 * f7_polynomial(f6_argument_8);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
+        (start_cosine_by * by_sine_converged_2);
     const float converged_part_52 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
     const float converged_part_53 = converged_part_52 * estimator_field_5;
-    const float converged_part_54 = phasors_4_sine_converged_2 * (estimator_field_1 + (converged_part_52 *
-        (estimator_field_3 + converged_part_53)));
-    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) + (turns_3_sine_converged_2 *
-        V_bx_held) - converged_part_54;
+    const float converged_part_54 = phasors_4_sine_converged_2 * (estimator_field_1 +
+        (converged_part_52 * (estimator_field_3 + converged_part_53)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
+        (turns_3_sine_converged_2 * V_bx_held) - converged_part_54;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
-        residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) + (0.00992376f *
-        (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
+        residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
+        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
     const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_38) + 1e-08f);
-    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_5) - (ax_part_full *
-        by_sine_converged_5)) * (estimator_field_1 + (converged_part_43 * (estimator_field_3_scaled + (5.0f *
-        converged_part_44))));
+    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
+        (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
+        (converged_part_43 * (estimator_field_3_scaled + (5.0f * converged_part_44))));
     const float converged_part_55 = three_quarters_pi * turns_3_cosine_converged_2;
     const float converged_part_56 = three_quarters_pi * turns_3_sine_converged_2;
     const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_55 + converged_part_56)) +
         converged_part_48;
-    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_6) - (ay_part_full *
-        by_sine_converged_6)) * (estimator_field_1 + (converged_part_46 * (estimator_field_3_scaled + (5.0f *
-        converged_part_47))));
-    const float converged_part_57 = converged_part_45 - (rows_2_2_converged_3 * (converged_part_56 -
-        converged_part_55));
-    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_7) - (bx_part_full *
-        by_sine_converged_7)) * (estimator_field_1 + (converged_part_49 * (estimator_field_3_scaled + (5.0f *
-        converged_part_50))));
+    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
+        (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
+        (converged_part_46 * (estimator_field_3_scaled + (5.0f * converged_part_47))));
+    const float converged_part_57 = converged_part_45 -
+        (rows_2_2_converged_3 * (converged_part_56 - converged_part_55));
+    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
+        (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
+        (converged_part_49 * (estimator_field_3_scaled + (5.0f * converged_part_50))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
         converged_part_56)) + converged_part_54;
-    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_8) - (by_part_full *
-        by_sine_converged_8)) * (estimator_field_1 + (converged_part_52 * (estimator_field_3_scaled + (5.0f *
-        converged_part_53))));
-    const float converged_part_58 = converged_part_51 - (rows_4_2_converged_3 * (converged_part_55 -
-        converged_part_56));
-    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
-        rows_3_1_converged_3);
-    const float converged_part_59 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
-        rows_3_1_converged_3) + 0.00992376f);
+    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
+        (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
+        (converged_part_52 * (estimator_field_3_scaled + (5.0f * converged_part_53))));
+    const float converged_part_58 = converged_part_51 -
+        (rows_4_2_converged_3 * (converged_part_55 - converged_part_56));
+    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
+        (rows_3_3_converged_3 * rows_3_1_converged_3);
+    const float converged_part_59 = 1.0f /
+        ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 * rows_3_1_converged_3) + 0.00992376f);
     const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_59, 8330.405f);
-    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) + (rows_3_1_converged_3 *
-        residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
-    const float converged_part_60 = (converged_part_57 * rows_2_2_converged_3) + (converged_part_58 *
-        rows_4_2_converged_3);
-    const float converged_part_61 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
-        rows_4_2_converged_3) + 0.00992376f);
+    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
+        (rows_3_1_converged_3 * residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
+    const float converged_part_60 = (converged_part_57 * rows_2_2_converged_3) +
+        (converged_part_58 * rows_4_2_converged_3);
+    const float converged_part_61 = 1.0f /
+        ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 * rows_4_2_converged_3) + 0.00992376f);
     const float row_2_converged_3 = hall_position_limit(-(converged_part_60 * converged_part_61), 8330.405f);
-    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) + (rows_4_2_converged_3 *
-        residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
+    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
+        (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
     const float converged_part_62 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_57
         * converged_part_57) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_58 * converged_part_58) +
         2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_60), 2.7546635f);
@@ -544,11 +540,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         other_2_converged_2 = other_2_converged;
         converged_part_63 = converged_part_38;
     }
-    const float converged_part_64 = (better_converged_2) ? (then_3_converged_2 + (((rows_1_3_converged_3 *
-        residuals_1_converged_3) - (converged_part_57 * residuals_2_converged_3) + (rows_3_3_converged_3 *
-        residuals_3_converged_3) - (converged_part_58 * residuals_4_converged_3) - (2.7546635f * then_3_converged_2) -
-        (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3)) /
-        converged_part_62)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
+    const float converged_part_64 = (better_converged_2) ? (then_3_converged_2 +
+        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_57 * residuals_2_converged_3) +
+        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_58 * residuals_4_converged_3) -
+        (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
+        gradient_2_converged_3)) / converged_part_62)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
     const float then_3_converged_3 = hall_position_limit(converged_part_64, 0.10100254f);
     const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
     const float half_converged_3_squared = half_converged_3 * half_converged_3;
@@ -556,111 +552,111 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
     const float converged_part_65 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
     const float turns_3_cosine_converged_3 = heading_cosine - converged_part_65;
-    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) - (heading_sine *
-        half_converged_3_squared);
+    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
+        (heading_sine * half_converged_3_squared);
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_59) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_1_converged_2 + other_1_converged_2)), 0.5f);
+        ((gradient_1_converged_3 * converged_part_59) - (row_1_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
     const float converged_part_66 = three_quarters_pi * hall_position_limit(-converged_part_65, 0.10100254f);
     const float converged_part_67 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
-    const float by_converged_9 = hall_position_limit(then_1_converged_3 - converged_part_66 + converged_part_67,
+    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_66 + converged_part_67,
         0.97596323f);
-    const float f6_argument_9 = by_converged_9 * by_converged_9;
-    const float by_cosine_converged_9 = f6_polynomial(f6_argument_9);
-    const float by_sine_converged_9 = by_converged_9 * f7_polynomial(f6_argument_9);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_9) + (start_cosine_converged *
-        by_sine_converged_9);
+    const float f6_argument_9 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f6_polynomial(f6_argument_9);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f7_polynomial(f6_argument_9);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
+        (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_part_68 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
     const float converged_part_69 = converged_part_68 * estimator_field_5;
-    const float converged_part_70 = phasors_1_sine_converged_3 * (estimator_field_1 + (converged_part_68 *
-        (estimator_field_3 + converged_part_69)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) - (turns_3_sine_converged_3 *
-        V_ay_held) - converged_part_70;
+    const float converged_part_70 = phasors_1_sine_converged_3 * (estimator_field_1 +
+        (converged_part_68 * (estimator_field_3 + converged_part_69)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
+        (turns_3_sine_converged_3 * V_ay_held) - converged_part_70;
     const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_61) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_converged_10 = hall_position_limit(then_2_converged_3 - converged_part_66 - converged_part_67,
+        ((gradient_2_converged_3 * converged_part_61) - (row_2_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_66 - converged_part_67,
         0.97596323f);
-    const float f6_argument_10 = by_converged_10 * by_converged_10;
-    const float by_cosine_converged_10 = f6_polynomial(f6_argument_10);
-    const float by_sine_converged_10 = by_converged_10 * f7_polynomial(f6_argument_10);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_10) + (start_cosine_converged_2 *
-        by_sine_converged_10);
+    const float f6_argument_10 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f6_polynomial(f6_argument_10);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f7_polynomial(f6_argument_10);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
+        (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_part_71 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
     const float converged_part_72 = converged_part_71 * estimator_field_5;
-    const float converged_part_73 = phasors_2_sine_converged_3 * (estimator_field_1 + (converged_part_71 *
-        (estimator_field_3 + converged_part_72)));
-    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) + (turns_3_sine_converged_3 *
-        V_ax_held) - converged_part_73;
-    const float by_converged_11 = hall_position_limit(then_1_converged_3 + converged_part_66 - converged_part_67,
+    const float converged_part_73 = phasors_2_sine_converged_3 * (estimator_field_1 +
+        (converged_part_71 * (estimator_field_3 + converged_part_72)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
+        (turns_3_sine_converged_3 * V_ax_held) - converged_part_73;
+    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_66 - converged_part_67,
         0.97596323f);
-    const float f6_argument_11 = by_converged_11 * by_converged_11;
-    const float by_cosine_converged_11 = f6_polynomial(f6_argument_11);
-    const float by_sine_converged_11 = by_converged_11 * f7_polynomial(f6_argument_11);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_11) + (start_cosine_converged_3 *
-        by_sine_converged_11);
+    const float f6_argument_11 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f6_polynomial(f6_argument_11);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f7_polynomial(f6_argument_11);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
+        (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_part_74 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
     const float converged_part_75 = converged_part_74 * estimator_field_5;
-    const float converged_part_76 = phasors_3_sine_converged_3 * (estimator_field_1 + (converged_part_74 *
-        (estimator_field_3 + converged_part_75)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) - (turns_3_sine_converged_3 *
-        V_by_held) - converged_part_76;
-    const float by_converged_12 = hall_position_limit(then_2_converged_3 + converged_part_66 + converged_part_67,
+    const float converged_part_76 = phasors_3_sine_converged_3 * (estimator_field_1 +
+        (converged_part_74 * (estimator_field_3 + converged_part_75)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
+        (turns_3_sine_converged_3 * V_by_held) - converged_part_76;
+    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_66 + converged_part_67,
         0.97596323f);
-    const float f6_argument_12 = by_converged_12 * by_converged_12;
-    const float by_cosine_converged_12 = f6_polynomial(f6_argument_12);
-    const float by_sine_converged_12 = by_converged_12 * f7_polynomial(f6_argument_12);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_12) + (start_cosine_converged_4 *
-        by_sine_converged_12);
+    const float f6_argument_12 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f6_polynomial(f6_argument_12);
+    const float by_sine_converged_3 = by_converged_3 * f7_polynomial(f6_argument_12);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
+        (start_cosine_by * by_sine_converged_3);
     const float converged_part_77 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
     const float converged_part_78 = converged_part_77 * estimator_field_5;
-    const float converged_part_79 = phasors_4_sine_converged_3 * (estimator_field_1 + (converged_part_77 *
-        (estimator_field_3 + converged_part_78)));
-    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) + (turns_3_sine_converged_3 *
-        V_bx_held) - converged_part_79;
+    const float converged_part_79 = phasors_4_sine_converged_3 * (estimator_field_1 +
+        (converged_part_77 * (estimator_field_3 + converged_part_78)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
+        (turns_3_sine_converged_3 * V_bx_held) - converged_part_79;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
-        residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) + (0.00992376f *
-        (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
+        residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
+        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
     const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_63) + 1e-08f);
-    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_9) - (ax_part_full *
-        by_sine_converged_9)) * (estimator_field_1 + (converged_part_68 * (estimator_field_3_scaled + (5.0f *
-        converged_part_69))));
+    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
+        (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
+        (converged_part_68 * (estimator_field_3_scaled + (5.0f * converged_part_69))));
     const float converged_part_80 = three_quarters_pi * turns_3_cosine_converged_3;
     const float converged_part_81 = three_quarters_pi * turns_3_sine_converged_3;
     const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_80 + converged_part_81)) +
         converged_part_73;
-    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_10) - (ay_part_full *
-        by_sine_converged_10)) * (estimator_field_1 + (converged_part_71 * (estimator_field_3_scaled + (5.0f *
-        converged_part_72))));
-    const float converged_part_82 = converged_part_70 - (rows_2_2_converged_4 * (converged_part_81 -
-        converged_part_80));
-    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_11) - (bx_part_full *
-        by_sine_converged_11)) * (estimator_field_1 + (converged_part_74 * (estimator_field_3_scaled + (5.0f *
-        converged_part_75))));
+    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
+        (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
+        (converged_part_71 * (estimator_field_3_scaled + (5.0f * converged_part_72))));
+    const float converged_part_82 = converged_part_70 -
+        (rows_2_2_converged_4 * (converged_part_81 - converged_part_80));
+    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
+        (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
+        (converged_part_74 * (estimator_field_3_scaled + (5.0f * converged_part_75))));
     const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
         converged_part_81)) + converged_part_79;
-    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_12) - (by_part_full *
-        by_sine_converged_12)) * (estimator_field_1 + (converged_part_77 * (estimator_field_3_scaled + (5.0f *
-        converged_part_78))));
-    const float converged_part_83 = converged_part_76 - (rows_4_2_converged_4 * (converged_part_80 -
-        converged_part_81));
-    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
-        rows_3_1_converged_4);
-    const float converged_part_84 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
-        rows_3_1_converged_4) + 0.00992376f);
+    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
+        (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
+        (converged_part_77 * (estimator_field_3_scaled + (5.0f * converged_part_78))));
+    const float converged_part_83 = converged_part_76 -
+        (rows_4_2_converged_4 * (converged_part_80 - converged_part_81));
+    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
+        (rows_3_3_converged_4 * rows_3_1_converged_4);
+    const float converged_part_84 = 1.0f /
+        ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 * rows_3_1_converged_4) + 0.00992376f);
     const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_84, 8330.405f);
-    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) + (rows_3_1_converged_4 *
-        residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
-    const float converged_part_85 = (converged_part_82 * rows_2_2_converged_4) + (converged_part_83 *
-        rows_4_2_converged_4);
-    const float converged_part_86 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
-        rows_4_2_converged_4) + 0.00992376f);
+    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
+        (rows_3_1_converged_4 * residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
+    const float converged_part_85 = (converged_part_82 * rows_2_2_converged_4) +
+        (converged_part_83 * rows_4_2_converged_4);
+    const float converged_part_86 = 1.0f /
+        ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 * rows_4_2_converged_4) + 0.00992376f);
     const float row_2_converged_4 = hall_position_limit(-(converged_part_85 * converged_part_86), 8330.405f);
-    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) + (rows_4_2_converged_4 *
-        residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
+    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
+        (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
     const float converged_part_87 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_82
         * converged_part_82) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_83 * converged_part_83) +
         2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_85), 2.7546635f);
@@ -674,11 +670,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         other_2_converged_3 = other_2_converged_2;
         converged_part_88 = converged_part_63;
     }
-    const float converged_part_89 = (better_converged_3) ? (then_3_converged_3 + (((rows_1_3_converged_4 *
-        residuals_1_converged_4) - (converged_part_82 * residuals_2_converged_4) + (rows_3_3_converged_4 *
-        residuals_3_converged_4) - (converged_part_83 * residuals_4_converged_4) - (2.7546635f * then_3_converged_3) -
-        (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) /
-        converged_part_87)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
+    const float converged_part_89 = (better_converged_3) ? (then_3_converged_3 +
+        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_82 * residuals_2_converged_4) +
+        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_83 * residuals_4_converged_4) -
+        (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
+        gradient_2_converged_4)) / converged_part_87)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
     const float then_3_converged_4 = hall_position_limit(converged_part_89, 0.10100254f);
     const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
     const float half_converged_4_squared = half_converged_4 * half_converged_4;
@@ -686,124 +682,124 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
     const float converged_part_90 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
     const float turns_3_cosine_converged_4 = heading_cosine - converged_part_90;
-    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) - (heading_sine *
-        half_converged_4_squared);
+    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
+        (heading_sine * half_converged_4_squared);
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_84) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
-        (then_1_converged_3 + other_1_converged_3)), 0.5f);
+        ((gradient_1_converged_4 * converged_part_84) - (row_1_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
     const float converged_part_91 = three_quarters_pi * hall_position_limit(-converged_part_90, 0.10100254f);
     const float converged_part_92 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
-    const float by_converged_13 = hall_position_limit(then_1_converged_4 - converged_part_91 + converged_part_92,
+    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_91 + converged_part_92,
         0.97596323f);
-    const float f6_argument_13 = by_converged_13 * by_converged_13;
-    const float by_cosine_converged_13 = f6_polynomial(f6_argument_13);
-    const float by_sine_converged_13 = by_converged_13 * f7_polynomial(f6_argument_13);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_13) + (start_cosine_converged *
-        by_sine_converged_13);
+    const float f6_argument_13 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f6_polynomial(f6_argument_13);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f7_polynomial(f6_argument_13);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
+        (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_part_93 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
     const float converged_part_94 = converged_part_93 * estimator_field_5;
-    const float converged_part_95 = phasors_1_sine_converged_4 * (estimator_field_1 + (converged_part_93 *
-        (estimator_field_3 + converged_part_94)));
-    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) - (turns_3_sine_converged_4 *
-        V_ay_held) - converged_part_95;
+    const float converged_part_95 = phasors_1_sine_converged_4 * (estimator_field_1 +
+        (converged_part_93 * (estimator_field_3 + converged_part_94)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
+        (turns_3_sine_converged_4 * V_ay_held) - converged_part_95;
     const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_86) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
-        (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_converged_14 = hall_position_limit(then_2_converged_4 - converged_part_91 - converged_part_92,
+        ((gradient_2_converged_4 * converged_part_86) - (row_2_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
+    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_91 - converged_part_92,
         0.97596323f);
-    const float f6_argument_14 = by_converged_14 * by_converged_14;
-    const float by_cosine_converged_14 = f6_polynomial(f6_argument_14);
-    const float by_sine_converged_14 = by_converged_14 * f7_polynomial(f6_argument_14);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_14) + (start_cosine_converged_2 *
-        by_sine_converged_14);
+    const float f6_argument_14 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f6_polynomial(f6_argument_14);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f7_polynomial(f6_argument_14);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
+        (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_part_96 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
     const float converged_part_97 = converged_part_96 * estimator_field_5;
-    const float converged_part_98 = phasors_2_sine_converged_4 * (estimator_field_1 + (converged_part_96 *
-        (estimator_field_3 + converged_part_97)));
-    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) + (turns_3_sine_converged_4 *
-        V_ax_held) - converged_part_98;
-    const float by_converged_15 = hall_position_limit(then_1_converged_4 + converged_part_91 - converged_part_92,
+    const float converged_part_98 = phasors_2_sine_converged_4 * (estimator_field_1 +
+        (converged_part_96 * (estimator_field_3 + converged_part_97)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
+        (turns_3_sine_converged_4 * V_ax_held) - converged_part_98;
+    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_91 - converged_part_92,
         0.97596323f);
-    const float f6_argument_15 = by_converged_15 * by_converged_15;
-    const float by_cosine_converged_15 = f6_polynomial(f6_argument_15);
-    const float by_sine_converged_15 = by_converged_15 * f7_polynomial(f6_argument_15);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_15) + (start_cosine_converged_3 *
-        by_sine_converged_15);
+    const float f6_argument_15 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f6_polynomial(f6_argument_15);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f7_polynomial(f6_argument_15);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
+        (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_part_99 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
     const float converged_part_100 = converged_part_99 * estimator_field_5;
-    const float converged_part_101 = phasors_3_sine_converged_4 * (estimator_field_1 + (converged_part_99 *
-        (estimator_field_3 + converged_part_100)));
-    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) - (turns_3_sine_converged_4 *
-        V_by_held) - converged_part_101;
-    const float by_converged_16 = hall_position_limit(then_2_converged_4 + converged_part_91 + converged_part_92,
+    const float converged_part_101 = phasors_3_sine_converged_4 * (estimator_field_1 +
+        (converged_part_99 * (estimator_field_3 + converged_part_100)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
+        (turns_3_sine_converged_4 * V_by_held) - converged_part_101;
+    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_91 + converged_part_92,
         0.97596323f);
-    const float f6_argument_16 = by_converged_16 * by_converged_16;
-    const float by_cosine_converged_16 = f6_polynomial(f6_argument_16);
-    const float by_sine_converged_16 = by_converged_16 * f7_polynomial(f6_argument_16);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_16) + (start_cosine_converged_4 *
-        by_sine_converged_16);
+    const float f6_argument_16 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f6_polynomial(f6_argument_16);
+    const float by_sine_converged_4 = by_converged_4 * f7_polynomial(f6_argument_16);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
+        (start_cosine_by * by_sine_converged_4);
     const float converged_part_102 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
     const float converged_part_103 = converged_part_102 * estimator_field_5;
-    const float converged_part_104 = phasors_4_sine_converged_4 * (estimator_field_1 + (converged_part_102 *
-        (estimator_field_3 + converged_part_103)));
-    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) + (turns_3_sine_converged_4 *
-        V_bx_held) - converged_part_104;
-    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
-        residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
-        residuals_4_converged_5);
+    const float converged_part_104 = phasors_4_sine_converged_4 * (estimator_field_1 +
+        (converged_part_102 * (estimator_field_3 + converged_part_103)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
+        (turns_3_sine_converged_4 * V_bx_held) - converged_part_104;
+    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
+        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
+        (residuals_4_converged_5 * residuals_4_converged_5);
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
-    const bool gate_exceeded = 0.0009069143f < (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f *
-        then_3_converged_4_squared));
+    const bool gate_exceeded = 0.0009069143f <
+        (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f * then_3_converged_4_squared));
     const uint32_t estimator_searching = state->estimator_searching;
-    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) + (0.00992376f *
-        then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_88) +
-        1e-08f);
-    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_13) - (ax_part_full *
-        by_sine_converged_13)) * (estimator_field_1 + (converged_part_93 * (estimator_field_3_scaled + (5.0f *
-        converged_part_94))));
-    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_15) - (bx_part_full *
-        by_sine_converged_15)) * (estimator_field_1 + (converged_part_99 * (estimator_field_3_scaled + (5.0f *
-        converged_part_100))));
-    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
-        residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
-    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 *
-        rows_3_1_converged_5) + 0.00992376f);
+    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
+        (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
+        ((1.000002f * converged_part_88) + 1e-08f);
+    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
+        (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
+        (converged_part_93 * (estimator_field_3_scaled + (5.0f * converged_part_94))));
+    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
+        (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
+        (converged_part_99 * (estimator_field_3_scaled + (5.0f * converged_part_100))));
+    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
+        (rows_3_1_converged_5 * residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
+    const float inverse_1 = 1.0f /
+        ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 * rows_3_1_converged_5) + 0.00992376f);
     const float converged_part_105 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_14) - (ay_part_full *
-        by_sine_converged_14)) * (estimator_field_1 + (converged_part_96 * (estimator_field_3_scaled + (5.0f *
-        converged_part_97))));
-    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_16) - (by_part_full *
-        by_sine_converged_16)) * (estimator_field_1 + (converged_part_102 * (estimator_field_3_scaled + (5.0f *
-        converged_part_103))));
-    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
-        residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
-    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
-        rows_4_2_converged_5) + 0.00992376f);
+    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
+        (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
+        (converged_part_96 * (estimator_field_3_scaled + (5.0f * converged_part_97))));
+    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
+        (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
+        (converged_part_102 * (estimator_field_3_scaled + (5.0f * converged_part_103))));
+    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
+        (rows_4_2_converged_5 * residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
+    const float inverse_2 = 1.0f /
+        ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 * rows_4_2_converged_5) + 0.00992376f);
     const float converged_part_106 = gradient_2_converged_5 * inverse_2;
     const float converged_part_107 = three_quarters_pi * turns_3_cosine_converged_4;
     const float converged_part_108 = three_quarters_pi * turns_3_sine_converged_4;
     const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_107 + converged_part_108)) +
         converged_part_98;
-    const float converged_part_109 = converged_part_95 - (rows_2_2_converged_5 * (converged_part_108 -
-        converged_part_107));
+    const float converged_part_109 = converged_part_95 -
+        (rows_2_2_converged_5 * (converged_part_108 - converged_part_107));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
         converged_part_108)) + converged_part_104;
-    const float converged_part_110 = converged_part_101 - (rows_4_2_converged_5 * (converged_part_107 -
-        converged_part_108));
-    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
-        rows_3_1_converged_5);
+    const float converged_part_110 = converged_part_101 -
+        (rows_4_2_converged_5 * (converged_part_107 - converged_part_108));
+    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
+        (rows_3_3_converged_5 * rows_3_1_converged_5);
     const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
-    const float converged_part_111 = (converged_part_109 * rows_2_2_converged_5) + (converged_part_110 *
-        rows_4_2_converged_5);
+    const float converged_part_111 = (converged_part_109 * rows_2_2_converged_5) +
+        (converged_part_110 * rows_4_2_converged_5);
     const float by_yaw_Y = hall_position_limit(-(converged_part_111 * inverse_2), 8330.405f);
-    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_109 *
-        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_110 *
-        residuals_4_converged_5) - (2.7546635f * then_3_converged_4) - (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y *
-        gradient_2_converged_5);
+    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
+        (converged_part_109 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_110 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
+        (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
     const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_109 *
         converged_part_109) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_110 * converged_part_110)
         + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_111), 2.7546635f);
@@ -832,8 +828,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
-    const bool integrity_residual_fault = (0.01f < squares_converged_2) || ((estimator_ambiguity_resolved != 0u) ?
-        gate_exceeded : ((estimator_searching != 0u) && !in_window));
+    const bool integrity_residual_fault = (0.01f < squares_converged_2) ||
+        ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
@@ -850,43 +846,43 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         estimator_motion_yaw_part = 0.1f * at_3;
     }
     const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_X = pi < X_part;
-    float angle_X = X_part;
-    if (turns_X) {
-        angle_X = X_part - two_pi;
+    const bool turns_x_X = pi < X_part;
+    float angle_x = X_part;
+    if (turns_x_X) {
+        angle_x = X_part - two_pi;
     }
-    float pose_phase_x = angle_X;
-    float turns_x = -1.0f;
-    if (angle_X < -pi) {
-        pose_phase_x = angle_X + two_pi;
+    float pose_phase_x = angle_x;
+    float turns_x_X_2 = -1.0f;
+    if (angle_x < -pi) {
+        pose_phase_x = angle_x + two_pi;
     } else {
-        turns_x = turns_X ? 1.0f : 0.0f;
+        turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + turns_x;
+    const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x);
     const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_Y = pi < Y_part;
-    float angle_Y = Y_part;
-    if (turns_Y) {
-        angle_Y = Y_part - two_pi;
+    const bool turns_y_Y = pi < Y_part;
+    float angle_y = Y_part;
+    if (turns_y_Y) {
+        angle_y = Y_part - two_pi;
     }
-    float pose_phase_y = angle_Y;
-    float turns_y = -1.0f;
-    if (angle_Y < -pi) {
-        pose_phase_y = angle_Y + two_pi;
+    float pose_phase_y = angle_y;
+    float turns_y_Y_2 = -1.0f;
+    if (angle_y < -pi) {
+        pose_phase_y = angle_y + two_pi;
     } else {
-        turns_y = turns_Y ? 1.0f : 0.0f;
+        turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_y;
+    const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
     const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
-    float angle_yaw = prediction_yaw_plus_yaw_2;
+    float angle = prediction_yaw_plus_yaw_2;
     if (pi < prediction_yaw_plus_yaw_2) {
-        angle_yaw = prediction_yaw_plus_yaw_2 - two_pi;
+        angle = prediction_yaw_plus_yaw_2 - two_pi;
     }
-    float yaw = angle_yaw;
-    if (angle_yaw < -pi) {
-        yaw = angle_yaw + two_pi;
+    float yaw = angle;
+    if (angle < -pi) {
+        yaw = angle + two_pi;
     }
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
     const float yaw_variance = 1.0f / (pivot + -2.644477f);
@@ -963,12 +959,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_motion_x = hall_position_limit(estimator_motion_x_part_2, 0.5f);
     state->estimator_motion_y = hall_position_limit(estimator_motion_y_part_2, 0.5f);
     state->estimator_motion_yaw = hall_position_limit(estimator_motion_yaw_part_2, 0.10100254f);
-    state->estimator_residual_faults = (integrity_residual_fault) ? ((exhausted) ? 0u : (estimator_residual_faults +
-        1u)) : 0u;
+    state->estimator_residual_faults = (integrity_residual_fault) ?
+        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
-        (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
+    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) ||
+        ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 #if defined(HALL_POSITION_DIAGNOSTICS)

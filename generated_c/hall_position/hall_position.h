@@ -5,8 +5,8 @@
  *
  * hall_position: one step every 0.00125 s, float. Generated: do not edit.
  *
- * Call hall_position_init once, then hall_position_step once every 0.00125 s with the inputs of that sample, and write
- * its outputs to the hardware. Nothing else may change the state.
+ * Call hall_position_init once, then hall_position_step once every 0.00125 s with the inputs of that sample, and use
+ * its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
@@ -20,8 +20,8 @@
  * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
  * Hall-Effect Sensors".
  *
- * The gains were computed for the numbers of the plant in hall_position.c: for another mass or geometry, generate the
- * files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in hall_position.c hold for one plant and one period: for other masses, geometry or magnets, or
+ * another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With HALL_POSITION_DIAGNOSTICS defined, for the .c as well, hall_position_step_diagnosed also says which signals it
  * computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -110,8 +110,9 @@ void hall_position_init(hall_position_state_t *state);
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out);
 
 #if defined(HALL_POSITION_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 ax_part_doubled, 1 ax_part_full, 2 ay_part_doubled, 3 ay_part_full, 4 bx_part_doubled, 5 bx_part_full, 6 by_part_doubled, 7 by_part_full. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 ax_part_doubled, 1 ax_part_full, 2
+ * ay_part_doubled, 3 ay_part_full, 4 bx_part_doubled, 5 bx_part_full, 6 by_part_doubled, 7 by_part_full. */
 typedef struct {
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
@@ -120,8 +121,8 @@ typedef struct {
 } hall_position_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t hall_position_step_diagnosed(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out,
-    hall_position_diagnostics_t *diagnostics);
+uint32_t hall_position_step_diagnosed(hall_position_state_t *state, const hall_position_input_t *in,
+    hall_position_output_t *out, hall_position_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

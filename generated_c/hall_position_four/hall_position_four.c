@@ -316,8 +316,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 }
 
 uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in,
-    hall_position_four_output_t *out,
-    hall_position_four_diagnostics_t *diagnostics)
+    hall_position_four_output_t *out, hall_position_four_diagnostics_t *diagnostics)
 #else
 uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in,
     hall_position_four_output_t *out)
@@ -486,9 +485,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     if ((fabsf(V_dx_held - state->screen_last_V_dx) <= 0.0f) || (fabsf(V_dy_held - state->screen_last_V_dy) <= 0.0f)) {
         const uint32_t screen_repeats_4 = state->screen_repeats_4;
         const uint32_t screened_part_7 = screen_repeats_4 + 1u;
-        const float count = hall_position_four_min((float)screened_part_7, 6.0f);
-        frozen = 6.0f <= count;
-        state->screen_repeats_4 = (uint32_t)count;
+        const float count_screened = hall_position_four_min((float)screened_part_7, 6.0f);
+        frozen = 6.0f <= count_screened;
+        state->screen_repeats_4 = (uint32_t)count_screened;
     } else {
         state->screen_repeats_4 = 0u;
     }
@@ -621,11 +620,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float bx_part_sine = 8.0f * f7;
     const float bx_part_cosine = bx_part_cosine_polynomial(f7_argument);
     const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
-    const float bx_part_doubled = 8.0f * (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine *
-        bx_part_sine))));
+    const float bx_part_doubled = 8.0f *
+        (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx_part_full = 8.0f * f7_times_bx_part_cosine;
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx_part_full * sines_2_bx_part_full)));
+    const float sines_2_bx = 8.0f * f7_times_bx_part_cosine;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float cos_yaw_scaled_4 = 1.7404423f * cos_yaw;
     const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
@@ -635,11 +634,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float by_part_sine = 8.0f * f9;
     const float by_part_cosine = by_part_cosine_polynomial(f9_argument);
     const float f9_times_by_part_cosine = f9 * by_part_cosine;
-    const float by_part_doubled = 8.0f * (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine *
-        by_part_sine))));
+    const float by_part_doubled = 8.0f *
+        (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by_part_full = 8.0f * f9_times_by_part_cosine;
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by_part_full * sines_2_by_part_full)));
+    const float sines_2_by = 8.0f * f9_times_by_part_cosine;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
     const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
@@ -649,11 +648,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cx_part_sine = 8.0f * f11;
     const float cx_part_cosine = cx_part_cosine_polynomial(f11_argument);
     const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
-    const float cx_part_doubled = 8.0f * (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine *
-        cx_part_sine))));
+    const float cx_part_doubled = 8.0f *
+        (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx_part_full = 8.0f * f11_times_cx_part_cosine;
-    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx_part_full * sines_2_cx_part_full)));
+    const float sines_2_cx = 8.0f * f11_times_cx_part_cosine;
+    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
     const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
@@ -663,11 +662,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cy_part_sine = 8.0f * f13;
     const float cy_part_cosine = cy_part_cosine_polynomial(f13_argument);
     const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
-    const float cy_part_doubled = 8.0f * (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine *
-        cy_part_sine))));
+    const float cy_part_doubled = 8.0f *
+        (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy_part_full = 8.0f * f13_times_cy_part_cosine;
-    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy_part_full * sines_2_cy_part_full)));
+    const float sines_2_cy = 8.0f * f13_times_cy_part_cosine;
+    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
     const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
@@ -677,11 +676,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dx_part_sine = 8.0f * f15;
     const float dx_part_cosine = dx_part_cosine_polynomial(f15_argument);
     const float f15_times_dx_part_cosine = f15 * dx_part_cosine;
-    const float dx_part_doubled = 8.0f * (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine *
-        dx_part_sine))));
+    const float dx_part_doubled = 8.0f *
+        (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
     /*@ admit -2.002f <= dx_part_doubled <= 2.002f; */
-    const float sines_2_dx_part_full = 8.0f * f15_times_dx_part_cosine;
-    const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx_part_full * sines_2_dx_part_full)));
+    const float sines_2_dx = 8.0f * f15_times_dx_part_cosine;
+    const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx * sines_2_dx)));
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
     const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
     const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
@@ -690,54 +689,54 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dy_part_sine = 8.0f * f17;
     const float dy_part_cosine = dy_part_cosine_polynomial(f17_argument);
     const float f17_times_dy_part_cosine = f17 * dy_part_cosine;
-    const float dy_part_doubled = 8.0f * (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine *
-        dy_part_sine))));
+    const float dy_part_doubled = 8.0f *
+        (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
     /*@ admit -2.002f <= dy_part_doubled <= 2.002f; */
-    const float sines_2_dy_part_full = 8.0f * f17_times_dy_part_cosine;
-    const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy_part_full * sines_2_dy_part_full)));
+    const float sines_2_dy = 8.0f * f17_times_dy_part_cosine;
+    const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy * sines_2_dy)));
     /*@ admit -1.001f <= dy_part_full <= 1.001f; */
-    const float start_cosine_phase_x = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float estimator_amplitude = state->estimator_amplitude;
     const float phase_x_part = estimator_amplitude * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float phase_x_part_2 = 3.0f * (estimator_amplitude * estimator_field_3);
     const float phase_x_part_3 = estimator_amplitude * estimator_field_5;
-    const float rows_1_1 = start_cosine_phase_x * (phase_x_part + (ax_part_full_squared * (phase_x_part_2 + (5.0f *
-        (ax_part_full_squared * phase_x_part_3)))));
+    const float rows_1_1 = start_cosine_ax * (phase_x_part +
+        (ax_part_full_squared * (phase_x_part_2 + (5.0f * (ax_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_4 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
-    const float rows_1_4 = ax_part_full * (estimator_field_1 + (ax_part_full_squared * (estimator_field_3 +
-        (ax_part_full_squared * estimator_field_5))));
-    const float residuals_1 = phase_x_part_4 - (estimator_amplitude * rows_1_4);
-    const float start_cosine_phase_x_2 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float rows_1_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
+    const float residuals_1_phase_x = phase_x_part_4 - (estimator_amplitude * rows_1_4);
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float rows_3_1 = start_cosine_phase_x_2 * (phase_x_part + (bx_part_full_squared * (phase_x_part_2 + (5.0f *
-        (bx_part_full_squared * phase_x_part_3)))));
+    const float rows_3_1 = start_cosine_bx * (phase_x_part +
+        (bx_part_full_squared * (phase_x_part_2 + (5.0f * (bx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_5 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
-    const float rows_3_4 = bx_part_full * (estimator_field_1 + (bx_part_full_squared * (estimator_field_3 +
-        (bx_part_full_squared * estimator_field_5))));
-    const float residuals_3 = phase_x_part_5 - (estimator_amplitude * rows_3_4);
-    const float start_cosine_phase_x_3 = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
+    const float rows_3_4 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
+    const float residuals_3_phase_x = phase_x_part_5 - (estimator_amplitude * rows_3_4);
+    const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float rows_5_1 = start_cosine_phase_x_3 * (phase_x_part + (cx_part_full_squared * (phase_x_part_2 + (5.0f *
-        (cx_part_full_squared * phase_x_part_3)))));
+    const float rows_5_1 = start_cosine_cx * (phase_x_part +
+        (cx_part_full_squared * (phase_x_part_2 + (5.0f * (cx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
-    const float rows_5_4 = cx_part_full * (estimator_field_1 + (cx_part_full_squared * (estimator_field_3 +
-        (cx_part_full_squared * estimator_field_5))));
-    const float residuals_5 = phase_x_part_6 - (estimator_amplitude * rows_5_4);
-    const float start_cosine_phase_x_4 = 1.0f - (0.5f * (dx_part_doubled * dx_part_doubled));
+    const float rows_5_4 = cx_part_full * (estimator_field_1 +
+        (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
+    const float residuals_5_phase_x = phase_x_part_6 - (estimator_amplitude * rows_5_4);
+    const float start_cosine_dx = 1.0f - (0.5f * (dx_part_doubled * dx_part_doubled));
     const float dx_part_full_squared = dx_part_full * dx_part_full;
-    const float rows_7_1 = start_cosine_phase_x_4 * (phase_x_part + (dx_part_full_squared * (phase_x_part_2 + (5.0f *
-        (dx_part_full_squared * phase_x_part_3)))));
+    const float rows_7_1 = start_cosine_dx * (phase_x_part +
+        (dx_part_full_squared * (phase_x_part_2 + (5.0f * (dx_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_7 = (cos_yaw * V_dx_held) - (sin_yaw * V_dy_held);
-    const float rows_7_4 = dx_part_full * (estimator_field_1 + (dx_part_full_squared * (estimator_field_3 +
-        (dx_part_full_squared * estimator_field_5))));
-    const float residuals_7 = phase_x_part_7 - (estimator_amplitude * rows_7_4);
-    const float gradient_1 = (rows_1_1 * residuals_1) + (rows_3_1 * residuals_3) + (rows_5_1 * residuals_5) + (rows_7_1
-        * residuals_7);
-    const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) + (rows_7_1 *
-        rows_7_1);
+    const float rows_7_4 = dx_part_full * (estimator_field_1 +
+        (dx_part_full_squared * (estimator_field_3 + (dx_part_full_squared * estimator_field_5))));
+    const float residuals_7_phase_x = phase_x_part_7 - (estimator_amplitude * rows_7_4);
+    const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
+        (rows_5_1 * residuals_5_phase_x) + (rows_7_1 * residuals_7_phase_x);
+    const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) +
+        (rows_7_1 * rows_7_1);
     const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1, 0.048416f);
-    const float phase_x_part_8 = gradient_1 * terms_1_phase_x;
+    const float phase_x_part_8 = gradient_1_phase_x * terms_1_phase_x;
     const float phase_x_part_9 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
     const float rows_1_3 = phase_x_part_9 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
     const float phase_x_part_10 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
@@ -746,83 +745,85 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float rows_5_3 = phase_x_part_11 + (rows_5_1 * (cos_yaw_scaled_6 + sin_yaw_scaled_6));
     const float phase_x_part_12 = (cos_yaw * V_dy_held) + (sin_yaw * V_dx_held);
     const float rows_7_3 = phase_x_part_12 + (rows_7_1 * ((-0.76654863f * cos_yaw) - sin_yaw_scaled_8));
-    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) + (rows_7_3 *
-        rows_7_1);
+    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
+        (rows_7_3 * rows_7_1);
     const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1 * terms_1_phase_x, 1250.0f);
-    const float start_cosine_phase_x_5 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float rows_2_2 = start_cosine_phase_x_5 * (phase_x_part + (ay_part_full_squared * (phase_x_part_2 + (5.0f *
-        (ay_part_full_squared * phase_x_part_3)))));
+    const float rows_2_2 = start_cosine_ay * (phase_x_part +
+        (ay_part_full_squared * (phase_x_part_2 + (5.0f * (ay_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_13 = phase_x_part_4 - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
-    const float rows_2_4 = ay_part_full * (estimator_field_1 + (ay_part_full_squared * (estimator_field_3 +
-        (ay_part_full_squared * estimator_field_5))));
-    const float residuals_2 = phase_x_part_9 - (estimator_amplitude * rows_2_4);
-    const float start_cosine_phase_x_6 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_2_4 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
+    const float residuals_2_phase_x = phase_x_part_9 - (estimator_amplitude * rows_2_4);
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float rows_4_2 = start_cosine_phase_x_6 * (phase_x_part + (by_part_full_squared * (phase_x_part_2 + (5.0f *
-        (by_part_full_squared * phase_x_part_3)))));
+    const float rows_4_2 = start_cosine_by * (phase_x_part +
+        (by_part_full_squared * (phase_x_part_2 + (5.0f * (by_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_14 = phase_x_part_5 - (rows_4_2 * (sin_yaw_scaled_3 - cos_yaw_scaled_3));
-    const float rows_4_4 = by_part_full * (estimator_field_1 + (by_part_full_squared * (estimator_field_3 +
-        (by_part_full_squared * estimator_field_5))));
-    const float residuals_4 = phase_x_part_10 - (estimator_amplitude * rows_4_4);
-    const float start_cosine_phase_x_7 = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float rows_4_4 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
+    const float residuals_4_phase_x = phase_x_part_10 - (estimator_amplitude * rows_4_4);
+    const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float rows_6_2 = start_cosine_phase_x_7 * (phase_x_part + (cy_part_full_squared * (phase_x_part_2 + (5.0f *
-        (cy_part_full_squared * phase_x_part_3)))));
+    const float rows_6_2 = start_cosine_cy * (phase_x_part +
+        (cy_part_full_squared * (phase_x_part_2 + (5.0f * (cy_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_15 = phase_x_part_6 - (rows_6_2 * (sin_yaw_scaled_5 - cos_yaw_scaled_5));
-    const float rows_6_4 = cy_part_full * (estimator_field_1 + (cy_part_full_squared * (estimator_field_3 +
-        (cy_part_full_squared * estimator_field_5))));
-    const float residuals_6 = phase_x_part_11 - (estimator_amplitude * rows_6_4);
-    const float start_cosine_phase_x_8 = 1.0f - (0.5f * (dy_part_doubled * dy_part_doubled));
+    const float rows_6_4 = cy_part_full * (estimator_field_1 +
+        (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
+    const float residuals_6_phase_x = phase_x_part_11 - (estimator_amplitude * rows_6_4);
+    const float start_cosine_dy = 1.0f - (0.5f * (dy_part_doubled * dy_part_doubled));
     const float dy_part_full_squared = dy_part_full * dy_part_full;
-    const float rows_8_2 = start_cosine_phase_x_8 * (phase_x_part + (dy_part_full_squared * (phase_x_part_2 + (5.0f *
-        (dy_part_full_squared * phase_x_part_3)))));
+    const float rows_8_2 = start_cosine_dy * (phase_x_part +
+        (dy_part_full_squared * (phase_x_part_2 + (5.0f * (dy_part_full_squared * phase_x_part_3)))));
     const float phase_x_part_16 = phase_x_part_7 - (rows_8_2 * (cos_yaw_scaled_7 - sin_yaw_scaled_7));
-    const float rows_8_4 = dy_part_full * (estimator_field_1 + (dy_part_full_squared * (estimator_field_3 +
-        (dy_part_full_squared * estimator_field_5))));
-    const float residuals_8 = phase_x_part_12 - (estimator_amplitude * rows_8_4);
-    const float phase_x_part_17 = (phase_x_part_13 * rows_2_2) + (phase_x_part_14 * rows_4_2) + (phase_x_part_15 *
-        rows_6_2) + (phase_x_part_16 * rows_8_2);
-    const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) + (rows_8_2 *
-        rows_8_2);
+    const float rows_8_4 = dy_part_full * (estimator_field_1 +
+        (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
+    const float residuals_8_phase_x = phase_x_part_12 - (estimator_amplitude * rows_8_4);
+    const float phase_x_part_17 = (phase_x_part_13 * rows_2_2) + (phase_x_part_14 * rows_4_2) +
+        (phase_x_part_15 * rows_6_2) + (phase_x_part_16 * rows_8_2);
+    const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
+        (rows_8_2 * rows_8_2);
     const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.048416f);
     const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_part_17 * terms_1_phase_x_3), 1250.0f);
-    const float gradient_2 = (rows_2_2 * residuals_2) + (rows_4_2 * residuals_4) + (rows_6_2 * residuals_6) + (rows_8_2
-        * residuals_8);
-    const float forward_3 = (rows_1_3 * residuals_1) - (phase_x_part_13 * residuals_2) + (rows_3_3 * residuals_3) -
-        (phase_x_part_14 * residuals_4) + (rows_5_3 * residuals_5) - (phase_x_part_15 * residuals_6) + (rows_7_3 *
-        residuals_7) - (phase_x_part_16 * residuals_8) - (terms_1_phase_x_2 * gradient_1) - (terms_1_phase_x_4 *
-        gradient_2);
+    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
+        (rows_6_2 * residuals_6_phase_x) + (rows_8_2 * residuals_8_phase_x);
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_part_13 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (phase_x_part_14 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (phase_x_part_15 * residuals_6_phase_x) + (rows_7_3 * residuals_7_phase_x) - (phase_x_part_16 *
+        residuals_8_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) - (terms_1_phase_x_4 * gradient_2_phase_x);
     const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_part_13 * phase_x_part_13) + (rows_3_3 * rows_3_3) +
-        (phase_x_part_14 * phase_x_part_14) + (rows_5_3 * rows_5_3) + (phase_x_part_15 * phase_x_part_15) + (rows_7_3 *
-        rows_7_3) + (phase_x_part_16 * phase_x_part_16);
+        (phase_x_part_14 * phase_x_part_14) + (rows_5_3 * rows_5_3) + (phase_x_part_15 * phase_x_part_15) +
+        (rows_7_3 * rows_7_3) + (phase_x_part_16 * phase_x_part_16);
     const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
         (terms_1_phase_x_4 * phase_x_part_17), 0.3026f);
-    const float phase_x_part_18 = forward_3 * terms_1_phase_x_5;
-    const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) + (rows_7_4 *
-        rows_7_1);
+    const float phase_x_part_18 = forward_3_phase_x * terms_1_phase_x_5;
+    const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) +
+        (rows_7_4 * rows_7_1);
     const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1 * terms_1_phase_x, 625.0f);
-    const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2) + (rows_8_4 *
-        rows_8_2);
+    const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2) +
+        (rows_8_4 * rows_8_2);
     const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2 * terms_1_phase_x_3, 625.0f);
     const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_part_13) + (rows_3_4 * rows_3_3) -
         (rows_4_4 * phase_x_part_14) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_part_15) + (rows_7_4 * rows_7_3) -
         (rows_8_4 * phase_x_part_16) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_17);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
-    const float offsets_4 = estimator_amplitude - 1.0f;
-    const float gradient_4 = (rows_1_4 * residuals_1) + (rows_2_4 * residuals_2) + (rows_3_4 * residuals_3) + (rows_4_4
-        * residuals_4) + (rows_5_4 * residuals_5) + (rows_6_4 * residuals_6) + (rows_7_4 * residuals_7) + (rows_8_4 *
-        residuals_8) - (0.84055555f * offsets_4);
-    const float forward_4_phase_x = gradient_4 - (terms_1_phase_x_6 * gradient_1) - (terms_1_phase_x_7 * gradient_2) -
-        (terms_1_phase_x_8 * forward_3);
-    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) + (rows_4_4 *
-        rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) + (rows_8_4 * rows_8_4) +
-        0.84055555f;
+    const float offsets_4_phase_x = estimator_amplitude - 1.0f;
+    const float gradient_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
+        (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
+        (0.84055555f * offsets_4_phase_x);
+    const float forward_4_phase_x = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x) -
+        (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
+    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
+        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
+        (rows_8_4 * rows_8_4) + 0.84055555f;
     const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
         (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
-    const float steps_4 = forward_4_phase_x * diagonal_4;
-    const float steps_3 = phase_x_part_18 - (terms_1_phase_x_8 * steps_4);
-    const float steps_1 = phase_x_part_8 - (terms_1_phase_x_2 * steps_3) - (terms_1_phase_x_6 * steps_4);
+    const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
+    const float steps_3_phase_x = phase_x_part_18 - (terms_1_phase_x_8 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_part_8 - (terms_1_phase_x_2 * steps_3_phase_x) -
+        (terms_1_phase_x_6 * steps_4_phase_x);
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_four_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
@@ -832,11 +833,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
     const float moves_1_3_phase_x = phase_x_part_20 - (terms_1_phase_x_8 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = phase_x_part_19 - (terms_1_phase_x_2 * moves_1_3_phase_x) - (terms_1_phase_x_6 *
-        moves_1_4_phase_x);
-    const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_1_1 * phase_x_part_19) + (b_3_phase_x *
-        phase_x_part_20) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
-    const float scores_1_phase_x = residuals_1 - ((rows_1_1 * steps_1) + (rows_1_3 * steps_3) + (rows_1_4 * steps_4));
+    const float moves_1_1_phase_x = phase_x_part_19 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
+        (terms_1_phase_x_6 * moves_1_4_phase_x);
+    const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f -
+        ((rows_1_1 * phase_x_part_19) + (b_3_phase_x * phase_x_part_20) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
+    const float scores_1_phase_x = residuals_1_phase_x -
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
     const float phase_x_part_21 = phase_x_part_13 + (terms_1_phase_x_4 * rows_2_2);
     const float phase_x_part_22 = phase_x_part_21 * terms_1_phase_x_5;
     const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_part_21);
@@ -847,17 +849,18 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_part_23) - (terms_1_phase_x_6 * weighted_4_phase_x) -
         (lower_2_1_phase_x * moves_1_1_phase_x);
     const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
-    const float gains_2_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
-        (phase_x_part_21 * phase_x_part_22) + (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x *
-        phase_x_part_24), 0.001f);
-    const float phase_x_part_25 = gradient_2 * terms_1_phase_x_3;
-    const float steps_2 = phase_x_part_25 - (terms_1_phase_x_4 * steps_3) - (terms_1_phase_x_7 * steps_4);
-    const float scores_2_phase_x = residuals_2 - ((rows_2_2 * steps_2) - (phase_x_part_13 * steps_3) + (rows_2_4 *
-        steps_4)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float gains_2_phase_x = 1.0f /
+        hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_part_21 * phase_x_part_22) +
+        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_part_24), 0.001f);
+    const float phase_x_part_25 = gradient_2_phase_x * terms_1_phase_x_3;
+    const float steps_2_phase_x = phase_x_part_25 - (terms_1_phase_x_4 * steps_3_phase_x) -
+        (terms_1_phase_x_7 * steps_4_phase_x);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (phase_x_part_13 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
     const float phase_x_part_26 = phase_x_part_23 + (lower_2_1_phase_x * moves_1_3_phase_x);
     const float phase_x_part_27 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_part_23) - (terms_1_phase_x_7 *
-        weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_part_27);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_part_23) -
+        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_part_27);
     const float phase_x_part_28 = rows_3_1 * terms_1_phase_x;
     const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
     const float phase_x_part_29 = b_3_phase_x_2 * terms_1_phase_x_5;
@@ -865,9 +868,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
     const float moves_3_3 = phase_x_part_29 - (terms_1_phase_x_8 * moves_3_4);
     const float moves_3_1 = phase_x_part_28 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
-    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((rows_3_1 * phase_x_part_28) + (b_3_phase_x_2 *
-        phase_x_part_29) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
-    const float scores_3 = residuals_3 - ((rows_3_1 * steps_1) + (rows_3_3 * steps_3) + (rows_3_4 * steps_4));
+    const float gains_3 = 1.0f / hall_position_four_max(1.0f -
+        ((rows_3_1 * phase_x_part_28) + (b_3_phase_x_2 * phase_x_part_29) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
+    const float scores_3 = residuals_3_phase_x -
+        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
     const float phase_x_part_30 = phase_x_part_14 + (terms_1_phase_x_4 * rows_4_2);
     const float phase_x_part_31 = phase_x_part_30 * terms_1_phase_x_5;
     const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_part_30);
@@ -878,15 +882,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_4_1 = (terms_1_phase_x_2 * phase_x_part_32) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
     const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
-    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_part_30 *
-        phase_x_part_31) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_part_33),
-        0.001f);
-    const float scores_4_phase_x = residuals_4 - ((rows_4_2 * steps_2) - (phase_x_part_14 * steps_3) + (rows_4_4 *
-        steps_4)) - (lower_2_1_phase_x_2 * scores_3);
+    const float gains_4 = 1.0f /
+        hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_part_30 * phase_x_part_31) +
+        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_part_33), 0.001f);
+    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
+        (phase_x_part_14 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
     const float phase_x_part_34 = phase_x_part_32 + (lower_2_1_phase_x_2 * moves_3_3);
     const float phase_x_part_35 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_part_32) - (terms_1_phase_x_7 *
-        weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_part_35);
+    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_part_32) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_part_35);
     const float phase_x_part_36 = rows_5_1 * terms_1_phase_x;
     const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
     const float phase_x_part_37 = b_3_phase_x_3 * terms_1_phase_x_5;
@@ -894,9 +898,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
     const float moves_5_3 = phase_x_part_37 - (terms_1_phase_x_8 * moves_5_4);
     const float moves_5_1 = phase_x_part_36 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
-    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((rows_5_1 * phase_x_part_36) + (b_3_phase_x_3 *
-        phase_x_part_37) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
-    const float scores_5 = residuals_5 - ((rows_5_1 * steps_1) + (rows_5_3 * steps_3) + (rows_5_4 * steps_4));
+    const float gains_5 = 1.0f / hall_position_four_max(1.0f -
+        ((rows_5_1 * phase_x_part_36) + (b_3_phase_x_3 * phase_x_part_37) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
+    const float scores_5 = residuals_5_phase_x -
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
     const float phase_x_part_38 = phase_x_part_15 + (terms_1_phase_x_4 * rows_6_2);
     const float phase_x_part_39 = phase_x_part_38 * terms_1_phase_x_5;
     const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_part_38);
@@ -907,15 +912,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_6_1 = (terms_1_phase_x_2 * phase_x_part_40) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
     const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
-    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_part_38 *
-        phase_x_part_39) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_part_41),
-        0.001f);
-    const float scores_6_phase_x = residuals_6 - ((rows_6_2 * steps_2) - (phase_x_part_15 * steps_3) + (rows_6_4 *
-        steps_4)) - (lower_2_1_phase_x_3 * scores_5);
+    const float gains_6 = 1.0f /
+        hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_part_38 * phase_x_part_39) +
+        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_part_41), 0.001f);
+    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
+        (phase_x_part_15 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float phase_x_part_42 = phase_x_part_40 + (lower_2_1_phase_x_3 * moves_5_3);
     const float phase_x_part_43 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_part_40) - (terms_1_phase_x_7 *
-        weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_part_43);
+    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_part_40) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_part_43);
     const float phase_x_part_44 = rows_7_1 * terms_1_phase_x;
     const float b_3_phase_x_4 = rows_7_3 - (terms_1_phase_x_2 * rows_7_1);
     const float phase_x_part_45 = b_3_phase_x_4 * terms_1_phase_x_5;
@@ -923,9 +928,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_7_4 = b_4_phase_x_4 * diagonal_4;
     const float moves_7_3 = phase_x_part_45 - (terms_1_phase_x_8 * moves_7_4);
     const float moves_7_1 = phase_x_part_44 - (terms_1_phase_x_2 * moves_7_3) - (terms_1_phase_x_6 * moves_7_4);
-    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((rows_7_1 * phase_x_part_44) + (b_3_phase_x_4 *
-        phase_x_part_45) + (b_4_phase_x_4 * moves_7_4)), 0.001f);
-    const float scores_7 = residuals_7 - ((rows_7_1 * steps_1) + (rows_7_3 * steps_3) + (rows_7_4 * steps_4));
+    const float gains_7 = 1.0f / hall_position_four_max(1.0f -
+        ((rows_7_1 * phase_x_part_44) + (b_3_phase_x_4 * phase_x_part_45) + (b_4_phase_x_4 * moves_7_4)), 0.001f);
+    const float scores_7 = residuals_7_phase_x -
+        ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
     const float phase_x_part_46 = phase_x_part_16 + (terms_1_phase_x_4 * rows_8_2);
     const float phase_x_part_47 = phase_x_part_46 * terms_1_phase_x_5;
     const float forward_4_phase_x_5 = rows_8_4 - (terms_1_phase_x_7 * rows_8_2) + (terms_1_phase_x_8 * phase_x_part_46);
@@ -936,15 +942,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_8_1 = (terms_1_phase_x_2 * phase_x_part_48) - (terms_1_phase_x_6 * weighted_4_phase_x_4) -
         (lower_2_1_phase_x_4 * moves_7_1);
     const float weighted_2_phase_x_4 = rows_8_2 * terms_1_phase_x_3;
-    const float gain = 1.0f / hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) + (phase_x_part_46 *
-        phase_x_part_47) + (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_part_49),
-        0.001f);
-    const float scores_8_phase_x = residuals_8 - ((rows_8_2 * steps_2) - (phase_x_part_16 * steps_3) + (rows_8_4 *
-        steps_4)) - (lower_2_1_phase_x_4 * scores_7);
+    const float gain = 1.0f /
+        hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) + (phase_x_part_46 * phase_x_part_47) +
+        (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_part_49), 0.001f);
+    const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
+        (phase_x_part_16 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
     const float phase_x_part_50 = phase_x_part_48 + (lower_2_1_phase_x_4 * moves_7_3);
     const float phase_x_part_51 = (terms_1_phase_x_4 * moves_7_3) + (terms_1_phase_x_7 * moves_7_4);
-    const float moves_8_2 = weighted_2_phase_x_4 + (terms_1_phase_x_4 * phase_x_part_48) - (terms_1_phase_x_7 *
-        weighted_4_phase_x_4) + (lower_2_1_phase_x_4 * phase_x_part_51);
+    const float moves_8_2 = weighted_2_phase_x_4 + (terms_1_phase_x_4 * phase_x_part_48) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_4) + (lower_2_1_phase_x_4 * phase_x_part_51);
     float moves_1_1_phase_x_2;
     float gains_1_phase_x_2;
     float scores_1_phase_x_2;
@@ -1024,273 +1030,266 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         }
         phase_x_test_2 = excluded_below_4;
     }
-    float phase_x_part_54 = 0.0f;
+    float added_1_phase_x = 0.0f;
     bool weights_1 = true;
-    float phase_x_part_55 = 0.0f;
-    float phase_x_part_56 = 0.0f;
+    float added_3_phase_x = 0.0f;
+    float added_4_phase_x = 0.0f;
     bool weights_3 = true;
     bool weights_5 = true;
     bool weights_7 = true;
-    float phase_x_part_57 = 0.0f;
-    float deviation_phase_x_part = 0.0f;
-    float deviation_phase_y_part = 0.0f;
-    float deviation_yaw_part = 0.0f;
-    float deviation_amplitude_part = 0.0f;
+    float added_2_phase_x = 0.0f;
+    float added_1_deviation_phase_x = 0.0f;
+    float added_2_deviation_phase_y = 0.0f;
+    float added_3_deviation_yaw = 0.0f;
+    float added_4_deviation_amplitude = 0.0f;
     if (!none_phase_x) {
-        const float phase_x_part_58 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_part_59 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        phase_x_part_54 = -((moves_1_1_phase_x_2 * phase_x_part_58) + (moves_2_1_phase_x_2 * phase_x_part_59));
+        const float phase_x_part_54 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_part_55 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_part_54) + (moves_2_1_phase_x_2 * phase_x_part_55));
         weights_1 = phase_x_part_52;
-        phase_x_part_55 = -((moves_1_3_phase_x_2 * phase_x_part_58) + (moves_2_3_phase_x * phase_x_part_59));
-        phase_x_part_56 = -((moves_1_4_phase_x_2 * phase_x_part_58) + (moves_2_4_phase_x * phase_x_part_59));
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_part_54) + (moves_2_3_phase_x * phase_x_part_55));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_part_54) + (moves_2_4_phase_x * phase_x_part_55));
         weights_3 = phase_x_test;
         weights_5 = phase_x_part_53;
         weights_7 = phase_x_test_2;
-        phase_x_part_57 = -((moves_1_2_phase_x * phase_x_part_58) + (moves_2_2_phase_x_2 * phase_x_part_59));
-        deviation_phase_x_part = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) + (gains_2_phase_x_2
-            * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
-        deviation_phase_y_part = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) + (gains_2_phase_x_2 *
-            (moves_2_2_phase_x_2 * moves_2_2_phase_x_2));
-        deviation_yaw_part = (gains_1_phase_x_2 * (moves_1_3_phase_x_2 * moves_1_3_phase_x_2)) + (gains_2_phase_x_2 *
-            (moves_2_3_phase_x * moves_2_3_phase_x));
-        deviation_amplitude_part = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_part_54) + (moves_2_2_phase_x_2 * phase_x_part_55));
+        added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
+            (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
+        added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
+            (gains_2_phase_x_2 * (moves_2_2_phase_x_2 * moves_2_2_phase_x_2));
+        added_3_deviation_yaw = (gains_1_phase_x_2 * (moves_1_3_phase_x_2 * moves_1_3_phase_x_2)) +
+            (gains_2_phase_x_2 * (moves_2_3_phase_x * moves_2_3_phase_x));
+        added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
-    const float phase_x_part_60 = hall_position_four_limit(steps_1 + phase_x_part_54, 0.5f);
-    const float phase_x_part_61 = hall_position_four_limit(steps_3 + phase_x_part_55, 0.1f);
-    const float phase_x_part_62 = hall_position_four_limit(starts_3 + phase_x_part_61, 0.20943952f);
-    const float cos_yaw_argument_2 = phase_x_part_62 * phase_x_part_62;
-    const float cos_yaw_2 = cos_yaw_polynomial(cos_yaw_argument_2);
-    const float sin_yaw_2 = phase_x_part_62 * sin_yaw_polynomial(cos_yaw_argument_2);
-    const float cos_yaw_2_minus_cos_yaw = cos_yaw_2 - cos_yaw;
-    const float phase_x_part_63 = hall_position_four_limit(sin_yaw_2 - sin_yaw, 0.1f);
-    const float phase_x_part_64 = hall_position_four_limit(steps_4 + phase_x_part_56, 0.125f);
-    const float phase_x_part_65 = hall_position_four_max(hall_position_four_min(estimator_amplitude + phase_x_part_64,
-        1.25f), 0.75f);
-    const float phase_x_part_66 = hall_position_four_limit(steps_2 + phase_x_part_57, 0.5f);
-    float phase_x_part_67 = 0.0f;
-    float phase_x_part_68 = 0.0f;
-    float phase_x_part_69 = 0.0f;
-    float phase_x_part_70 = 0.0f;
+    const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, 0.5f);
+    const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, 0.1f);
+    const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
+    const float cos_yaw_argument_2 = moved_3_2 * moved_3_2;
+    const float turns_3_cosine = cos_yaw_polynomial(cos_yaw_argument_2);
+    const float turns_3_sine = moved_3_2 * sin_yaw_polynomial(cos_yaw_argument_2);
+    const float limited_3_cosine = turns_3_cosine - cos_yaw;
+    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, 0.1f);
+    const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
+    const float phase_x_part_56 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
+        0.75f);
+    const float best_2 = hall_position_four_limit(steps_2_phase_x + added_2_phase_x, 0.5f);
+    float terms_1_phase_x_9 = 0.0f;
+    float phase_x_part_57 = 0.0f;
+    float terms_2_phase_x = 0.0f;
+    float phase_x_part_58 = 0.0f;
     float chi_square_part = 0.0f;
     if (weights_1) {
-        const float phase_x_part_71 = phase_x_part_60 + (0.28902653f * cos_yaw_2_minus_cos_yaw) + (0.45238933f *
-            phase_x_part_63);
-        const float f19_argument = phase_x_part_71 * phase_x_part_71;
-        const float phase_x_part_72 = (ax_part_full * f19_polynomial(f19_argument)) + (start_cosine_phase_x *
-            (phase_x_part_71 * f20_polynomial(f19_argument)));
-        const float phase_x_part_72_squared = phase_x_part_72 * phase_x_part_72;
-        const float phase_x_part_73 = (cos_yaw_2 * V_ax_held) - (sin_yaw_2 * V_ay_held) - (phase_x_part_65 *
-            (phase_x_part_72 * (estimator_field_1 + (phase_x_part_72_squared * (estimator_field_3 +
-            (phase_x_part_72_squared * estimator_field_5))))));
-        phase_x_part_67 = rows_1_1 * phase_x_part_73;
-        const float phase_x_part_74 = phase_x_part_66 - (0.45238933f * cos_yaw_2_minus_cos_yaw) + (0.28902653f *
-            phase_x_part_63);
-        const float f27_argument = phase_x_part_74 * phase_x_part_74;
-        const float phase_x_part_75 = (ay_part_full * f27_polynomial(f27_argument)) + (start_cosine_phase_x_5 *
-            (phase_x_part_74 * f28_polynomial(f27_argument)));
-        const float phase_x_part_75_squared = phase_x_part_75 * phase_x_part_75;
-        const float phase_x_part_76 = (cos_yaw_2 * V_ay_held) + (sin_yaw_2 * V_ax_held) - (phase_x_part_65 *
-            (phase_x_part_75 * (estimator_field_1 + (phase_x_part_75_squared * (estimator_field_3 +
-            (phase_x_part_75_squared * estimator_field_5))))));
-        phase_x_part_68 = (rows_1_3 * phase_x_part_73) - (phase_x_part_13 * phase_x_part_76);
-        phase_x_part_69 = rows_2_2 * phase_x_part_76;
-        phase_x_part_70 = (rows_1_4 * phase_x_part_73) + (rows_2_4 * phase_x_part_76);
-        chi_square_part = (phase_x_part_73 * phase_x_part_73) + (phase_x_part_76 * phase_x_part_76);
+        const float by_ax = best_1 + (0.28902653f * limited_3_cosine) + (0.45238933f * limited_3_sine);
+        const float f19_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * f19_polynomial(f19_argument)) +
+            (start_cosine_ax * (by_ax * f20_polynomial(f19_argument)));
+        const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
+        const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
+            (phase_x_part_56 * (phasors_1_sine * (estimator_field_1 +
+            (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
+        terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
+        const float by_ay = best_2 - (0.45238933f * limited_3_cosine) + (0.28902653f * limited_3_sine);
+        const float f27_argument = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * f27_polynomial(f27_argument)) +
+            (start_cosine_ay * (by_ay * f28_polynomial(f27_argument)));
+        const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
+        const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
+            (phase_x_part_56 * (phasors_2_sine * (estimator_field_1 +
+            (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
+        phase_x_part_57 = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_part_13 * residuals_2_phase_x_2);
+        terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
+        phase_x_part_58 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
+        chi_square_part = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
+            (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
-    float phase_x_part_77 = 0.0f;
-    float phase_x_part_78 = 0.0f;
-    float phase_x_part_79 = 0.0f;
-    float phase_x_part_80 = 0.0f;
-    float phase_x_part_81 = 0.0f;
-    float phase_x_part_82 = 0.0f;
-    float chi_square_part_2 = 0.0f;
-    float chi_square_part_3 = 0.0f;
+    float terms_3_phase_x = 0.0f;
+    float terms_3_phase_x_2 = 0.0f;
+    float terms_4_phase_x = 0.0f;
+    float terms_4_phase_x_2 = 0.0f;
+    float terms_3_phase_x_3 = 0.0f;
+    float terms_4_phase_x_3 = 0.0f;
+    float terms_3_chi_square = 0.0f;
+    float terms_4_chi_square = 0.0f;
     if (weights_3) {
-        const float phase_x_part_83 = phase_x_part_60 - (1.118407f * cos_yaw_2_minus_cos_yaw) + (1.7404423f *
-            phase_x_part_63);
-        const float f21_argument = phase_x_part_83 * phase_x_part_83;
-        const float phase_x_part_84 = (bx_part_full * f21_polynomial(f21_argument)) + (start_cosine_phase_x_2 *
-            (phase_x_part_83 * f22_polynomial(f21_argument)));
-        const float phase_x_part_84_squared = phase_x_part_84 * phase_x_part_84;
-        const float phase_x_part_85 = (cos_yaw_2 * V_bx_held) - (sin_yaw_2 * V_by_held) - (phase_x_part_65 *
-            (phase_x_part_84 * (estimator_field_1 + (phase_x_part_84_squared * (estimator_field_3 +
-            (phase_x_part_84_squared * estimator_field_5))))));
-        phase_x_part_77 = rows_3_1 * phase_x_part_85;
-        phase_x_part_78 = rows_3_3 * phase_x_part_85;
-        const float phase_x_part_86 = phase_x_part_66 - (1.7404423f * cos_yaw_2_minus_cos_yaw) - (1.118407f *
-            phase_x_part_63);
-        const float f29_argument = phase_x_part_86 * phase_x_part_86;
-        const float phase_x_part_87 = (by_part_full * f29_polynomial(f29_argument)) + (start_cosine_phase_x_6 *
-            (phase_x_part_86 * f30_polynomial(f29_argument)));
-        const float phase_x_part_87_squared = phase_x_part_87 * phase_x_part_87;
-        const float phase_x_part_88 = (cos_yaw_2 * V_by_held) + (sin_yaw_2 * V_bx_held) - (phase_x_part_65 *
-            (phase_x_part_87 * (estimator_field_1 + (phase_x_part_87_squared * (estimator_field_3 +
-            (phase_x_part_87_squared * estimator_field_5))))));
-        phase_x_part_79 = -(phase_x_part_14 * phase_x_part_88);
-        phase_x_part_80 = rows_4_2 * phase_x_part_88;
-        phase_x_part_81 = rows_3_4 * phase_x_part_85;
-        phase_x_part_82 = rows_4_4 * phase_x_part_88;
-        chi_square_part_2 = phase_x_part_85 * phase_x_part_85;
-        chi_square_part_3 = phase_x_part_88 * phase_x_part_88;
+        const float by_bx = best_1 - (1.118407f * limited_3_cosine) + (1.7404423f * limited_3_sine);
+        const float f21_argument = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * f21_polynomial(f21_argument)) +
+            (start_cosine_bx * (by_bx * f22_polynomial(f21_argument)));
+        const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
+        const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
+            (phase_x_part_56 * (phasors_3_sine * (estimator_field_1 +
+            (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
+        terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
+        terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
+        const float by = best_2 - (1.7404423f * limited_3_cosine) - (1.118407f * limited_3_sine);
+        const float f29_argument = by * by;
+        const float phasors_4_sine = (by_part_full * f29_polynomial(f29_argument)) +
+            (start_cosine_by * (by * f30_polynomial(f29_argument)));
+        const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
+        const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
+            (phase_x_part_56 * (phasors_4_sine * (estimator_field_1 +
+            (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
+        terms_4_phase_x = -(phase_x_part_14 * residuals_4_phase_x_2);
+        terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
+        terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
+        terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
+        terms_3_chi_square = residuals_3_phase_x_2 * residuals_3_phase_x_2;
+        terms_4_chi_square = residuals_4_phase_x_2 * residuals_4_phase_x_2;
     }
-    float phase_x_part_89 = 0.0f;
-    float phase_x_part_90 = 0.0f;
-    float phase_x_part_91 = 0.0f;
-    float phase_x_part_92 = 0.0f;
-    float phase_x_part_93 = 0.0f;
-    float phase_x_part_94 = 0.0f;
-    float chi_square_part_4 = 0.0f;
-    float chi_square_part_5 = 0.0f;
+    float terms_5_phase_x = 0.0f;
+    float terms_5_phase_x_2 = 0.0f;
+    float terms_6_phase_x = 0.0f;
+    float terms_6_phase_x_2 = 0.0f;
+    float terms_5_phase_x_3 = 0.0f;
+    float terms_6_phase_x_3 = 0.0f;
+    float terms_5_chi_square = 0.0f;
+    float terms_6_chi_square = 0.0f;
     if (weights_5) {
-        const float phase_x_part_95 = phase_x_part_60 - (2.506991f * cos_yaw_2_minus_cos_yaw) + (3.0033627f *
-            phase_x_part_63);
-        const float f23_argument = phase_x_part_95 * phase_x_part_95;
-        const float phase_x_part_96 = (cx_part_full * f23_polynomial(f23_argument)) + (start_cosine_phase_x_3 *
-            (phase_x_part_95 * f24_polynomial(f23_argument)));
-        const float phase_x_part_96_squared = phase_x_part_96 * phase_x_part_96;
-        const float phase_x_part_97 = (cos_yaw_2 * V_cx_held) - (sin_yaw_2 * V_cy_held) - (phase_x_part_65 *
-            (phase_x_part_96 * (estimator_field_1 + (phase_x_part_96_squared * (estimator_field_3 +
-            (phase_x_part_96_squared * estimator_field_5))))));
-        phase_x_part_89 = rows_5_1 * phase_x_part_97;
-        phase_x_part_90 = rows_5_3 * phase_x_part_97;
-        const float phase_x_part_98 = phase_x_part_66 - (3.0033627f * cos_yaw_2_minus_cos_yaw) - (2.506991f *
-            phase_x_part_63);
-        const float f31_argument = phase_x_part_98 * phase_x_part_98;
-        const float phase_x_part_99 = (cy_part_full * f31_polynomial(f31_argument)) + (start_cosine_phase_x_7 *
-            (phase_x_part_98 * f32_polynomial(f31_argument)));
-        const float phase_x_part_99_squared = phase_x_part_99 * phase_x_part_99;
-        const float phase_x_part_100 = (cos_yaw_2 * V_cy_held) + (sin_yaw_2 * V_cx_held) - (phase_x_part_65 *
-            (phase_x_part_99 * (estimator_field_1 + (phase_x_part_99_squared * (estimator_field_3 +
-            (phase_x_part_99_squared * estimator_field_5))))));
-        phase_x_part_91 = -(phase_x_part_15 * phase_x_part_100);
-        phase_x_part_92 = rows_6_2 * phase_x_part_100;
-        phase_x_part_93 = rows_5_4 * phase_x_part_97;
-        phase_x_part_94 = rows_6_4 * phase_x_part_100;
-        chi_square_part_4 = phase_x_part_97 * phase_x_part_97;
-        chi_square_part_5 = phase_x_part_100 * phase_x_part_100;
+        const float by_cx = best_1 - (2.506991f * limited_3_cosine) + (3.0033627f * limited_3_sine);
+        const float f23_argument = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * f23_polynomial(f23_argument)) +
+            (start_cosine_cx * (by_cx * f24_polynomial(f23_argument)));
+        const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
+        const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
+            (phase_x_part_56 * (phasors_5_sine * (estimator_field_1 +
+            (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
+        terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
+        terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
+        const float by_cy = best_2 - (3.0033627f * limited_3_cosine) - (2.506991f * limited_3_sine);
+        const float f31_argument = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * f31_polynomial(f31_argument)) +
+            (start_cosine_cy * (by_cy * f32_polynomial(f31_argument)));
+        const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
+        const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
+            (phase_x_part_56 * (phasors_6_sine * (estimator_field_1 +
+            (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
+        terms_6_phase_x = -(phase_x_part_15 * residuals_6_phase_x_2);
+        terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
+        terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
+        terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
+        terms_5_chi_square = residuals_5_phase_x_2 * residuals_5_phase_x_2;
+        terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
     }
-    float phase_x_part_101 = 0.0f;
-    float phase_x_part_102 = 0.0f;
-    float phase_x_part_103 = 0.0f;
-    float phase_x_part_104 = 0.0f;
-    float phase_x_part_105 = 0.0f;
-    float phase_x_part_106 = 0.0f;
-    float chi_square_part_6 = 0.0f;
-    float chi_square_part_7 = 0.0f;
+    float terms_7_phase_x = 0.0f;
+    float terms_7_phase_x_2 = 0.0f;
+    float terms_8_phase_x = 0.0f;
+    float terms_8_phase_x_2 = 0.0f;
+    float terms_7_phase_x_3 = 0.0f;
+    float terms_8_phase_x_3 = 0.0f;
+    float terms_7_chi_square = 0.0f;
+    float terms_8_chi_square = 0.0f;
     if (weights_7) {
-        const float phase_x_part_107 = phase_x_part_60 + (1.627345f * cos_yaw_2_minus_cos_yaw) - (0.76654863f *
-            phase_x_part_63);
-        const float f25_argument = phase_x_part_107 * phase_x_part_107;
-        const float phase_x_part_108 = (dx_part_full * f25_polynomial(f25_argument)) + (start_cosine_phase_x_4 *
-            (phase_x_part_107 * f26_polynomial(f25_argument)));
-        const float phase_x_part_108_squared = phase_x_part_108 * phase_x_part_108;
-        const float phase_x_part_109 = (cos_yaw_2 * V_dx_held) - (sin_yaw_2 * V_dy_held) - (phase_x_part_65 *
-            (phase_x_part_108 * (estimator_field_1 + (phase_x_part_108_squared * (estimator_field_3 +
-            (phase_x_part_108_squared * estimator_field_5))))));
-        phase_x_part_101 = rows_7_1 * phase_x_part_109;
-        phase_x_part_102 = rows_7_3 * phase_x_part_109;
-        const float phase_x_part_110 = phase_x_part_66 + (0.76654863f * cos_yaw_2_minus_cos_yaw) + (1.627345f *
-            phase_x_part_63);
-        const float f33_argument = phase_x_part_110 * phase_x_part_110;
-        const float phase_x_part_111 = (dy_part_full * f33_polynomial(f33_argument)) + (start_cosine_phase_x_8 *
-            (phase_x_part_110 * f34_polynomial(f33_argument)));
-        const float phase_x_part_111_squared = phase_x_part_111 * phase_x_part_111;
-        const float phase_x_part_112 = (cos_yaw_2 * V_dy_held) + (sin_yaw_2 * V_dx_held) - (phase_x_part_65 *
-            (phase_x_part_111 * (estimator_field_1 + (phase_x_part_111_squared * (estimator_field_3 +
-            (phase_x_part_111_squared * estimator_field_5))))));
-        phase_x_part_103 = -(phase_x_part_16 * phase_x_part_112);
-        phase_x_part_104 = rows_8_2 * phase_x_part_112;
-        phase_x_part_105 = rows_7_4 * phase_x_part_109;
-        phase_x_part_106 = rows_8_4 * phase_x_part_112;
-        chi_square_part_6 = phase_x_part_109 * phase_x_part_109;
-        chi_square_part_7 = phase_x_part_112 * phase_x_part_112;
+        const float by_dx = best_1 + (1.627345f * limited_3_cosine) - (0.76654863f * limited_3_sine);
+        const float f25_argument = by_dx * by_dx;
+        const float phasors_7_sine = (dx_part_full * f25_polynomial(f25_argument)) +
+            (start_cosine_dx * (by_dx * f26_polynomial(f25_argument)));
+        const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
+        const float residuals_7_phase_x_2 = (turns_3_cosine * V_dx_held) - (turns_3_sine * V_dy_held) -
+            (phase_x_part_56 * (phasors_7_sine * (estimator_field_1 +
+            (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
+        terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
+        terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
+        const float by_dy = best_2 + (0.76654863f * limited_3_cosine) + (1.627345f * limited_3_sine);
+        const float f33_argument = by_dy * by_dy;
+        const float phasors_8_sine = (dy_part_full * f33_polynomial(f33_argument)) +
+            (start_cosine_dy * (by_dy * f34_polynomial(f33_argument)));
+        const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
+        const float residuals_8_phase_x_2 = (turns_3_cosine * V_dy_held) + (turns_3_sine * V_dx_held) -
+            (phase_x_part_56 * (phasors_8_sine * (estimator_field_1 +
+            (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared * estimator_field_5))))));
+        terms_8_phase_x = -(phase_x_part_16 * residuals_8_phase_x_2);
+        terms_8_phase_x_2 = rows_8_2 * residuals_8_phase_x_2;
+        terms_7_phase_x_3 = rows_7_4 * residuals_7_phase_x_2;
+        terms_8_phase_x_3 = rows_8_4 * residuals_8_phase_x_2;
+        terms_7_chi_square = residuals_7_phase_x_2 * residuals_7_phase_x_2;
+        terms_8_chi_square = residuals_8_phase_x_2 * residuals_8_phase_x_2;
     }
-    const float phase_x_part_113 = phase_x_part_67 + phase_x_part_77 + phase_x_part_89 + phase_x_part_101;
-    const float phase_x_part_114 = phase_x_part_113 * terms_1_phase_x;
-    const float phase_x_part_115 = phase_x_part_68 + phase_x_part_78 + phase_x_part_79 + phase_x_part_90 +
-        phase_x_part_91 + phase_x_part_102 + phase_x_part_103;
-    const float phase_x_part_116 = phase_x_part_69 + phase_x_part_80 + phase_x_part_92 + phase_x_part_104;
-    const float phase_x_part_117 = phase_x_part_115 - (terms_1_phase_x_2 * phase_x_part_113) - (terms_1_phase_x_4 *
-        phase_x_part_116);
-    const float phase_x_part_118 = phase_x_part_117 * terms_1_phase_x_5;
-    const float phase_x_part_119 = offsets_4 + phase_x_part_64;
-    const float phase_x_part_120 = phase_x_part_70 + phase_x_part_81 + phase_x_part_82 + phase_x_part_93 +
-        phase_x_part_94 + phase_x_part_105 + phase_x_part_106 - (0.84055555f * phase_x_part_119);
-    const float phase_x_part_121 = phase_x_part_120 - (terms_1_phase_x_6 * phase_x_part_113) - (terms_1_phase_x_7 *
-        phase_x_part_116) - (terms_1_phase_x_8 * phase_x_part_117);
-    const float phase_x_part_122 = phase_x_part_121 * diagonal_4;
-    const float phase_x_part_123 = phase_x_part_118 - (terms_1_phase_x_8 * phase_x_part_122);
-    const float phase_x_part_124 = hall_position_four_limit((moves_1_1_phase_x_2 * phase_x_part_113) +
-        (moves_1_2_phase_x * phase_x_part_116) + (moves_1_3_phase_x_2 * phase_x_part_115) + (moves_1_4_phase_x_2 *
-        phase_x_part_120), 1845.4835f);
-    const float phase_x_part_125 = gains_1_phase_x_2 * phase_x_part_124;
-    const float phase_x_part_126 = hall_position_four_limit((moves_2_1_phase_x_2 * phase_x_part_113) +
-        (moves_2_2_phase_x_2 * phase_x_part_116) + (moves_2_3_phase_x * phase_x_part_115) + (moves_2_4_phase_x *
-        phase_x_part_120), 1845.4835f);
-    const float phase_x_part_127 = gains_2_phase_x_2 * phase_x_part_126;
-    const float phase_x_part_128 = hall_position_four_limit(phase_x_part_60 + (phase_x_part_114 - (terms_1_phase_x_2 *
-        phase_x_part_123) - (terms_1_phase_x_6 * phase_x_part_122) + ((none_phase_x) ? 0.0f : ((moves_1_1_phase_x_2 *
-        phase_x_part_125) + (moves_2_1_phase_x_2 * phase_x_part_127)))), 0.5f);
-    const float phase_x_part_129 = starts_1 + phase_x_part_128;
-    float phase_x_part_130 = phase_x_part_129;
-    if (pi < phase_x_part_129) {
-        phase_x_part_130 = phase_x_part_129 - two_pi;
+    const float gradient_1_phase_x_2 = terms_1_phase_x_9 + terms_3_phase_x + terms_5_phase_x + terms_7_phase_x;
+    const float phase_x_part_59 = gradient_1_phase_x_2 * terms_1_phase_x;
+    const float gradient_3_phase_x = phase_x_part_57 + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
+        terms_6_phase_x + terms_7_phase_x_2 + terms_8_phase_x;
+    const float gradient_2_phase_x_2 = terms_2_phase_x + terms_4_phase_x_2 + terms_6_phase_x_2 + terms_8_phase_x_2;
+    const float forward_3_phase_x_2 = gradient_3_phase_x - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
+        (terms_1_phase_x_4 * gradient_2_phase_x_2);
+    const float phase_x_part_60 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
+    const float gradient_4_phase_x_2 = phase_x_part_58 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
+        terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
+    const float forward_4_phase_x_6 = gradient_4_phase_x_2 - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
+        (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
+    const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
+    const float steps_3_phase_x_2 = phase_x_part_60 - (terms_1_phase_x_8 * steps_4_phase_x_2);
+    const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
+        (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
+        (moves_1_4_phase_x_2 * gradient_4_phase_x_2), 1845.4835f);
+    const float phase_x_part_61 = gains_1_phase_x_2 * projections_1;
+    const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
+        (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
+        (moves_2_4_phase_x * gradient_4_phase_x_2), 1845.4835f);
+    const float phase_x_part_62 = gains_2_phase_x_2 * projections_2;
+    const float moved_1 = hall_position_four_limit(best_1 + (phase_x_part_59 - (terms_1_phase_x_2 * steps_3_phase_x_2) -
+        (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
+        ((moves_1_1_phase_x_2 * phase_x_part_61) + (moves_2_1_phase_x_2 * phase_x_part_62)))), 0.5f);
+    const float starts_1_plus_moved_1 = starts_1 + moved_1;
+    float phase_x_part_63 = starts_1_plus_moved_1;
+    if (pi < starts_1_plus_moved_1) {
+        phase_x_part_63 = starts_1_plus_moved_1 - two_pi;
     }
-    float phase_x_part_131 = phase_x_part_130;
-    if (phase_x_part_130 < -pi) {
-        phase_x_part_131 = phase_x_part_130 + two_pi;
+    float phase_x_part_64 = phase_x_part_63;
+    if (phase_x_part_63 < -pi) {
+        phase_x_part_64 = phase_x_part_63 + two_pi;
     }
-    const float phase_x = hall_position_four_limit(phase_x_part_131, pi);
-    const float phase_y_part = phase_x_part_116 * terms_1_phase_x_3;
-    const float phase_y_part_2 = hall_position_four_limit(phase_x_part_66 + (phase_y_part - (terms_1_phase_x_4 *
-        phase_x_part_123) - (terms_1_phase_x_7 * phase_x_part_122) + ((none_phase_x) ? 0.0f : ((moves_1_2_phase_x *
-        phase_x_part_125) + (moves_2_2_phase_x_2 * phase_x_part_127)))), 0.5f);
-    const float starts_2_plus_phase_y_part_2 = starts_2 + phase_y_part_2;
-    float phase_y_part_3 = starts_2_plus_phase_y_part_2;
-    if (pi < starts_2_plus_phase_y_part_2) {
-        phase_y_part_3 = starts_2_plus_phase_y_part_2 - two_pi;
+    const float phase_x = hall_position_four_limit(phase_x_part_64, pi);
+    const float phase_y_part = gradient_2_phase_x_2 * terms_1_phase_x_3;
+    const float moved_2 = hall_position_four_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * steps_3_phase_x_2) -
+        (terms_1_phase_x_7 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
+        ((moves_1_2_phase_x * phase_x_part_61) + (moves_2_2_phase_x_2 * phase_x_part_62)))), 0.5f);
+    const float starts_2_plus_moved_2 = starts_2 + moved_2;
+    float phase_y_part_2 = starts_2_plus_moved_2;
+    if (pi < starts_2_plus_moved_2) {
+        phase_y_part_2 = starts_2_plus_moved_2 - two_pi;
     }
-    float phase_y_part_4 = phase_y_part_3;
-    if (phase_y_part_3 < -pi) {
-        phase_y_part_4 = phase_y_part_3 + two_pi;
+    float phase_y_part_3 = phase_y_part_2;
+    if (phase_y_part_2 < -pi) {
+        phase_y_part_3 = phase_y_part_2 + two_pi;
     }
-    const float phase_y = hall_position_four_limit(phase_y_part_4, pi);
-    const float yaw_part = hall_position_four_limit(phase_x_part_61 + (phase_x_part_123 + ((none_phase_x) ? 0.0f :
-        ((moves_1_3_phase_x_2 * phase_x_part_125) + (moves_2_3_phase_x * phase_x_part_127)))), 0.1f);
-    const float yaw = hall_position_four_limit(starts_3 + yaw_part, 0.20943952f);
-    const float amplitude_part = hall_position_four_min(estimator_amplitude + hall_position_four_limit(phase_x_part_64 +
-        (phase_x_part_122 + ((none_phase_x) ? 0.0f : ((moves_1_4_phase_x_2 * phase_x_part_125) + (moves_2_4_phase_x *
-        phase_x_part_127)))), 0.125f), 1.25f);
+    const float phase_y = hall_position_four_limit(phase_y_part_3, pi);
+    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + ((none_phase_x) ? 0.0f :
+        ((moves_1_3_phase_x_2 * phase_x_part_61) + (moves_2_3_phase_x * phase_x_part_62)))), 0.1f);
+    const float yaw = hall_position_four_limit(starts_3 + moved_3, 0.20943952f);
+    const float amplitude_part = hall_position_four_min(estimator_amplitude +
+        hall_position_four_limit(best_4 + (steps_4_phase_x_2 + ((none_phase_x) ? 0.0f :
+        ((moves_1_4_phase_x_2 * phase_x_part_61) + (moves_2_4_phase_x * phase_x_part_62)))), 0.125f), 1.25f);
     const float amplitude = hall_position_four_max(amplitude_part, 0.75f);
-    const float deviation_phase_x_part_2 = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
+    const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
-        (deviation_phase_x_part_2 * deviation_phase_x_part_2 * diagonal_4);
-    const float deviation_phase_x_part_3 = diagonal_1 + deviation_phase_x_part;
-    const float deviation_phase_x = hall_position_four_min(0.05500909f * sqrtf(deviation_phase_x_part_3), 0.25f);
-    const float deviation_phase_y_part_2 = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
+        (deviation_phase_x_part * deviation_phase_x_part * diagonal_4);
+    const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
+    const float deviation_phase_x = hall_position_four_min(0.05500909f * sqrtf(variances_1), 0.25f);
+    const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
-        (deviation_phase_y_part_2 * deviation_phase_y_part_2 * diagonal_4);
-    const float deviation_phase_y_part_3 = diagonal_2 + deviation_phase_y_part;
-    const float deviation_phase_y = hall_position_four_min(0.05500909f * sqrtf(deviation_phase_y_part_3), 0.25f);
+        (deviation_phase_y_part * deviation_phase_y_part * diagonal_4);
+    const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
+    const float deviation_phase_y = hall_position_four_min(0.05500909f * sqrtf(variances_2), 0.25f);
     const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
-    const float deviation_yaw_part_2 = diagonal_3 + deviation_yaw_part;
-    const float deviation_yaw = hall_position_four_min(0.05500909f * sqrtf(deviation_yaw_part_2), 0.1f);
-    const float deviation_amplitude_part_2 = diagonal_4 + deviation_amplitude_part;
-    const float deviation_amplitude = hall_position_four_min(0.05500909f * sqrtf(deviation_amplitude_part_2), 0.2f);
-    const float chi_square_part_8 = (phase_x_part_113 * phase_x_part_114) + (phase_x_part_116 * phase_y_part) +
-        (phase_x_part_117 * phase_x_part_118) + (phase_x_part_121 * phase_x_part_122) + ((none_phase_x) ? 0.0f :
-        ((gains_1_phase_x_2 * (phase_x_part_124 * phase_x_part_124)) + (gains_2_phase_x_2 * (phase_x_part_126 *
-        phase_x_part_126))));
-    const float chi_square_part_9 = hall_position_four_max(chi_square_part + chi_square_part_2 + chi_square_part_3 +
-        chi_square_part_4 + chi_square_part_5 + chi_square_part_6 + chi_square_part_7 + (0.84055555f * (phase_x_part_119
-        * phase_x_part_119)) - chi_square_part_8, 0.0f);
-    const float chi_square = hall_position_four_min(330.46927f * chi_square_part_9, 1e+09f);
-    const bool converged = chi_square_part_8 <= 3.026e-05f;
+    const float variances_3 = diagonal_3 + added_3_deviation_yaw;
+    const float deviation_yaw = hall_position_four_min(0.05500909f * sqrtf(variances_3), 0.1f);
+    const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
+    const float deviation_amplitude = hall_position_four_min(0.05500909f * sqrtf(variances_4), 0.2f);
+    const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_59) + (gradient_2_phase_x_2 * phase_y_part) +
+        (forward_3_phase_x_2 * phase_x_part_60) + (forward_4_phase_x_6 * steps_4_phase_x_2) +
+        ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
+        (gains_2_phase_x_2 * (projections_2 * projections_2))));
+    const float cost_chi_square = hall_position_four_max(chi_square_part + terms_3_chi_square + terms_4_chi_square +
+        terms_5_chi_square + terms_6_chi_square + terms_7_chi_square + terms_8_chi_square +
+        (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_part_2, 0.0f);
+    const float chi_square = hall_position_four_min(330.46927f * cost_chi_square, 1e+09f);
+    const bool converged = chi_square_part_2 <= 3.026e-05f;
     const bool factors_2 = (left_1_1 <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <= 75650.0f) &&
         (left_4_4_phase_x <= 18912.5f);
-    const bool weak = !factors_2 || (20.654123f <= deviation_phase_x_part_3) || (20.654123f <= deviation_phase_y_part_3)
-        || (3.3046596f <= deviation_yaw_part_2) || (13.218638f <= deviation_amplitude_part_2);
+    const bool weak = !factors_2 || (20.654123f <= variances_1) || (20.654123f <= variances_2) ||
+        (3.3046596f <= variances_3) || (13.218638f <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const float protection_phase_x_part = hall_position_four_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
@@ -1299,147 +1298,144 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_phase_x_part_4 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
     const float protection_phase_y_part = hall_position_four_max(0.0f, (phase_x_part_27 * phase_x_part_27 *
         gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
-    const float protection_phase_y_part_2 = (phase_x_part_35 * phase_x_part_35 * gains_3) + (moves_4_2 * moves_4_2 *
-        gains_4);
-    const float protection_phase_y_part_3 = (phase_x_part_43 * phase_x_part_43 * gains_5) + (moves_6_2 * moves_6_2 *
-        gains_6);
-    const float protection_phase_y_part_4 = (phase_x_part_51 * phase_x_part_51 * gains_7) + (moves_8_2 * moves_8_2 *
-        gain);
+    const float protection_phase_y_part_2 = (phase_x_part_35 * phase_x_part_35 * gains_3) +
+        (moves_4_2 * moves_4_2 * gains_4);
+    const float protection_phase_y_part_3 = (phase_x_part_43 * phase_x_part_43 * gains_5) +
+        (moves_6_2 * moves_6_2 * gains_6);
+    const float protection_phase_y_part_4 = (phase_x_part_51 * phase_x_part_51 * gains_7) +
+        (moves_8_2 * moves_8_2 * gain);
     const float protection_yaw_part = hall_position_four_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
         gains_1_phase_x) + (phase_x_part_26 * phase_x_part_26 * gains_2_phase_x));
-    const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) + (phase_x_part_34 * phase_x_part_34 *
-        gains_4);
-    const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_part_42 * phase_x_part_42 *
-        gains_6);
+    const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) +
+        (phase_x_part_34 * phase_x_part_34 * gains_4);
+    const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) +
+        (phase_x_part_42 * phase_x_part_42 * gains_6);
     const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (phase_x_part_50 * phase_x_part_50 * gain);
-    const float cost = (residuals_1 * residuals_1) + (residuals_2 * residuals_2) + (residuals_3 * residuals_3) +
-        (residuals_4 * residuals_4) + (residuals_5 * residuals_5) + (residuals_6 * residuals_6) + (residuals_7 *
-        residuals_7) + (residuals_8 * residuals_8) + (0.84055555f * (offsets_4 * offsets_4));
-    const float protection_phase_x_part_5 = hall_position_four_max(cost - ((gradient_1 * phase_x_part_8) + (gradient_2 *
-        phase_x_part_25) + (forward_3 * phase_x_part_18) + (forward_4_phase_x * steps_4)), 0.0f);
+    const float cost_protection_phase_x = (residuals_1_phase_x * residuals_1_phase_x) +
+        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
+        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
+        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
+        (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f * (offsets_4_phase_x * offsets_4_phase_x));
+    const float full_cost = hall_position_four_max(cost_protection_phase_x -
+        ((gradient_1_phase_x * phase_x_part_8) + (gradient_2_phase_x * phase_x_part_25) +
+        (forward_3_phase_x * phase_x_part_18) + (forward_4_phase_x * steps_4_phase_x)), 0.0f);
     const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
-    const float protection_phase_x_part_6 = protection_phase_x_part_5 - ((scores_7 * scores_7_times_gains_7) +
-        (scores_8_phase_x * scores_8_phase_x_times_gain));
+    const float costs_4 = full_cost -
+        ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
     const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float protection_phase_x_part_7 = scores_6_phase_x * gains_6;
-    const float protection_phase_x_part_8 = protection_phase_x_part_5 - ((scores_5 * scores_5_times_gains_5) +
-        (scores_6_phase_x * protection_phase_x_part_7));
+    const float protection_phase_x_part_5 = scores_6_phase_x * gains_6;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_part_5));
     const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_part_9 = scores_4_phase_x * gains_4;
-    const float protection_phase_x_part_10 = protection_phase_x_part_5 - ((scores_3 * scores_3_times_gains_3) +
-        (scores_4_phase_x * protection_phase_x_part_9));
-    const float protection_phase_x_part_11 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_part_12 = scores_2_phase_x * gains_2_phase_x;
-    const float protection_phase_x_part_13 = protection_phase_x_part_5 - ((scores_1_phase_x *
-        protection_phase_x_part_11) + (scores_2_phase_x * protection_phase_x_part_12));
+    const float protection_phase_x_part_6 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_6));
+    const float protection_phase_x_part_7 = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_part_8 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_part_7) + (scores_2_phase_x * protection_phase_x_part_8));
     float limit = 20.515005f;
-    float protection_phase_x_part_14;
+    float protection_phase_x_part_9;
     float protection_phase_y_part_5;
-    float protection_yaw_part_5;
+    float level;
     if (hall_position_four_equal(excluded, 0.0f)) {
-        const float protection_phase_x_part_15 = (0.40003738f *
+        const float protection_phase_x_part_10 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part,
-            protection_phase_x_part_2), protection_phase_x_part_3), protection_phase_x_part_4))) + (3.4807565f *
-            deviation_phase_x);
-        protection_phase_x_part_14 = protection_phase_x_part_15;
+            protection_phase_x_part_2), protection_phase_x_part_3), protection_phase_x_part_4))) +
+            (3.4807565f * deviation_phase_x);
+        protection_phase_x_part_9 = protection_phase_x_part_10;
         const float protection_phase_y_part_6 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part,
-            protection_phase_y_part_2), protection_phase_y_part_3), protection_phase_y_part_4))) + (3.4807565f *
-            deviation_phase_y);
+            protection_phase_y_part_2), protection_phase_y_part_3), protection_phase_y_part_4))) +
+            (3.4807565f * deviation_phase_y);
         protection_phase_y_part_5 = protection_phase_y_part_6;
-        const float protection_yaw_part_6 = (0.40003738f *
+        const float detected = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part,
             protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4))) + (3.4807565f * deviation_yaw);
-        protection_yaw_part_5 = protection_yaw_part_6;
+        level = detected;
     } else {
         limit = 17.729996f;
-        const float protection_phase_x_part_16 = 0.053650968f + (1e-05f * protection_phase_x_part_5);
-        const float protection_phase_x_part_17 = steps_1 - phase_x_part_128;
-        const float steps_2_minus_phase_y_part_2 = steps_2 - phase_y_part_2;
-        const float steps_3_minus_yaw_part = steps_3 - yaw_part;
-        float protection_phase_x_part_18 = 0.0f;
-        float protection_phase_x_part_19 = protection_phase_x_part;
-        float protection_phase_y_part_7 = 0.0f;
-        float protection_phase_y_part_8 = protection_phase_y_part;
-        float protection_yaw_part_7 = 0.0f;
-        float protection_yaw_part_8 = protection_yaw_part;
-        if (protection_phase_x_part_13 <= protection_phase_x_part_16) {
-            protection_phase_x_part_18 = fabsf(protection_phase_x_part_17 - ((moves_1_1_phase_x *
-                protection_phase_x_part_11) + (moves_2_1_phase_x * protection_phase_x_part_12)));
-            protection_phase_y_part_7 = fabsf(steps_2_minus_phase_y_part_2 - ((moves_2_2_phase_x *
-                protection_phase_x_part_12) - (phase_x_part_27 * protection_phase_x_part_11)));
-            protection_yaw_part_7 = fabsf(steps_3_minus_yaw_part - ((moves_1_3_phase_x * protection_phase_x_part_11) -
-                (phase_x_part_26 * protection_phase_x_part_12)));
+        const float protection_phase_x_part_11 = 0.053650968f + (1e-05f * full_cost);
+        const float protection_phase_x_part_12 = steps_1_phase_x - moved_1;
+        const float protection_phase_y_part_7 = steps_2_phase_x - moved_2;
+        const float protection_yaw_part_5 = steps_3_phase_x - moved_3;
+        float apart_protection_phase_x = 0.0f;
+        float added_protection_phase_x = protection_phase_x_part;
+        float apart_protection_phase_y = 0.0f;
+        float added_protection_phase_y = protection_phase_y_part;
+        float apart_protection_yaw = 0.0f;
+        float added_protection_yaw = protection_yaw_part;
+        if (costs_1 <= protection_phase_x_part_11) {
+            apart_protection_phase_x = fabsf(protection_phase_x_part_12 -
+                ((moves_1_1_phase_x * protection_phase_x_part_7) + (moves_2_1_phase_x * protection_phase_x_part_8)));
+            apart_protection_phase_y = fabsf(protection_phase_y_part_7 -
+                ((moves_2_2_phase_x * protection_phase_x_part_8) - (phase_x_part_27 * protection_phase_x_part_7)));
+            apart_protection_yaw = fabsf(protection_yaw_part_5 -
+                ((moves_1_3_phase_x * protection_phase_x_part_7) - (phase_x_part_26 * protection_phase_x_part_8)));
         } else {
-            protection_phase_x_part_19 = 0.0f;
-            protection_phase_y_part_8 = 0.0f;
-            protection_yaw_part_8 = 0.0f;
+            added_protection_phase_x = 0.0f;
+            added_protection_phase_y = 0.0f;
+            added_protection_yaw = 0.0f;
         }
-        if (protection_phase_x_part_10 <= protection_phase_x_part_16) {
-            protection_phase_x_part_18 = hall_position_four_max(protection_phase_x_part_18,
-                fabsf(protection_phase_x_part_17 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 *
-                protection_phase_x_part_9))));
-            protection_phase_x_part_19 = hall_position_four_max(protection_phase_x_part_19, protection_phase_x_part_2);
-            protection_phase_y_part_7 = hall_position_four_max(protection_phase_y_part_7,
-                fabsf(steps_2_minus_phase_y_part_2 - ((moves_4_2 * protection_phase_x_part_9) - (phase_x_part_35 *
-                scores_3_times_gains_3))));
-            protection_phase_y_part_8 = hall_position_four_max(protection_phase_y_part_8, protection_phase_y_part_2);
-            protection_yaw_part_7 = hall_position_four_max(protection_yaw_part_7, fabsf(steps_3_minus_yaw_part -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_9))));
-            protection_yaw_part_8 = hall_position_four_max(protection_yaw_part_8, protection_yaw_part_2);
+        if (costs_2 <= protection_phase_x_part_11) {
+            apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_6))));
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_2);
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
+                - ((moves_4_2 * protection_phase_x_part_6) - (phase_x_part_35 * scores_3_times_gains_3))));
+            added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_2);
+            apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_6))));
+            added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_2);
         }
-        if (protection_phase_x_part_8 <= protection_phase_x_part_16) {
-            protection_phase_x_part_18 = hall_position_four_max(protection_phase_x_part_18,
-                fabsf(protection_phase_x_part_17 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 *
-                protection_phase_x_part_7))));
-            protection_phase_x_part_19 = hall_position_four_max(protection_phase_x_part_19, protection_phase_x_part_3);
-            protection_phase_y_part_7 = hall_position_four_max(protection_phase_y_part_7,
-                fabsf(steps_2_minus_phase_y_part_2 - ((moves_6_2 * protection_phase_x_part_7) - (phase_x_part_43 *
-                scores_5_times_gains_5))));
-            protection_phase_y_part_8 = hall_position_four_max(protection_phase_y_part_8, protection_phase_y_part_3);
-            protection_yaw_part_7 = hall_position_four_max(protection_yaw_part_7, fabsf(steps_3_minus_yaw_part -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_7))));
-            protection_yaw_part_8 = hall_position_four_max(protection_yaw_part_8, protection_yaw_part_3);
+        if (costs_3 <= protection_phase_x_part_11) {
+            apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
+                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_5))));
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_3);
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
+                - ((moves_6_2 * protection_phase_x_part_5) - (phase_x_part_43 * scores_5_times_gains_5))));
+            added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_3);
+            apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_5))));
+            added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_3);
         }
-        if (protection_phase_x_part_6 <= protection_phase_x_part_16) {
-            protection_phase_x_part_18 = hall_position_four_max(protection_phase_x_part_18,
-                fabsf(protection_phase_x_part_17 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 *
-                scores_8_phase_x_times_gain))));
-            protection_phase_x_part_19 = hall_position_four_max(protection_phase_x_part_19, protection_phase_x_part_4);
-            protection_phase_y_part_7 = hall_position_four_max(protection_phase_y_part_7,
-                fabsf(steps_2_minus_phase_y_part_2 - ((moves_8_2 * scores_8_phase_x_times_gain) - (phase_x_part_51 *
-                scores_7_times_gains_7))));
-            protection_phase_y_part_8 = hall_position_four_max(protection_phase_y_part_8, protection_phase_y_part_4);
-            protection_yaw_part_7 = hall_position_four_max(protection_yaw_part_7, fabsf(steps_3_minus_yaw_part -
+        if (costs_4 <= protection_phase_x_part_11) {
+            apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
+                - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_4);
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
+                - ((moves_8_2 * scores_8_phase_x_times_gain) - (phase_x_part_51 * scores_7_times_gains_7))));
+            added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_4);
+            apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
                 ((moves_7_3 * scores_7_times_gains_7) - (phase_x_part_50 * scores_8_phase_x_times_gain))));
-            protection_yaw_part_8 = hall_position_four_max(protection_yaw_part_8, protection_yaw_part_4);
+            added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_4);
         }
-        protection_phase_x_part_14 = protection_phase_x_part_18 + (0.19147325f * sqrtf(diagonal_1 +
-            protection_phase_x_part_19));
-        protection_phase_y_part_5 = protection_phase_y_part_7 + (0.19147325f * sqrtf(diagonal_2 +
-            protection_phase_y_part_8));
-        protection_yaw_part_5 = protection_yaw_part_7 + (0.19147325f * sqrtf(diagonal_3 + protection_yaw_part_8));
+        protection_phase_x_part_9 = apart_protection_phase_x +
+            (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
+        protection_phase_y_part_5 = apart_protection_phase_y +
+            (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
+        level = apart_protection_yaw + (0.19147325f * sqrtf(diagonal_3 + added_protection_yaw));
     }
-    const bool phases_valid_test_2 = factors_2 && (chi_square_part_9 <= (0.003026f * limit));
+    const bool passes = factors_2 && (cost_chi_square <= (0.003026f * limit));
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_14 = 61.842377f;
+        protection_phase_x_part_9 = 61.842377f;
         protection_phase_y_part_5 = 61.842377f;
-        protection_yaw_part_5 = 22.0f;
+        level = 22.0f;
     }
-    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_14, 61.842377f);
+    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_9, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_part_5, 61.842377f);
-    const float protection_yaw = hall_position_four_min(protection_yaw_part_5, 22.0f);
+    const float protection_yaw = hall_position_four_min(level, 22.0f);
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = 24u <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = 8u <= estimator_missed;
-    const bool phases_valid_test_3 = !lost;
-    const bool phases_valid = converged && phases_valid_test && phases_valid_test_2 && detectable && (protection_phase_x
-        <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) && tracking &&
-        phases_valid_test_3;
+    const bool phases_valid_test_2 = !lost;
+    const bool phases_valid = converged && phases_valid_test && passes && detectable &&
+        (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) &&
+        tracking && phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
@@ -1451,149 +1447,144 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->excluded = excluded;
     out->tracking = tracking ? 1.0f : 0.0f;
     const uint32_t metres_counting = state->metres_counting;
-    const bool estimator_phase_x_test = phases_valid_test && phases_valid_test_2;
+    const bool accepted = phases_valid_test && passes;
     float X_part = 0.0f;
     float Y_part = 0.0f;
-    float metres_pitch_x_next = 0.0f;
-    float metres_pitch_y_next = 0.0f;
-    float estimator_motion_phase_x_part = 0.0f;
-    float estimator_motion_phase_y_part = 0.0f;
-    float estimator_motion_yaw_part = 0.0f;
+    float count_x = 0.0f;
+    float count_y = 0.0f;
+    float tracked_2_motion_phase_x = 0.0f;
+    float tracked_2_motion_phase_y = 0.0f;
+    float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
         const float metres_pitch_x = state->metres_pitch_x;
         float X_part_2 = metres_pitch_x;
         if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
-            const float phase_x_minus_last_x = phase_x - state->metres_last_x;
-            float X_part_3;
-            if (phase_x_minus_last_x < -pi) {
-                X_part_3 = metres_pitch_x + 1.0f;
+            const float change_x = phase_x - state->metres_last_x;
+            float turned_x;
+            if (change_x < -pi) {
+                turned_x = metres_pitch_x + 1.0f;
             } else {
-                if (pi < phase_x_minus_last_x) {
-                    X_part_3 = metres_pitch_x - 1.0f;
+                if (pi < change_x) {
+                    turned_x = metres_pitch_x - 1.0f;
                 } else {
-                    X_part_3 = metres_pitch_x;
+                    turned_x = metres_pitch_x;
                 }
             }
-            X_part_2 = hall_position_four_limit(X_part_3, 9.0f);
+            X_part_2 = hall_position_four_limit(turned_x, 9.0f);
         }
         X_part = 0.0508f * X_part_2;
         const float metres_pitch_y = state->metres_pitch_y;
         float Y_part_2 = metres_pitch_y;
         if ((fabsf(metres_pitch_y) <= 8.0f) && (metres_counting != 0u)) {
-            const float phase_y_minus_last_y = phase_y - state->metres_last_y;
-            float Y_part_3;
-            if (phase_y_minus_last_y < -pi) {
-                Y_part_3 = metres_pitch_y + 1.0f;
+            const float change_y = phase_y - state->metres_last_y;
+            float turned_y;
+            if (change_y < -pi) {
+                turned_y = metres_pitch_y + 1.0f;
             } else {
-                if (pi < phase_y_minus_last_y) {
-                    Y_part_3 = metres_pitch_y - 1.0f;
+                if (pi < change_y) {
+                    turned_y = metres_pitch_y - 1.0f;
                 } else {
-                    Y_part_3 = metres_pitch_y;
+                    turned_y = metres_pitch_y;
                 }
             }
-            Y_part_2 = hall_position_four_limit(Y_part_3, 9.0f);
+            Y_part_2 = hall_position_four_limit(turned_y, 9.0f);
         }
         Y_part = 0.0508f * Y_part_2;
-        metres_pitch_x_next = X_part_2;
-        metres_pitch_y_next = Y_part_2;
-        if (estimator_phase_x_test) {
+        count_x = X_part_2;
+        count_y = Y_part_2;
+        if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
             state->estimator_yaw = yaw;
             state->estimator_amplitude = amplitude;
-            if (fabsf(phase_x_part_128) < 0.5f) {
-                estimator_motion_phase_x_part = estimator_motion_phase_x + (0.5f * phase_x_part_128);
+            if (fabsf(moved_1) < 0.5f) {
+                tracked_2_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
             }
-            if (fabsf(phase_y_part_2) < 0.5f) {
-                estimator_motion_phase_y_part = estimator_motion_phase_y + (0.5f * phase_y_part_2);
+            if (fabsf(moved_2) < 0.5f) {
+                tracked_2_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
             }
-            if (fabsf(yaw_part) < 0.1f) {
-                estimator_motion_yaw_part = estimator_motion_yaw + (0.5f * yaw_part);
+            if (fabsf(moved_3) < 0.1f) {
+                tracked_2_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
             }
         } else {
             state->estimator_phase_x = starts_1;
             state->estimator_phase_y = starts_2;
             state->estimator_yaw = starts_3;
-            estimator_motion_phase_x_part = estimator_motion_phase_x;
-            estimator_motion_phase_y_part = estimator_motion_phase_y;
-            estimator_motion_yaw_part = estimator_motion_yaw;
+            tracked_2_motion_phase_x = estimator_motion_phase_x;
+            tracked_2_motion_phase_y = estimator_motion_phase_y;
+            tracked_2_motion_yaw = estimator_motion_yaw;
         }
-        float estimator_excluded_part = 0.0f;
-        if (!(protection_phase_x_part_5 <= 0.06207841f)) {
-            const float estimator_excluded_part_2 = hall_position_four_min(protection_phase_x_part_10,
-                protection_phase_x_part_13);
-            if (protection_phase_x_part_6 < hall_position_four_min(protection_phase_x_part_8,
-                    estimator_excluded_part_2)) {
-                estimator_excluded_part = 4.0f;
+        float best = 0.0f;
+        if (!(full_cost <= 0.06207841f)) {
+            const float costs_2_min_costs_1 = hall_position_four_min(costs_2, costs_1);
+            if (costs_4 < hall_position_four_min(costs_3, costs_2_min_costs_1)) {
+                best = 4.0f;
             } else {
-                estimator_excluded_part = (protection_phase_x_part_8 < estimator_excluded_part_2) ? 3.0f :
-                    ((protection_phase_x_part_10 < protection_phase_x_part_13) ? 2.0f : 1.0f);
+                best = (costs_3 < costs_2_min_costs_1) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
             }
         }
-        state->estimator_excluded = (uint32_t)hall_position_four_max(estimator_excluded_part, 0.0f);
+        state->estimator_excluded = (uint32_t)hall_position_four_max(best, 0.0f);
         state->estimator_start_number = 24u;
         state->estimator_candidates = 0u;
         const uint32_t estimator_missed_part = estimator_missed + 1u;
-        state->estimator_missed = (uint32_t)((estimator_phase_x_test && phases_valid_test_3) ? 0.0f :
+        state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
             hall_position_four_min((float)estimator_missed_part, 8.0f));
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
-        const bool estimator_phase_x_test_2 = converged || (3u <= estimator_age);
-        const bool estimator_phase_x_test_3 = estimator_phase_x_test_2 && (23u <= estimator_start_number);
+        const bool ends = converged || (3u <= estimator_age);
+        const bool last = ends && (23u <= estimator_start_number);
         const uint32_t estimator_candidates = state->estimator_candidates;
-        const bool estimator_phase_x_test_4 = converged && estimator_phase_x_test;
+        const bool solves = converged && accepted;
         const bool first = estimator_candidates == 0u;
         const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
-        const float estimator_phase_x_part = fabsf(phase_x - estimator_candidate_phase_x);
+        const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
         const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
-        const float estimator_phase_x_part_2 = fabsf(phase_y - estimator_candidate_phase_y);
+        const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
         const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-        const float estimator_phase_x_part_3 = 2.0f - ((first || ((hall_position_four_min(estimator_phase_x_part,
-            fabsf(estimator_phase_x_part - two_pi)) <= 0.15f) && (hall_position_four_min(estimator_phase_x_part_2,
-            fabsf(estimator_phase_x_part_2 - two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ?
-            1.0f : 0.0f);
-        const float estimator_phase_x_part_4 = hall_position_four_max((float)estimator_candidates,
-            (estimator_phase_x_test_4 ? 1.0f : 0.0f) * estimator_phase_x_part_3);
-        const bool estimator_phase_x_test_5 = estimator_phase_x_test_3 &&
-            hall_position_four_equal(estimator_phase_x_part_4, 1.0f);
-        float estimator_phase_x_part_5 = phase_x;
-        float estimator_phase_y_part = phase_y;
-        float estimator_candidate_yaw_next = yaw;
-        float estimator_amplitude_part = amplitude;
-        if (first && estimator_phase_x_test_4) {
+        const float estimator_phase_x_part = 2.0f - ((first || ((hall_position_four_min(apart_phase_x,
+            fabsf(apart_phase_x - two_pi)) <= 0.15f) && (hall_position_four_min(apart_phase_y, fabsf(apart_phase_y -
+            two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
+        const float count_estimator_phase_x = hall_position_four_max((float)estimator_candidates,
+            (solves ? 1.0f : 0.0f) * estimator_phase_x_part);
+        const bool unique = last && hall_position_four_equal(count_estimator_phase_x, 1.0f);
+        float candidate_phase_x = phase_x;
+        float candidate_phase_y = phase_y;
+        float candidate_yaw = yaw;
+        float candidate_amplitude = amplitude;
+        if (first && solves) {
             state->estimator_candidate_phase_x = phase_x;
             state->estimator_candidate_phase_y = phase_y;
             state->estimator_candidate_yaw = yaw;
             state->estimator_candidate_amplitude = amplitude;
         } else {
-            estimator_phase_x_part_5 = estimator_candidate_phase_x;
-            estimator_phase_y_part = estimator_candidate_phase_y;
-            estimator_candidate_yaw_next = estimator_candidate_yaw;
-            estimator_amplitude_part = state->estimator_candidate_amplitude;
+            candidate_phase_x = estimator_candidate_phase_x;
+            candidate_phase_y = estimator_candidate_phase_y;
+            candidate_yaw = estimator_candidate_yaw;
+            candidate_amplitude = state->estimator_candidate_amplitude;
         }
-        float estimator_phase_x_part_6 = phase_x;
-        float estimator_phase_y_part_2 = phase_y;
+        float estimator_phase_x_part_2 = phase_x;
+        float estimator_phase_y_part = phase_y;
         float estimator_yaw_part = yaw;
-        float estimator_amplitude_part_2 = 1.0f;
-        if (estimator_phase_x_test_2) {
-            const float estimator_phase_x_part_7 = state->estimator_begin_phase_x + 5.1470127f;
-            if (pi < estimator_phase_x_part_7) {
-                const float estimator_phase_x_part_8 = estimator_phase_x_part_7 - two_pi;
-                estimator_phase_x_part_6 = estimator_phase_x_part_8;
-                state->estimator_begin_phase_x = estimator_phase_x_part_8;
+        float estimator_amplitude_part = 1.0f;
+        if (ends) {
+            const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
+            if (pi < estimator_phase_x_part_3) {
+                const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
+                estimator_phase_x_part_2 = estimator_phase_x_part_4;
+                state->estimator_begin_phase_x = estimator_phase_x_part_4;
             } else {
-                estimator_phase_x_part_6 = estimator_phase_x_part_7;
-                state->estimator_begin_phase_x = estimator_phase_x_part_7;
+                estimator_phase_x_part_2 = estimator_phase_x_part_3;
+                state->estimator_begin_phase_x = estimator_phase_x_part_3;
             }
-            const float estimator_phase_y_part_3 = state->estimator_begin_phase_y + 4.2162914f;
-            if (pi < estimator_phase_y_part_3) {
-                const float estimator_phase_y_part_4 = estimator_phase_y_part_3 - two_pi;
-                estimator_phase_y_part_2 = estimator_phase_y_part_4;
-                state->estimator_begin_phase_y = estimator_phase_y_part_4;
-            } else {
-                estimator_phase_y_part_2 = estimator_phase_y_part_3;
+            const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
+            if (pi < estimator_phase_y_part_2) {
+                const float estimator_phase_y_part_3 = estimator_phase_y_part_2 - two_pi;
+                estimator_phase_y_part = estimator_phase_y_part_3;
                 state->estimator_begin_phase_y = estimator_phase_y_part_3;
+            } else {
+                estimator_phase_y_part = estimator_phase_y_part_2;
+                state->estimator_begin_phase_y = estimator_phase_y_part_2;
             }
             const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
             if (0.20943952f < estimator_yaw_part_2) {
@@ -1606,38 +1597,35 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             }
             state->estimator_age = 0u;
         } else {
-            estimator_amplitude_part_2 = amplitude;
+            estimator_amplitude_part = amplitude;
             const uint32_t estimator_age_part = estimator_age + 1u;
             state->estimator_age = (uint32_t)hall_position_four_min((float)estimator_age_part, 3.0f);
         }
-        if (estimator_phase_x_test_5) {
-            state->estimator_phase_x = estimator_phase_x_part_5;
-            state->estimator_phase_y = estimator_phase_y_part;
-            state->estimator_yaw = estimator_candidate_yaw_next;
-            state->estimator_amplitude = estimator_amplitude_part;
+        if (unique) {
+            state->estimator_phase_x = candidate_phase_x;
+            state->estimator_phase_y = candidate_phase_y;
+            state->estimator_yaw = candidate_yaw;
+            state->estimator_amplitude = candidate_amplitude;
         } else {
-            state->estimator_phase_x = estimator_phase_x_part_6;
-            state->estimator_phase_y = estimator_phase_y_part_2;
+            state->estimator_phase_x = estimator_phase_x_part_2;
+            state->estimator_phase_y = estimator_phase_y_part;
             state->estimator_yaw = estimator_yaw_part;
-            state->estimator_amplitude = estimator_amplitude_part_2;
+            state->estimator_amplitude = estimator_amplitude_part;
         }
         state->estimator_excluded = 0u;
-        if (estimator_phase_x_test_3) {
-            const float estimator_start_number_part = 24.0f * (estimator_phase_x_test_5 ? 1.0f : 0.0f);
-            state->estimator_start_number = (uint32_t)estimator_start_number_part;
+        if (last) {
+            const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
+            state->estimator_start_number = (uint32_t)unique_scaled;
         } else {
-            const uint32_t estimator_start_number_part_2 = estimator_start_number +
-                hall_position_four_flag(estimator_phase_x_test_2);
-            state->estimator_start_number = (uint32_t)hall_position_four_min((float)estimator_start_number_part_2,
-                23.0f);
+            const uint32_t estimator_start_number_part = estimator_start_number + hall_position_four_flag(ends);
+            state->estimator_start_number = (uint32_t)hall_position_four_min((float)estimator_start_number_part, 23.0f);
         }
-        state->estimator_candidates = (uint32_t)((!estimator_phase_x_test_3 || estimator_phase_x_test_5) ?
-            estimator_phase_x_part_4 : 0.0f);
+        state->estimator_candidates = (uint32_t)((!last || unique) ? count_estimator_phase_x : 0.0f);
         state->estimator_missed = 0u;
     }
-    state->estimator_motion_phase_x = hall_position_four_limit(estimator_motion_phase_x_part, 0.5f);
-    state->estimator_motion_phase_y = hall_position_four_limit(estimator_motion_phase_y_part, 0.5f);
-    state->estimator_motion_yaw = hall_position_four_limit(estimator_motion_yaw_part, 0.1f);
+    state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, 0.5f);
+    state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, 0.1f);
     out->lost = lost ? 1.0f : 0.0f;
 
     /* metres
@@ -1657,11 +1645,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->protection_X = protection_X;
     const float protection_Y = 0.008085071f * protection_phase_y;
     out->protection_Y = protection_Y;
-    const bool valid = phases_valid && (fabsf(metres_pitch_x_next) <= 8.0f) && (fabsf(metres_pitch_y_next) <= 8.0f);
+    const bool valid = phases_valid && (fabsf(count_x) <= 8.0f) && (fabsf(count_y) <= 8.0f);
     state->metres_last_x = phase_x;
     state->metres_last_y = phase_y;
-    state->metres_pitch_x = metres_pitch_x_next;
-    state->metres_pitch_y = metres_pitch_y_next;
+    state->metres_pitch_x = count_x;
+    state->metres_pitch_y = count_y;
     state->metres_counting = hall_position_four_flag(tracking);
     out->valid = valid ? 1.0f : 0.0f;
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)

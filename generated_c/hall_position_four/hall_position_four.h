@@ -1,7 +1,7 @@
 /* hall_position_four: one step every 0.00125 s, float. Generated: do not edit.
  *
  * Call hall_position_four_init once, then hall_position_four_step once every 0.00125 s with the inputs of that sample,
- * and write its outputs to the hardware. Nothing else may change the state.
+ * and use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
@@ -13,8 +13,8 @@
  * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
  * sensor. A lost track needs init.
  *
- * The gains were computed for the numbers of the plant in hall_position_four.c: for another mass or geometry, generate
- * the files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in hall_position_four.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With HALL_POSITION_FOUR_DIAGNOSTICS defined, for the .c as well, hall_position_four_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -142,8 +142,8 @@ void hall_position_four_init(hall_position_four_state_t *state);
 uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out);
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
 typedef struct {
     float rejected;                     /* 1: number of the group of channels that is refused or frozen */
     float screened;                     /* 1: no group of channels is faulty, or a single one, which is rejected */
@@ -161,8 +161,8 @@ typedef struct {
 } hall_position_four_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out,
-    hall_position_four_diagnostics_t *diagnostics);
+uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out, hall_position_four_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -214,8 +214,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
 }
 
 uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out,
-    hall_position_three_diagnostics_t *diagnostics)
+    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
 #else
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
@@ -288,10 +287,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_ax_part_sine = hall_position_three_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (s_ax_part_sine * s_ax_part_sine));
-    const float heading_sine = hall_position_three_limit(s_ax_part_sine * (1.0f - (0.125f * (yaw_part_sine *
-        yaw_part_sine))), 1.0f);
+    const float s_yaw = hall_position_three_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
+    const float heading_sine = hall_position_three_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))),
+        1.0f);
     const float heading_sine_scaled = 1.5833627f * heading_sine;
     const float limited_ax = hall_position_three_limit(prediction_phase_x - (1.5812683f * heading_cosine) -
         heading_sine_scaled, 5.8793254f);
@@ -300,11 +299,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = hall_position_three_limit(8.0f * (f3_times_ax_part_cosine * (1.0f - (0.03125f *
-        (ax_part_sine * ax_part_sine)))), 2.002f);
-    const float sines_2_ax_part_full = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = hall_position_three_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax_part_full *
-        sines_2_ax_part_full))), 1.001f);
+    const float ax_part_doubled = hall_position_three_limit(8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine)))), 2.002f);
+    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float ax_part_full = hall_position_three_limit(ax_part_doubled * (1.0f -
+        (0.125f * (sines_2_ax * sines_2_ax))), 1.001f);
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float heading_cosine_scaled = 1.5833627f * heading_cosine;
@@ -316,11 +315,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = hall_position_three_limit(8.0f * (f3_2_times_ay_part_cosine * (1.0f - (0.03125f *
-        (ay_part_sine * ay_part_sine)))), 2.002f);
-    const float sines_2_ay_part_full = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = hall_position_three_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay_part_full *
-        sines_2_ay_part_full))), 1.001f);
+    const float ay_part_doubled = hall_position_three_limit(8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine)))), 2.002f);
+    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float ay_part_full = hall_position_three_limit(ay_part_doubled * (1.0f -
+        (0.125f * (sines_2_ay * sines_2_ay))), 1.001f);
     const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
     const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
         heading_sine_scaled_3, 3.7601066f);
@@ -329,8 +328,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float bx_part_sine = 4.0f * f5;
     const float bx_part_cosine = bx_part_cosine_polynomial(f5_argument);
     const float bx_part_doubled = hall_position_three_limit(4.0f * (f5 * bx_part_cosine), 2.002f);
-    const float bx_part_full = hall_position_three_limit(bx_part_doubled * (1.0f - (0.125f * (bx_part_sine *
-        bx_part_sine))), 1.001f);
+    const float bx_part_full = hall_position_three_limit(bx_part_doubled * (1.0f -
+        (0.125f * (bx_part_sine * bx_part_sine))), 1.001f);
     const float heading_cosine_scaled_2 = 0.08168141f * heading_cosine;
     const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
     const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
@@ -340,8 +339,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_part_sine = 4.0f * f5_2;
     const float by_part_cosine = bx_part_cosine_polynomial(f5_argument_2);
     const float by_part_doubled = hall_position_three_limit(4.0f * (f5_2 * by_part_cosine), 2.002f);
-    const float by_part_full = hall_position_three_limit(by_part_doubled * (1.0f - (0.125f * (by_part_sine *
-        by_part_sine))), 1.001f);
+    const float by_part_full = hall_position_three_limit(by_part_doubled * (1.0f -
+        (0.125f * (by_part_sine * by_part_sine))), 1.001f);
     const float heading_cosine_scaled_3 = 1.6671385f * heading_cosine;
     const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
     const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
@@ -351,11 +350,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cx_part_sine = 8.0f * f7;
     const float cx_part_cosine = cx_part_cosine_polynomial(f7_argument);
     const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
-    const float cx_part_doubled = hall_position_three_limit(8.0f * (f7_times_cx_part_cosine * (1.0f - (0.03125f *
-        (cx_part_sine * cx_part_sine)))), 2.002f);
-    const float sines_2_cx_part_full = 8.0f * f7_times_cx_part_cosine;
-    const float cx_part_full = hall_position_three_limit(cx_part_doubled * (1.0f - (0.125f * (sines_2_cx_part_full *
-        sines_2_cx_part_full))), 1.001f);
+    const float cx_part_doubled = hall_position_three_limit(8.0f *
+        (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine)))), 2.002f);
+    const float sines_2_cx = 8.0f * f7_times_cx_part_cosine;
+    const float cx_part_full = hall_position_three_limit(cx_part_doubled * (1.0f -
+        (0.125f * (sines_2_cx * sines_2_cx))), 1.001f);
     const float heading_cosine_scaled_4 = 1.6650441f * heading_cosine;
     const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
     const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
@@ -365,120 +364,120 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cy_part_sine = 8.0f * f7_2;
     const float cy_part_cosine = cx_part_cosine_polynomial(f7_argument_2);
     const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
-    const float cy_part_doubled = hall_position_three_limit(8.0f * (f7_2_times_cy_part_cosine * (1.0f - (0.03125f *
-        (cy_part_sine * cy_part_sine)))), 2.002f);
-    const float sines_2_cy_part_full = 8.0f * f7_2_times_cy_part_cosine;
-    const float cy_part_full = hall_position_three_limit(cy_part_doubled * (1.0f - (0.125f * (sines_2_cy_part_full *
-        sines_2_cy_part_full))), 1.001f);
+    const float cy_part_doubled = hall_position_three_limit(8.0f *
+        (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine)))), 2.002f);
+    const float sines_2_cy = 8.0f * f7_2_times_cy_part_cosine;
+    const float cy_part_full = hall_position_three_limit(cy_part_doubled * (1.0f -
+        (0.125f * (sines_2_cy * sines_2_cy))), 1.001f);
     const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
     const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
     const float freedom = (excluded_1 || excluded_2 || excluded_3) ? 1.0f : 3.0f;
-    const float start_cosine_converged = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
-    const float constants_4 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
-    const float converged_part = constants_4 * estimator_field_1;
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float used_1 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
+    const float converged_part = used_1 * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float converged_part_2 = constants_4 * estimator_field_3;
+    const float converged_part_2 = used_1 * estimator_field_3;
     const float converged_part_2_scaled = 3.0f * converged_part_2;
-    const float converged_part_3 = constants_4 * estimator_field_5;
+    const float converged_part_3 = used_1 * estimator_field_5;
     const float converged_part_4 = ax_part_full_squared * converged_part_3;
-    const float rows_1_1_converged = start_cosine_converged * (converged_part + (ax_part_full_squared *
-        (converged_part_2_scaled + (5.0f * converged_part_4))));
+    const float rows_1_1_converged = start_cosine_ax * (converged_part +
+        (ax_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_4))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float converged_part_5 = ay_part_full_squared * converged_part_3;
-    const float converged_part_6 = ay_part_full * (converged_part + (ay_part_full_squared * (converged_part_2 +
-        converged_part_5)));
+    const float converged_part_6 = ay_part_full * (converged_part +
+        (ay_part_full_squared * (converged_part_2 + converged_part_5)));
     const float rows_1_3_converged = (rows_1_1_converged * (heading_sine_scaled_2 - heading_cosine_scaled)) +
         converged_part_6;
-    const float measured_1 = constants_4 * V_ax_held;
-    const float measured_2 = constants_4 * V_ay_held;
-    const float converged_part_7 = ax_part_full * (converged_part + (ax_part_full_squared * (converged_part_2 +
-        converged_part_4)));
+    const float measured_1 = used_1 * V_ax_held;
+    const float measured_2 = used_1 * V_ay_held;
+    const float converged_part_7 = ax_part_full * (converged_part +
+        (ax_part_full_squared * (converged_part_2 + converged_part_4)));
     const float residuals_1_converged = (heading_cosine * measured_1) - (heading_sine * measured_2) - converged_part_7;
-    const float start_cosine_converged_2 = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2_converged = start_cosine_converged_2 * (converged_part + (ay_part_full_squared *
-        (converged_part_2_scaled + (5.0f * converged_part_5))));
-    const float converged_part_8 = converged_part_7 - (rows_2_2_converged * ((-1.5812683f * heading_cosine) -
-        heading_sine_scaled));
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2_converged = start_cosine_ay * (converged_part +
+        (ay_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_5))));
+    const float converged_part_8 = converged_part_7 -
+        (rows_2_2_converged * ((-1.5812683f * heading_cosine) - heading_sine_scaled));
     const float residuals_2_converged = (heading_cosine * measured_2) + (heading_sine * measured_1) - converged_part_6;
-    const float start_cosine_converged_3 = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
-    const float constants_5 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float converged_part_9 = constants_5 * estimator_field_1;
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float used_2 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
+    const float converged_part_9 = used_2 * estimator_field_1;
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_part_10 = constants_5 * estimator_field_3;
+    const float converged_part_10 = used_2 * estimator_field_3;
     const float converged_part_10_scaled = 3.0f * converged_part_10;
-    const float converged_part_11 = constants_5 * estimator_field_5;
+    const float converged_part_11 = used_2 * estimator_field_5;
     const float converged_part_12 = bx_part_full_squared * converged_part_11;
-    const float rows_3_1_converged = start_cosine_converged_3 * (converged_part_9 + (bx_part_full_squared *
-        (converged_part_10_scaled + (5.0f * converged_part_12))));
+    const float rows_3_1_converged = start_cosine_bx * (converged_part_9 +
+        (bx_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_12))));
     const float by_part_full_squared = by_part_full * by_part_full;
     const float converged_part_13 = by_part_full_squared * converged_part_11;
-    const float converged_part_14 = by_part_full * (converged_part_9 + (by_part_full_squared * (converged_part_10 +
-        converged_part_13)));
+    const float converged_part_14 = by_part_full * (converged_part_9 +
+        (by_part_full_squared * (converged_part_10 + converged_part_13)));
     const float rows_3_3_converged = (rows_3_1_converged * (heading_sine_scaled_4 - heading_cosine_scaled_2)) +
         converged_part_14;
-    const float measured_3 = constants_5 * V_bx_held;
-    const float measured_4 = constants_5 * V_by_held;
-    const float converged_part_15 = bx_part_full * (converged_part_9 + (bx_part_full_squared * (converged_part_10 +
-        converged_part_12)));
+    const float measured_3 = used_2 * V_bx_held;
+    const float measured_4 = used_2 * V_by_held;
+    const float converged_part_15 = bx_part_full * (converged_part_9 +
+        (bx_part_full_squared * (converged_part_10 + converged_part_12)));
     const float residuals_3_converged = (heading_cosine * measured_3) - (heading_sine * measured_4) - converged_part_15;
-    const float start_cosine_converged_4 = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2_converged = start_cosine_converged_4 * (converged_part_9 + (by_part_full_squared *
-        (converged_part_10_scaled + (5.0f * converged_part_13))));
-    const float converged_part_16 = converged_part_15 - (rows_4_2_converged * ((-0.0858702f * heading_cosine) -
-        heading_sine_scaled_3));
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2_converged = start_cosine_by * (converged_part_9 +
+        (by_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_13))));
+    const float converged_part_16 = converged_part_15 -
+        (rows_4_2_converged * ((-0.0858702f * heading_cosine) - heading_sine_scaled_3));
     const float residuals_4_converged = (heading_cosine * measured_4) + (heading_sine * measured_3) - converged_part_14;
-    const float start_cosine_converged_5 = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
-    const float constants_6 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float converged_part_17 = constants_6 * estimator_field_1;
+    const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
+    const float used_3 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
+    const float converged_part_17 = used_3 * estimator_field_1;
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float converged_part_18 = constants_6 * estimator_field_3;
+    const float converged_part_18 = used_3 * estimator_field_3;
     const float converged_part_18_scaled = 3.0f * converged_part_18;
-    const float converged_part_19 = constants_6 * estimator_field_5;
+    const float converged_part_19 = used_3 * estimator_field_5;
     const float converged_part_20 = cx_part_full_squared * converged_part_19;
-    const float rows_5_1_converged = start_cosine_converged_5 * (converged_part_17 + (cx_part_full_squared *
-        (converged_part_18_scaled + (5.0f * converged_part_20))));
+    const float rows_5_1_converged = start_cosine_cx * (converged_part_17 +
+        (cx_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_20))));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float converged_part_21 = cy_part_full_squared * converged_part_19;
-    const float converged_part_22 = cy_part_full * (converged_part_17 + (cy_part_full_squared * (converged_part_18 +
-        converged_part_21)));
+    const float converged_part_22 = cy_part_full * (converged_part_17 +
+        (cy_part_full_squared * (converged_part_18 + converged_part_21)));
     const float rows_5_3_converged = (rows_5_1_converged * (heading_cosine_scaled_4 - heading_sine_scaled_6)) +
         converged_part_22;
-    const float measured_5 = constants_6 * V_cx_held;
-    const float measured_6 = constants_6 * V_cy_held;
-    const float converged_part_23 = cx_part_full * (converged_part_17 + (cx_part_full_squared * (converged_part_18 +
-        converged_part_20)));
+    const float measured_5 = used_3 * V_cx_held;
+    const float measured_6 = used_3 * V_cy_held;
+    const float converged_part_23 = cx_part_full * (converged_part_17 +
+        (cx_part_full_squared * (converged_part_18 + converged_part_20)));
     const float residuals_5_converged = (heading_cosine * measured_5) - (heading_sine * measured_6) - converged_part_23;
-    const float start_cosine_converged_6 = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
-    const float rows_6_2_converged = start_cosine_converged_6 * (converged_part_17 + (cy_part_full_squared *
-        (converged_part_18_scaled + (5.0f * converged_part_21))));
-    const float converged_part_24 = converged_part_23 - (rows_6_2_converged * (heading_cosine_scaled_3 +
-        heading_sine_scaled_5));
+    const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float rows_6_2_converged = start_cosine_cy * (converged_part_17 +
+        (cy_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_21))));
+    const float converged_part_24 = converged_part_23 -
+        (rows_6_2_converged * (heading_cosine_scaled_3 + heading_sine_scaled_5));
     const float residuals_6_converged = (heading_cosine * measured_6) + (heading_sine * measured_5) - converged_part_22;
-    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) + (rows_3_3_converged *
-        rows_3_1_converged) + (rows_5_3_converged * rows_5_1_converged);
-    const float converged_part_25 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged *
-        rows_3_1_converged) + (rows_5_1_converged * rows_5_1_converged) + 0.00992376f);
+    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
+        (rows_3_3_converged * rows_3_1_converged) + (rows_5_3_converged * rows_5_1_converged);
+    const float converged_part_25 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) +
+        (rows_3_1_converged * rows_3_1_converged) + (rows_5_1_converged * rows_5_1_converged) + 0.00992376f);
     const float row_1_converged = hall_position_three_limit(left_3_1_converged * converged_part_25, 4693.3496f);
-    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) + (rows_3_1_converged *
-        residuals_3_converged) + (rows_5_1_converged * residuals_5_converged);
+    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
+        (rows_3_1_converged * residuals_3_converged) + (rows_5_1_converged * residuals_5_converged);
     const float converged_part_26 = (converged_part_8 * rows_2_2_converged) + (converged_part_16 * rows_4_2_converged) +
         (converged_part_24 * rows_6_2_converged);
-    const float converged_part_27 = 1.0f / ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged *
-        rows_4_2_converged) + (rows_6_2_converged * rows_6_2_converged) + 0.00992376f);
+    const float converged_part_27 = 1.0f / ((rows_2_2_converged * rows_2_2_converged) +
+        (rows_4_2_converged * rows_4_2_converged) + (rows_6_2_converged * rows_6_2_converged) + 0.00992376f);
     const float row_2_converged = hall_position_three_limit(-(converged_part_26 * converged_part_27), 4693.3496f);
-    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) + (rows_4_2_converged *
-        residuals_4_converged) + (rows_6_2_converged * residuals_6_converged);
+    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
+        (rows_4_2_converged * residuals_4_converged) + (rows_6_2_converged * residuals_6_converged);
     const float converged_part_28 = hall_position_three_max((rows_1_3_converged * rows_1_3_converged) +
         (converged_part_8 * converged_part_8) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_16 *
         converged_part_16) + (rows_5_3_converged * rows_5_3_converged) + (converged_part_24 * converged_part_24) +
         0.87438375f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_26), 0.87438375f);
     const float then_3_converged = hall_position_three_limit(((rows_1_3_converged * residuals_1_converged) -
-        (converged_part_8 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) - (converged_part_16 *
-        residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) - (converged_part_24 *
-        residuals_6_converged) - (row_1_converged * gradient_1_converged) - (row_2_converged * gradient_2_converged)) /
-        converged_part_28, 0.14022085f);
+        (converged_part_8 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (converged_part_16 * residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) -
+        (converged_part_24 * residuals_6_converged) - (row_1_converged * gradient_1_converged) -
+        (row_2_converged * gradient_2_converged)) / converged_part_28, 0.14022085f);
     const float half_converged = root_2 * sinf(0.5f * then_3_converged);
     const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
@@ -491,93 +490,92 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (row_1_converged * then_3_converged), 0.5f);
     const float limited_3_cosine_converged = hall_position_three_limit(-converged_part_29, 0.14022085f);
     const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
-    const float by_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) - (1.5833627f *
-        limited_3_sine_converged);
-    const float f10_argument = by_converged * by_converged;
-    const float by_cosine_converged = f10_polynomial(f10_argument);
-    const float by_sine_converged = by_converged * f11_polynomial(f10_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_converged) + (start_cosine_converged *
-        by_sine_converged);
+    const float by_ax_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) -
+        (1.5833627f * limited_3_sine_converged);
+    const float f10_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f10_polynomial(f10_argument);
+    const float by_sine_ax_converged = by_ax_converged * f11_polynomial(f10_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
+        (start_cosine_ax * by_sine_ax_converged);
     const float converged_part_30 = phasors_1_sine_converged * phasors_1_sine_converged;
     const float converged_part_31 = converged_part_30 * converged_part_3;
-    const float converged_part_32 = phasors_1_sine_converged * (converged_part + (converged_part_30 * (converged_part_2
-        + converged_part_31)));
-    const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) - (turns_3_sine_converged *
-        measured_2) - converged_part_32;
+    const float converged_part_32 = phasors_1_sine_converged * (converged_part +
+        (converged_part_30 * (converged_part_2 + converged_part_31)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) -
+        (turns_3_sine_converged * measured_2) - converged_part_32;
     const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
         (row_2_converged * then_3_converged), 0.5f);
-    const float by_converged_2 = then_2_converged + (1.5833627f * limited_3_cosine_converged) - (1.5812683f *
-        limited_3_sine_converged);
-    const float f10_argument_2 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f10_polynomial(f10_argument_2);
-    const float by_sine_converged_2 = by_converged_2 * f11_polynomial(f10_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_converged_2) + (start_cosine_converged_2 *
-        by_sine_converged_2);
+    const float by_ay_converged = then_2_converged + (1.5833627f * limited_3_cosine_converged) -
+        (1.5812683f * limited_3_sine_converged);
+    const float f10_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f10_polynomial(f10_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f11_polynomial(f10_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
+        (start_cosine_ay * by_sine_ay_converged);
     const float converged_part_33 = phasors_2_sine_converged * phasors_2_sine_converged;
     const float converged_part_34 = converged_part_33 * converged_part_3;
-    const float converged_part_35 = phasors_2_sine_converged * (converged_part + (converged_part_33 * (converged_part_2
-        + converged_part_34)));
-    const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) + (turns_3_sine_converged *
-        measured_1) - converged_part_35;
-    const float by_converged_3 = then_1_converged - (0.0858702f * limited_3_cosine_converged) - (0.08168141f *
-        limited_3_sine_converged);
-    const float f12_argument = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f12_polynomial(f12_argument);
-    const float by_sine_converged_3 = by_converged_3 * f13_polynomial(f12_argument);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_converged_3) + (start_cosine_converged_3 *
-        by_sine_converged_3);
+    const float converged_part_35 = phasors_2_sine_converged * (converged_part +
+        (converged_part_33 * (converged_part_2 + converged_part_34)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) +
+        (turns_3_sine_converged * measured_1) - converged_part_35;
+    const float by_bx_converged = then_1_converged - (0.0858702f * limited_3_cosine_converged) -
+        (0.08168141f * limited_3_sine_converged);
+    const float f12_argument = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f12_polynomial(f12_argument);
+    const float by_sine_bx_converged = by_bx_converged * f13_polynomial(f12_argument);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
+        (start_cosine_bx * by_sine_bx_converged);
     const float converged_part_36 = phasors_3_sine_converged * phasors_3_sine_converged;
     const float converged_part_37 = converged_part_36 * converged_part_11;
-    const float converged_part_38 = phasors_3_sine_converged * (converged_part_9 + (converged_part_36 *
-        (converged_part_10 + converged_part_37)));
-    const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) - (turns_3_sine_converged *
-        measured_4) - converged_part_38;
-    const float by_converged_4 = then_2_converged + (0.08168141f * limited_3_cosine_converged) - (0.0858702f *
-        limited_3_sine_converged);
-    const float f12_argument_2 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f12_polynomial(f12_argument_2);
-    const float by_sine_converged_4 = by_converged_4 * f13_polynomial(f12_argument_2);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged_4) + (start_cosine_converged_4 *
-        by_sine_converged_4);
+    const float converged_part_38 = phasors_3_sine_converged * (converged_part_9 +
+        (converged_part_36 * (converged_part_10 + converged_part_37)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) -
+        (turns_3_sine_converged * measured_4) - converged_part_38;
+    const float by_converged = then_2_converged + (0.08168141f * limited_3_cosine_converged) -
+        (0.0858702f * limited_3_sine_converged);
+    const float f12_argument_2 = by_converged * by_converged;
+    const float by_cosine_converged = f12_polynomial(f12_argument_2);
+    const float by_sine_converged = by_converged * f13_polynomial(f12_argument_2);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_part_39 = phasors_4_sine_converged * phasors_4_sine_converged;
     const float converged_part_40 = converged_part_39 * converged_part_11;
-    const float converged_part_41 = phasors_4_sine_converged * (converged_part_9 + (converged_part_39 *
-        (converged_part_10 + converged_part_40)));
-    const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) + (turns_3_sine_converged *
-        measured_3) - converged_part_41;
-    const float by_converged_5 = then_1_converged + (1.6671385f * limited_3_cosine_converged) + (1.6650441f *
-        limited_3_sine_converged);
-    const float f14_argument = by_converged_5 * by_converged_5;
-    const float by_cosine_converged_5 = f14_polynomial(f14_argument);
-    const float by_sine_converged_5 = by_converged_5 * f15_polynomial(f14_argument);
-    const float phasors_5_sine_converged = (cx_part_full * by_cosine_converged_5) + (start_cosine_converged_5 *
-        by_sine_converged_5);
+    const float converged_part_41 = phasors_4_sine_converged * (converged_part_9 +
+        (converged_part_39 * (converged_part_10 + converged_part_40)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) +
+        (turns_3_sine_converged * measured_3) - converged_part_41;
+    const float by_cx_converged = then_1_converged + (1.6671385f * limited_3_cosine_converged) +
+        (1.6650441f * limited_3_sine_converged);
+    const float f14_argument = by_cx_converged * by_cx_converged;
+    const float by_cosine_cx_converged = f14_polynomial(f14_argument);
+    const float by_sine_cx_converged = by_cx_converged * f15_polynomial(f14_argument);
+    const float phasors_5_sine_converged = (cx_part_full * by_cosine_cx_converged) +
+        (start_cosine_cx * by_sine_cx_converged);
     const float converged_part_42 = phasors_5_sine_converged * phasors_5_sine_converged;
     const float converged_part_43 = converged_part_42 * converged_part_19;
-    const float converged_part_44 = phasors_5_sine_converged * (converged_part_17 + (converged_part_42 *
-        (converged_part_18 + converged_part_43)));
-    const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) - (turns_3_sine_converged *
-        measured_6) - converged_part_44;
-    const float by_converged_6 = then_2_converged - (1.6650441f * limited_3_cosine_converged) + (1.6671385f *
-        limited_3_sine_converged);
-    const float f14_argument_2 = by_converged_6 * by_converged_6;
-    const float by_cosine_converged_6 = f14_polynomial(f14_argument_2);
-    const float by_sine_converged_6 = by_converged_6 * f15_polynomial(f14_argument_2);
-    const float phasors_6_sine_converged = (cy_part_full * by_cosine_converged_6) + (start_cosine_converged_6 *
-        by_sine_converged_6);
+    const float converged_part_44 = phasors_5_sine_converged * (converged_part_17 +
+        (converged_part_42 * (converged_part_18 + converged_part_43)));
+    const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) -
+        (turns_3_sine_converged * measured_6) - converged_part_44;
+    const float by_cy_converged = then_2_converged - (1.6650441f * limited_3_cosine_converged) +
+        (1.6671385f * limited_3_sine_converged);
+    const float f14_argument_2 = by_cy_converged * by_cy_converged;
+    const float by_cosine_cy_converged = f14_polynomial(f14_argument_2);
+    const float by_sine_cy_converged = by_cy_converged * f15_polynomial(f14_argument_2);
+    const float phasors_6_sine_converged = (cy_part_full * by_cosine_cy_converged) +
+        (start_cosine_cy * by_sine_cy_converged);
     const float converged_part_45 = phasors_6_sine_converged * phasors_6_sine_converged;
     const float converged_part_46 = converged_part_45 * converged_part_19;
-    const float converged_part_47 = phasors_6_sine_converged * (converged_part_17 + (converged_part_45 *
-        (converged_part_18 + converged_part_46)));
-    const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) + (turns_3_sine_converged *
-        measured_5) - converged_part_47;
-    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
-        residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
-        residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) + (residuals_6_converged_2 *
-        residuals_6_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) + (0.00992376f *
-        (then_2_converged * then_2_converged)) + (0.87438375f * then_3_converged_squared));
-    const float squares_1 = (residuals_1_converged * residuals_1_converged) + (residuals_2_converged *
-        residuals_2_converged);
+    const float converged_part_47 = phasors_6_sine_converged * (converged_part_17 +
+        (converged_part_45 * (converged_part_18 + converged_part_46)));
+    const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) +
+        (turns_3_sine_converged * measured_5) - converged_part_47;
+    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
+        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
+        (residuals_4_converged_2 * residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) +
+        (residuals_6_converged_2 * residuals_6_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
+        (0.00992376f * (then_2_converged * then_2_converged)) + (0.87438375f * then_3_converged_squared));
+    const float squares_1 = (residuals_1_converged * residuals_1_converged) +
+        (residuals_2_converged * residuals_2_converged);
     const float terms_3_converged = residuals_3_converged * residuals_3_converged;
     const float terms_4_converged = residuals_4_converged * residuals_4_converged;
     const float terms_5_converged = residuals_5_converged * residuals_5_converged;
@@ -585,60 +583,59 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float squares_converged = squares_1 + terms_3_converged + terms_4_converged + terms_5_converged +
         terms_6_converged;
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
-    const float rows_1_1_converged_2 = ((start_cosine_converged * by_cosine_converged) - (ax_part_full *
-        by_sine_converged)) * (converged_part + (converged_part_30 * (converged_part_2_scaled + (5.0f *
-        converged_part_31))));
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) - (1.5833627f *
-        turns_3_cosine_converged))) + converged_part_35;
-    const float rows_2_2_converged_2 = ((start_cosine_converged_2 * by_cosine_converged_2) - (ay_part_full *
-        by_sine_converged_2)) * (converged_part + (converged_part_33 * (converged_part_2_scaled + (5.0f *
-        converged_part_34))));
-    const float converged_part_48 = converged_part_32 - (rows_2_2_converged_2 * ((-1.5812683f *
-        turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
-    const float rows_3_1_converged_2 = ((start_cosine_converged_3 * by_cosine_converged_3) - (bx_part_full *
-        by_sine_converged_3)) * (converged_part_9 + (converged_part_36 * (converged_part_10_scaled + (5.0f *
-        converged_part_37))));
-    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) - (0.08168141f *
-        turns_3_cosine_converged))) + converged_part_41;
-    const float rows_4_2_converged_2 = ((start_cosine_converged_4 * by_cosine_converged_4) - (by_part_full *
-        by_sine_converged_4)) * (converged_part_9 + (converged_part_39 * (converged_part_10_scaled + (5.0f *
-        converged_part_40))));
-    const float converged_part_49 = converged_part_38 - (rows_4_2_converged_2 * ((-0.0858702f *
-        turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
-    const float rows_5_1_converged_2 = ((start_cosine_converged_5 * by_cosine_converged_5) - (cx_part_full *
-        by_sine_converged_5)) * (converged_part_17 + (converged_part_42 * (converged_part_18_scaled + (5.0f *
-        converged_part_43))));
-    const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) - (1.6671385f *
-        turns_3_sine_converged))) + converged_part_47;
-    const float rows_6_2_converged_2 = ((start_cosine_converged_6 * by_cosine_converged_6) - (cy_part_full *
-        by_sine_converged_6)) * (converged_part_17 + (converged_part_45 * (converged_part_18_scaled + (5.0f *
-        converged_part_46))));
-    const float converged_part_50 = converged_part_44 - (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged)
-        + (1.6650441f * turns_3_sine_converged)));
-    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) + (rows_3_3_converged_2 *
-        rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
-    const float converged_part_51 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 *
-        rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
+    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
+        (ax_part_full * by_sine_ax_converged)) * (converged_part +
+        (converged_part_30 * (converged_part_2_scaled + (5.0f * converged_part_31))));
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) -
+        (1.5833627f * turns_3_cosine_converged))) + converged_part_35;
+    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
+        (ay_part_full * by_sine_ay_converged)) * (converged_part +
+        (converged_part_33 * (converged_part_2_scaled + (5.0f * converged_part_34))));
+    const float converged_part_48 = converged_part_32 -
+        (rows_2_2_converged_2 * ((-1.5812683f * turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
+    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
+        (bx_part_full * by_sine_bx_converged)) * (converged_part_9 +
+        (converged_part_36 * (converged_part_10_scaled + (5.0f * converged_part_37))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) -
+        (0.08168141f * turns_3_cosine_converged))) + converged_part_41;
+    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
+        (converged_part_9 + (converged_part_39 * (converged_part_10_scaled + (5.0f * converged_part_40))));
+    const float converged_part_49 = converged_part_38 -
+        (rows_4_2_converged_2 * ((-0.0858702f * turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
+    const float rows_5_1_converged_2 = ((start_cosine_cx * by_cosine_cx_converged) -
+        (cx_part_full * by_sine_cx_converged)) * (converged_part_17 +
+        (converged_part_42 * (converged_part_18_scaled + (5.0f * converged_part_43))));
+    const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) -
+        (1.6671385f * turns_3_sine_converged))) + converged_part_47;
+    const float rows_6_2_converged_2 = ((start_cosine_cy * by_cosine_cy_converged) -
+        (cy_part_full * by_sine_cy_converged)) * (converged_part_17 +
+        (converged_part_45 * (converged_part_18_scaled + (5.0f * converged_part_46))));
+    const float converged_part_50 = converged_part_44 -
+        (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged) + (1.6650441f * turns_3_sine_converged)));
+    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
+        (rows_3_3_converged_2 * rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
+    const float converged_part_51 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
+        (rows_3_1_converged_2 * rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
     const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_51, 4693.3496f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
         residuals_3_converged_2) + (rows_5_1_converged_2 * residuals_5_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_52 = (converged_part_48 * rows_2_2_converged_2) + (converged_part_49 *
-        rows_4_2_converged_2) + (converged_part_50 * rows_6_2_converged_2);
-    const float converged_part_53 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 *
-        rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
+    const float converged_part_52 = (converged_part_48 * rows_2_2_converged_2) +
+        (converged_part_49 * rows_4_2_converged_2) + (converged_part_50 * rows_6_2_converged_2);
+    const float converged_part_53 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
+        (rows_4_2_converged_2 * rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
     const float row_2_converged_2 = hall_position_three_limit(-(converged_part_52 * converged_part_53), 4693.3496f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
         residuals_4_converged_2) + (rows_6_2_converged_2 * residuals_6_converged_2) - (0.00992376f * then_2_converged);
-    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_48 *
-        residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_49 *
-        residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) - (converged_part_50 *
-        residuals_6_converged_2) - (0.87438375f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) -
-        (row_2_converged_2 * gradient_2_converged_2);
+    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) -
+        (converged_part_48 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
+        (converged_part_49 * residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) -
+        (converged_part_50 * residuals_6_converged_2) - (0.87438375f * then_3_converged) -
+        (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2);
     const float converged_part_54 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-        (converged_part_48 * converged_part_48) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_49 *
-        converged_part_49) + (rows_5_3_converged_2 * rows_5_3_converged_2) + (converged_part_50 * converged_part_50) +
-        0.87438375f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_52),
-        0.87438375f);
+        (converged_part_48 * converged_part_48) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+        (converged_part_49 * converged_part_49) + (rows_5_3_converged_2 * rows_5_3_converged_2) +
+        (converged_part_50 * converged_part_50) + 0.87438375f - (row_1_converged_2 * left_3_1_converged_2) +
+        (row_2_converged_2 * converged_part_52), 0.87438375f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
@@ -657,158 +654,158 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
     const float converged_part_56 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
     const float turns_3_cosine_converged_2 = heading_cosine - converged_part_56;
-    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) - (heading_sine *
-        half_converged_2_squared);
+    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
+        (heading_sine * half_converged_2_squared);
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
-    const float then_1_converged_2 = hall_position_three_limit((better_converged) ? (then_1_converged +
-        ((gradient_1_converged_2 * converged_part_51) - (row_1_converged_2 * moves_3_converged))) : (0.5f *
-        (then_1_converged + other_1_converged)), 0.5f);
+    const float then_1_converged_2 = hall_position_three_limit((better_converged) ?
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_51) - (row_1_converged_2 * moves_3_converged))) :
+        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
     const float limited_3_cosine_converged_2 = hall_position_three_limit(-converged_part_56, 0.14022085f);
     const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
-    const float by_converged_7 = hall_position_three_limit(then_1_converged_2 - (1.5812683f *
-        limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
-    const float f10_argument_3 = by_converged_7 * by_converged_7;
-    const float by_cosine_converged_7 = f10_polynomial(f10_argument_3);
-    const float by_sine_converged_7 = by_converged_7 * f11_polynomial(f10_argument_3);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_converged_7) + (start_cosine_converged *
-        by_sine_converged_7);
+    const float by_ax_converged_2 = hall_position_three_limit(then_1_converged_2 -
+        (1.5812683f * limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
+    const float f10_argument_3 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f10_polynomial(f10_argument_3);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f11_polynomial(f10_argument_3);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
+        (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_part_57 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
     const float converged_part_58 = converged_part_57 * converged_part_3;
-    const float converged_part_59 = phasors_1_sine_converged_2 * (converged_part + (converged_part_57 *
-        (converged_part_2 + converged_part_58)));
-    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) - (turns_3_sine_converged_2 *
-        measured_2) - converged_part_59;
-    const float then_2_converged_2 = hall_position_three_limit((better_converged) ? (then_2_converged +
-        ((gradient_2_converged_2 * converged_part_53) - (row_2_converged_2 * moves_3_converged))) : (0.5f *
-        (then_2_converged + other_2_converged)), 0.5f);
-    const float by_converged_8 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) - (1.5812683f *
-        limited_3_sine_converged_2);
-    const float f10_argument_4 = by_converged_8 * by_converged_8;
-    const float by_cosine_converged_8 = f10_polynomial(f10_argument_4);
-    const float by_sine_converged_8 = by_converged_8 * f11_polynomial(f10_argument_4);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_converged_8) + (start_cosine_converged_2 *
-        by_sine_converged_8);
+    const float converged_part_59 = phasors_1_sine_converged_2 * (converged_part +
+        (converged_part_57 * (converged_part_2 + converged_part_58)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) -
+        (turns_3_sine_converged_2 * measured_2) - converged_part_59;
+    const float then_2_converged_2 = hall_position_three_limit((better_converged) ?
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_53) - (row_2_converged_2 * moves_3_converged))) :
+        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
+    const float by_ay_converged_2 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) -
+        (1.5812683f * limited_3_sine_converged_2);
+    const float f10_argument_4 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f10_polynomial(f10_argument_4);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f11_polynomial(f10_argument_4);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
+        (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_part_60 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
     const float converged_part_61 = converged_part_60 * converged_part_3;
-    const float converged_part_62 = phasors_2_sine_converged_2 * (converged_part + (converged_part_60 *
-        (converged_part_2 + converged_part_61)));
-    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) + (turns_3_sine_converged_2 *
-        measured_1) - converged_part_62;
-    const float by_converged_9 = hall_position_three_limit(then_1_converged_2 - (0.0858702f *
-        limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
-    const float f12_argument_3 = by_converged_9 * by_converged_9;
-    const float by_cosine_converged_9 = f12_polynomial(f12_argument_3);
-    const float by_sine_converged_9 = by_converged_9 * f13_polynomial(f12_argument_3);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_converged_9) + (start_cosine_converged_3 *
-        by_sine_converged_9);
+    const float converged_part_62 = phasors_2_sine_converged_2 * (converged_part +
+        (converged_part_60 * (converged_part_2 + converged_part_61)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) +
+        (turns_3_sine_converged_2 * measured_1) - converged_part_62;
+    const float by_bx_converged_2 = hall_position_three_limit(then_1_converged_2 -
+        (0.0858702f * limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
+    const float f12_argument_3 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f12_polynomial(f12_argument_3);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f13_polynomial(f12_argument_3);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
+        (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_part_63 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
     const float converged_part_64 = converged_part_63 * converged_part_11;
-    const float converged_part_65 = phasors_3_sine_converged_2 * (converged_part_9 + (converged_part_63 *
-        (converged_part_10 + converged_part_64)));
-    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) - (turns_3_sine_converged_2 *
-        measured_4) - converged_part_65;
-    const float by_converged_10 = hall_position_three_limit(then_2_converged_2 + (0.08168141f *
-        limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
-    const float f12_argument_4 = by_converged_10 * by_converged_10;
-    const float by_cosine_converged_10 = f12_polynomial(f12_argument_4);
-    const float by_sine_converged_10 = by_converged_10 * f13_polynomial(f12_argument_4);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_10) + (start_cosine_converged_4 *
-        by_sine_converged_10);
+    const float converged_part_65 = phasors_3_sine_converged_2 * (converged_part_9 +
+        (converged_part_63 * (converged_part_10 + converged_part_64)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) -
+        (turns_3_sine_converged_2 * measured_4) - converged_part_65;
+    const float by_converged_2 = hall_position_three_limit(then_2_converged_2 +
+        (0.08168141f * limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
+    const float f12_argument_4 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f12_polynomial(f12_argument_4);
+    const float by_sine_converged_2 = by_converged_2 * f13_polynomial(f12_argument_4);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
+        (start_cosine_by * by_sine_converged_2);
     const float converged_part_66 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
     const float converged_part_67 = converged_part_66 * converged_part_11;
-    const float converged_part_68 = phasors_4_sine_converged_2 * (converged_part_9 + (converged_part_66 *
-        (converged_part_10 + converged_part_67)));
-    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) + (turns_3_sine_converged_2 *
-        measured_3) - converged_part_68;
-    const float by_converged_11 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) + (1.6650441f *
-        limited_3_sine_converged_2);
-    const float f16_argument = by_converged_11 * by_converged_11;
-    const float by_cosine_converged_11 = f16_polynomial(f16_argument);
-    const float by_sine_converged_11 = by_converged_11 * f17_polynomial(f16_argument);
-    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_converged_11) + (start_cosine_converged_5 *
-        by_sine_converged_11);
+    const float converged_part_68 = phasors_4_sine_converged_2 * (converged_part_9 +
+        (converged_part_66 * (converged_part_10 + converged_part_67)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) +
+        (turns_3_sine_converged_2 * measured_3) - converged_part_68;
+    const float by_cx_converged_2 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) +
+        (1.6650441f * limited_3_sine_converged_2);
+    const float f16_argument = by_cx_converged_2 * by_cx_converged_2;
+    const float by_cosine_cx_converged_2 = f16_polynomial(f16_argument);
+    const float by_sine_cx_converged_2 = by_cx_converged_2 * f17_polynomial(f16_argument);
+    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_cx_converged_2) +
+        (start_cosine_cx * by_sine_cx_converged_2);
     const float converged_part_69 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
     const float converged_part_70 = converged_part_69 * converged_part_19;
-    const float converged_part_71 = phasors_5_sine_converged_2 * (converged_part_17 + (converged_part_69 *
-        (converged_part_18 + converged_part_70)));
-    const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) - (turns_3_sine_converged_2 *
-        measured_6) - converged_part_71;
-    const float by_converged_12 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) + (1.6671385f *
-        limited_3_sine_converged_2);
-    const float f16_argument_2 = by_converged_12 * by_converged_12;
-    const float by_cosine_converged_12 = f16_polynomial(f16_argument_2);
-    const float by_sine_converged_12 = by_converged_12 * f17_polynomial(f16_argument_2);
-    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_converged_12) + (start_cosine_converged_6 *
-        by_sine_converged_12);
+    const float converged_part_71 = phasors_5_sine_converged_2 * (converged_part_17 +
+        (converged_part_69 * (converged_part_18 + converged_part_70)));
+    const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) -
+        (turns_3_sine_converged_2 * measured_6) - converged_part_71;
+    const float by_cy_converged_2 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) +
+        (1.6671385f * limited_3_sine_converged_2);
+    const float f16_argument_2 = by_cy_converged_2 * by_cy_converged_2;
+    const float by_cosine_cy_converged_2 = f16_polynomial(f16_argument_2);
+    const float by_sine_cy_converged_2 = by_cy_converged_2 * f17_polynomial(f16_argument_2);
+    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_cy_converged_2) +
+        (start_cosine_cy * by_sine_cy_converged_2);
     const float converged_part_72 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
     const float converged_part_73 = converged_part_72 * converged_part_19;
-    const float converged_part_74 = phasors_6_sine_converged_2 * (converged_part_17 + (converged_part_72 *
-        (converged_part_18 + converged_part_73)));
-    const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) + (turns_3_sine_converged_2 *
-        measured_5) - converged_part_74;
+    const float converged_part_74 = phasors_6_sine_converged_2 * (converged_part_17 +
+        (converged_part_72 * (converged_part_18 + converged_part_73)));
+    const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) +
+        (turns_3_sine_converged_2 * measured_5) - converged_part_74;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
-        residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) + (0.00992376f *
-        (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
+        residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
+        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
     const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_55) + 1e-08f);
-    const float rows_1_1_converged_3 = ((start_cosine_converged * by_cosine_converged_7) - (ax_part_full *
-        by_sine_converged_7)) * (converged_part + (converged_part_57 * (converged_part_2_scaled + (5.0f *
-        converged_part_58))));
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) - (1.5833627f *
-        turns_3_cosine_converged_2))) + converged_part_62;
-    const float rows_2_2_converged_3 = ((start_cosine_converged_2 * by_cosine_converged_8) - (ay_part_full *
-        by_sine_converged_8)) * (converged_part + (converged_part_60 * (converged_part_2_scaled + (5.0f *
-        converged_part_61))));
-    const float converged_part_75 = converged_part_59 - (rows_2_2_converged_3 * ((-1.5812683f *
-        turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
-    const float rows_3_1_converged_3 = ((start_cosine_converged_3 * by_cosine_converged_9) - (bx_part_full *
-        by_sine_converged_9)) * (converged_part_9 + (converged_part_63 * (converged_part_10_scaled + (5.0f *
-        converged_part_64))));
-    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) - (0.08168141f *
-        turns_3_cosine_converged_2))) + converged_part_68;
-    const float rows_4_2_converged_3 = ((start_cosine_converged_4 * by_cosine_converged_10) - (by_part_full *
-        by_sine_converged_10)) * (converged_part_9 + (converged_part_66 * (converged_part_10_scaled + (5.0f *
-        converged_part_67))));
-    const float converged_part_76 = converged_part_65 - (rows_4_2_converged_3 * ((-0.0858702f *
-        turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
-    const float rows_5_1_converged_3 = ((start_cosine_converged_5 * by_cosine_converged_11) - (cx_part_full *
-        by_sine_converged_11)) * (converged_part_17 + (converged_part_69 * (converged_part_18_scaled + (5.0f *
-        converged_part_70))));
-    const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) - (1.6671385f
-        * turns_3_sine_converged_2))) + converged_part_74;
-    const float rows_6_2_converged_3 = ((start_cosine_converged_6 * by_cosine_converged_12) - (cy_part_full *
-        by_sine_converged_12)) * (converged_part_17 + (converged_part_72 * (converged_part_18_scaled + (5.0f *
-        converged_part_73))));
-    const float converged_part_77 = converged_part_71 - (rows_6_2_converged_3 * ((1.6671385f *
-        turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
-    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) + (rows_3_3_converged_3 *
-        rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
-    const float converged_part_78 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 *
-        rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
+    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
+        (ax_part_full * by_sine_ax_converged_2)) * (converged_part +
+        (converged_part_57 * (converged_part_2_scaled + (5.0f * converged_part_58))));
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) -
+        (1.5833627f * turns_3_cosine_converged_2))) + converged_part_62;
+    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
+        (ay_part_full * by_sine_ay_converged_2)) * (converged_part +
+        (converged_part_60 * (converged_part_2_scaled + (5.0f * converged_part_61))));
+    const float converged_part_75 = converged_part_59 -
+        (rows_2_2_converged_3 * ((-1.5812683f * turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
+    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
+        (bx_part_full * by_sine_bx_converged_2)) * (converged_part_9 +
+        (converged_part_63 * (converged_part_10_scaled + (5.0f * converged_part_64))));
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) -
+        (0.08168141f * turns_3_cosine_converged_2))) + converged_part_68;
+    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
+        (by_part_full * by_sine_converged_2)) * (converged_part_9 +
+        (converged_part_66 * (converged_part_10_scaled + (5.0f * converged_part_67))));
+    const float converged_part_76 = converged_part_65 - (rows_4_2_converged_3 *
+        ((-0.0858702f * turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
+    const float rows_5_1_converged_3 = ((start_cosine_cx * by_cosine_cx_converged_2) -
+        (cx_part_full * by_sine_cx_converged_2)) * (converged_part_17 +
+        (converged_part_69 * (converged_part_18_scaled + (5.0f * converged_part_70))));
+    const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) -
+        (1.6671385f * turns_3_sine_converged_2))) + converged_part_74;
+    const float rows_6_2_converged_3 = ((start_cosine_cy * by_cosine_cy_converged_2) -
+        (cy_part_full * by_sine_cy_converged_2)) * (converged_part_17 +
+        (converged_part_72 * (converged_part_18_scaled + (5.0f * converged_part_73))));
+    const float converged_part_77 = converged_part_71 -
+        (rows_6_2_converged_3 * ((1.6671385f * turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
+    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
+        (rows_3_3_converged_3 * rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
+    const float converged_part_78 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
+        (rows_3_1_converged_3 * rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
     const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_78, 4693.3496f);
-    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) + (rows_3_1_converged_3 *
-        residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) - (0.00992376f *
-        then_1_converged_2);
-    const float converged_part_79 = (converged_part_75 * rows_2_2_converged_3) + (converged_part_76 *
-        rows_4_2_converged_3) + (converged_part_77 * rows_6_2_converged_3);
-    const float converged_part_80 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 *
-        rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
+    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
+        (rows_3_1_converged_3 * residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) -
+        (0.00992376f * then_1_converged_2);
+    const float converged_part_79 = (converged_part_75 * rows_2_2_converged_3) +
+        (converged_part_76 * rows_4_2_converged_3) + (converged_part_77 * rows_6_2_converged_3);
+    const float converged_part_80 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
+        (rows_4_2_converged_3 * rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
     const float row_2_converged_3 = hall_position_three_limit(-(converged_part_79 * converged_part_80), 4693.3496f);
-    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) + (rows_4_2_converged_3 *
-        residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) - (0.00992376f *
-        then_2_converged_2);
-    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_75 *
-        residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_76 *
-        residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) - (converged_part_77 *
-        residuals_6_converged_3) - (0.87438375f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) -
-        (row_2_converged_3 * gradient_2_converged_3);
+    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
+        (rows_4_2_converged_3 * residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) -
+        (0.00992376f * then_2_converged_2);
+    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) -
+        (converged_part_75 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
+        (converged_part_76 * residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) -
+        (converged_part_77 * residuals_6_converged_3) - (0.87438375f * then_3_converged_2) -
+        (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3);
     const float converged_part_81 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-        (converged_part_75 * converged_part_75) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_76 *
-        converged_part_76) + (rows_5_3_converged_3 * rows_5_3_converged_3) + (converged_part_77 * converged_part_77) +
-        0.87438375f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_79),
-        0.87438375f);
+        (converged_part_75 * converged_part_75) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+        (converged_part_76 * converged_part_76) + (rows_5_3_converged_3 * rows_5_3_converged_3) +
+        (converged_part_77 * converged_part_77) + 0.87438375f - (row_1_converged_3 * left_3_1_converged_3) +
+        (row_2_converged_3 * converged_part_79), 0.87438375f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
@@ -819,167 +816,167 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         other_2_converged_2 = other_2_converged;
         converged_part_82 = converged_part_55;
     }
-    const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ? (then_3_converged_2 +
-        (forward_3_converged_2 / converged_part_81)) : (0.5f * (then_3_converged_2 + other_3_converged_2)),
-        0.14022085f);
+    const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ?
+        (then_3_converged_2 + (forward_3_converged_2 / converged_part_81)) :
+        (0.5f * (then_3_converged_2 + other_3_converged_2)), 0.14022085f);
     const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
     const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
     const float converged_part_83 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
     const float turns_3_cosine_converged_3 = heading_cosine - converged_part_83;
-    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) - (heading_sine *
-        half_converged_3_squared);
+    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
+        (heading_sine * half_converged_3_squared);
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_78) - (row_1_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_1_converged_2 + other_1_converged_2)), 0.5f);
+        ((gradient_1_converged_3 * converged_part_78) - (row_1_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
     const float limited_3_cosine_converged_3 = hall_position_three_limit(-converged_part_83, 0.14022085f);
     const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
-    const float by_converged_13 = hall_position_three_limit(then_1_converged_3 - (1.5812683f *
-        limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
-    const float f10_argument_5 = by_converged_13 * by_converged_13;
-    const float by_cosine_converged_13 = f10_polynomial(f10_argument_5);
-    const float by_sine_converged_13 = by_converged_13 * f11_polynomial(f10_argument_5);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_converged_13) + (start_cosine_converged *
-        by_sine_converged_13);
+    const float by_ax_converged_3 = hall_position_three_limit(then_1_converged_3 -
+        (1.5812683f * limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
+    const float f10_argument_5 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f10_polynomial(f10_argument_5);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f11_polynomial(f10_argument_5);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
+        (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_part_84 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
     const float converged_part_85 = converged_part_84 * converged_part_3;
-    const float converged_part_86 = phasors_1_sine_converged_3 * (converged_part + (converged_part_84 *
-        (converged_part_2 + converged_part_85)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) - (turns_3_sine_converged_3 *
-        measured_2) - converged_part_86;
+    const float converged_part_86 = phasors_1_sine_converged_3 * (converged_part +
+        (converged_part_84 * (converged_part_2 + converged_part_85)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) -
+        (turns_3_sine_converged_3 * measured_2) - converged_part_86;
     const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_80) - (row_2_converged_3 * moves_3_converged_2))) : (0.5f *
-        (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_converged_14 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) - (1.5812683f *
-        limited_3_sine_converged_3);
-    const float f10_argument_6 = by_converged_14 * by_converged_14;
-    const float by_cosine_converged_14 = f10_polynomial(f10_argument_6);
-    const float by_sine_converged_14 = by_converged_14 * f11_polynomial(f10_argument_6);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_converged_14) + (start_cosine_converged_2 *
-        by_sine_converged_14);
+        ((gradient_2_converged_3 * converged_part_80) - (row_2_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_ay_converged_3 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) -
+        (1.5812683f * limited_3_sine_converged_3);
+    const float f10_argument_6 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f10_polynomial(f10_argument_6);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f11_polynomial(f10_argument_6);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
+        (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_part_87 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
     const float converged_part_88 = converged_part_87 * converged_part_3;
-    const float converged_part_89 = phasors_2_sine_converged_3 * (converged_part + (converged_part_87 *
-        (converged_part_2 + converged_part_88)));
-    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) + (turns_3_sine_converged_3 *
-        measured_1) - converged_part_89;
-    const float by_converged_15 = hall_position_three_limit(then_1_converged_3 - (0.0858702f *
-        limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
-    const float f12_argument_5 = by_converged_15 * by_converged_15;
-    const float by_cosine_converged_15 = f12_polynomial(f12_argument_5);
-    const float by_sine_converged_15 = by_converged_15 * f13_polynomial(f12_argument_5);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_converged_15) + (start_cosine_converged_3 *
-        by_sine_converged_15);
+    const float converged_part_89 = phasors_2_sine_converged_3 * (converged_part +
+        (converged_part_87 * (converged_part_2 + converged_part_88)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) +
+        (turns_3_sine_converged_3 * measured_1) - converged_part_89;
+    const float by_bx_converged_3 = hall_position_three_limit(then_1_converged_3 -
+        (0.0858702f * limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
+    const float f12_argument_5 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f12_polynomial(f12_argument_5);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f13_polynomial(f12_argument_5);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
+        (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_part_90 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
     const float converged_part_91 = converged_part_90 * converged_part_11;
-    const float converged_part_92 = phasors_3_sine_converged_3 * (converged_part_9 + (converged_part_90 *
-        (converged_part_10 + converged_part_91)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) - (turns_3_sine_converged_3 *
-        measured_4) - converged_part_92;
-    const float by_converged_16 = hall_position_three_limit(then_2_converged_3 + (0.08168141f *
-        limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
-    const float f12_argument_6 = by_converged_16 * by_converged_16;
-    const float by_cosine_converged_16 = f12_polynomial(f12_argument_6);
-    const float by_sine_converged_16 = by_converged_16 * f13_polynomial(f12_argument_6);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_16) + (start_cosine_converged_4 *
-        by_sine_converged_16);
+    const float converged_part_92 = phasors_3_sine_converged_3 * (converged_part_9 +
+        (converged_part_90 * (converged_part_10 + converged_part_91)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) -
+        (turns_3_sine_converged_3 * measured_4) - converged_part_92;
+    const float by_converged_3 = hall_position_three_limit(then_2_converged_3 +
+        (0.08168141f * limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
+    const float f12_argument_6 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f12_polynomial(f12_argument_6);
+    const float by_sine_converged_3 = by_converged_3 * f13_polynomial(f12_argument_6);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
+        (start_cosine_by * by_sine_converged_3);
     const float converged_part_93 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
     const float converged_part_94 = converged_part_93 * converged_part_11;
-    const float converged_part_95 = phasors_4_sine_converged_3 * (converged_part_9 + (converged_part_93 *
-        (converged_part_10 + converged_part_94)));
-    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) + (turns_3_sine_converged_3 *
-        measured_3) - converged_part_95;
-    const float by_converged_17 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) + (1.6650441f *
-        limited_3_sine_converged_3);
-    const float f16_argument_3 = by_converged_17 * by_converged_17;
-    const float by_cosine_converged_17 = f16_polynomial(f16_argument_3);
-    const float by_sine_converged_17 = by_converged_17 * f17_polynomial(f16_argument_3);
-    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_converged_17) + (start_cosine_converged_5 *
-        by_sine_converged_17);
+    const float converged_part_95 = phasors_4_sine_converged_3 * (converged_part_9 +
+        (converged_part_93 * (converged_part_10 + converged_part_94)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) +
+        (turns_3_sine_converged_3 * measured_3) - converged_part_95;
+    const float by_cx_converged_3 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) +
+        (1.6650441f * limited_3_sine_converged_3);
+    const float f16_argument_3 = by_cx_converged_3 * by_cx_converged_3;
+    const float by_cosine_cx_converged_3 = f16_polynomial(f16_argument_3);
+    const float by_sine_cx_converged_3 = by_cx_converged_3 * f17_polynomial(f16_argument_3);
+    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_cx_converged_3) +
+        (start_cosine_cx * by_sine_cx_converged_3);
     const float converged_part_96 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
     const float converged_part_97 = converged_part_96 * converged_part_19;
-    const float converged_part_98 = phasors_5_sine_converged_3 * (converged_part_17 + (converged_part_96 *
-        (converged_part_18 + converged_part_97)));
-    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) - (turns_3_sine_converged_3 *
-        measured_6) - converged_part_98;
-    const float by_converged_18 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) + (1.6671385f *
-        limited_3_sine_converged_3);
-    const float f16_argument_4 = by_converged_18 * by_converged_18;
-    const float by_cosine_converged_18 = f16_polynomial(f16_argument_4);
-    const float by_sine_converged_18 = by_converged_18 * f17_polynomial(f16_argument_4);
-    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_converged_18) + (start_cosine_converged_6 *
-        by_sine_converged_18);
+    const float converged_part_98 = phasors_5_sine_converged_3 * (converged_part_17 +
+        (converged_part_96 * (converged_part_18 + converged_part_97)));
+    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) -
+        (turns_3_sine_converged_3 * measured_6) - converged_part_98;
+    const float by_cy_converged_3 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) +
+        (1.6671385f * limited_3_sine_converged_3);
+    const float f16_argument_4 = by_cy_converged_3 * by_cy_converged_3;
+    const float by_cosine_cy_converged_3 = f16_polynomial(f16_argument_4);
+    const float by_sine_cy_converged_3 = by_cy_converged_3 * f17_polynomial(f16_argument_4);
+    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_cy_converged_3) +
+        (start_cosine_cy * by_sine_cy_converged_3);
     const float converged_part_99 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
     const float converged_part_100 = converged_part_99 * converged_part_19;
-    const float converged_part_101 = phasors_6_sine_converged_3 * (converged_part_17 + (converged_part_99 *
-        (converged_part_18 + converged_part_100)));
-    const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) + (turns_3_sine_converged_3 *
-        measured_5) - converged_part_101;
+    const float converged_part_101 = phasors_6_sine_converged_3 * (converged_part_17 +
+        (converged_part_99 * (converged_part_18 + converged_part_100)));
+    const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) +
+        (turns_3_sine_converged_3 * measured_5) - converged_part_101;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
-        residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) + (0.00992376f *
-        (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
+        residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
+        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
     const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_82) + 1e-08f);
-    const float rows_1_1_converged_4 = ((start_cosine_converged * by_cosine_converged_13) - (ax_part_full *
-        by_sine_converged_13)) * (converged_part + (converged_part_84 * (converged_part_2_scaled + (5.0f *
-        converged_part_85))));
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) - (1.5833627f *
-        turns_3_cosine_converged_3))) + converged_part_89;
-    const float rows_2_2_converged_4 = ((start_cosine_converged_2 * by_cosine_converged_14) - (ay_part_full *
-        by_sine_converged_14)) * (converged_part + (converged_part_87 * (converged_part_2_scaled + (5.0f *
-        converged_part_88))));
-    const float converged_part_102 = converged_part_86 - (rows_2_2_converged_4 * ((-1.5812683f *
-        turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
-    const float rows_3_1_converged_4 = ((start_cosine_converged_3 * by_cosine_converged_15) - (bx_part_full *
-        by_sine_converged_15)) * (converged_part_9 + (converged_part_90 * (converged_part_10_scaled + (5.0f *
-        converged_part_91))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) - (0.08168141f *
-        turns_3_cosine_converged_3))) + converged_part_95;
-    const float rows_4_2_converged_4 = ((start_cosine_converged_4 * by_cosine_converged_16) - (by_part_full *
-        by_sine_converged_16)) * (converged_part_9 + (converged_part_93 * (converged_part_10_scaled + (5.0f *
-        converged_part_94))));
-    const float converged_part_103 = converged_part_92 - (rows_4_2_converged_4 * ((-0.0858702f *
-        turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
-    const float rows_5_1_converged_4 = ((start_cosine_converged_5 * by_cosine_converged_17) - (cx_part_full *
-        by_sine_converged_17)) * (converged_part_17 + (converged_part_96 * (converged_part_18_scaled + (5.0f *
-        converged_part_97))));
-    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) - (1.6671385f
-        * turns_3_sine_converged_3))) + converged_part_101;
-    const float rows_6_2_converged_4 = ((start_cosine_converged_6 * by_cosine_converged_18) - (cy_part_full *
-        by_sine_converged_18)) * (converged_part_17 + (converged_part_99 * (converged_part_18_scaled + (5.0f *
-        converged_part_100))));
-    const float converged_part_104 = converged_part_98 - (rows_6_2_converged_4 * ((1.6671385f *
-        turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
-    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) + (rows_3_3_converged_4 *
-        rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
-    const float converged_part_105 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 *
-        rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
+    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
+        (ax_part_full * by_sine_ax_converged_3)) * (converged_part +
+        (converged_part_84 * (converged_part_2_scaled + (5.0f * converged_part_85))));
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) -
+        (1.5833627f * turns_3_cosine_converged_3))) + converged_part_89;
+    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
+        (ay_part_full * by_sine_ay_converged_3)) * (converged_part +
+        (converged_part_87 * (converged_part_2_scaled + (5.0f * converged_part_88))));
+    const float converged_part_102 = converged_part_86 -
+        (rows_2_2_converged_4 * ((-1.5812683f * turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
+    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
+        (bx_part_full * by_sine_bx_converged_3)) * (converged_part_9 +
+        (converged_part_90 * (converged_part_10_scaled + (5.0f * converged_part_91))));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) -
+        (0.08168141f * turns_3_cosine_converged_3))) + converged_part_95;
+    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
+        (by_part_full * by_sine_converged_3)) * (converged_part_9 +
+        (converged_part_93 * (converged_part_10_scaled + (5.0f * converged_part_94))));
+    const float converged_part_103 = converged_part_92 - (rows_4_2_converged_4 *
+        ((-0.0858702f * turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
+    const float rows_5_1_converged_4 = ((start_cosine_cx * by_cosine_cx_converged_3) -
+        (cx_part_full * by_sine_cx_converged_3)) * (converged_part_17 +
+        (converged_part_96 * (converged_part_18_scaled + (5.0f * converged_part_97))));
+    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) -
+        (1.6671385f * turns_3_sine_converged_3))) + converged_part_101;
+    const float rows_6_2_converged_4 = ((start_cosine_cy * by_cosine_cy_converged_3) -
+        (cy_part_full * by_sine_cy_converged_3)) * (converged_part_17 +
+        (converged_part_99 * (converged_part_18_scaled + (5.0f * converged_part_100))));
+    const float converged_part_104 = converged_part_98 -
+        (rows_6_2_converged_4 * ((1.6671385f * turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
+    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
+        (rows_3_3_converged_4 * rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
+    const float converged_part_105 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
+        (rows_3_1_converged_4 * rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
     const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_105, 4693.3496f);
-    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) + (rows_3_1_converged_4 *
-        residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) - (0.00992376f *
-        then_1_converged_3);
-    const float converged_part_106 = (converged_part_102 * rows_2_2_converged_4) + (converged_part_103 *
-        rows_4_2_converged_4) + (converged_part_104 * rows_6_2_converged_4);
-    const float converged_part_107 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 *
-        rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
+    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
+        (rows_3_1_converged_4 * residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) -
+        (0.00992376f * then_1_converged_3);
+    const float converged_part_106 = (converged_part_102 * rows_2_2_converged_4) +
+        (converged_part_103 * rows_4_2_converged_4) + (converged_part_104 * rows_6_2_converged_4);
+    const float converged_part_107 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
+        (rows_4_2_converged_4 * rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
     const float row_2_converged_4 = hall_position_three_limit(-(converged_part_106 * converged_part_107), 4693.3496f);
-    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) + (rows_4_2_converged_4 *
-        residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) - (0.00992376f *
-        then_2_converged_3);
-    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_102 *
-        residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_103 *
-        residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) - (converged_part_104 *
-        residuals_6_converged_4) - (0.87438375f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) -
-        (row_2_converged_4 * gradient_2_converged_4);
+    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
+        (rows_4_2_converged_4 * residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) -
+        (0.00992376f * then_2_converged_3);
+    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) -
+        (converged_part_102 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
+        (converged_part_103 * residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) -
+        (converged_part_104 * residuals_6_converged_4) - (0.87438375f * then_3_converged_3) -
+        (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4);
     const float converged_part_108 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-        (converged_part_102 * converged_part_102) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_103
-        * converged_part_103) + (rows_5_3_converged_4 * rows_5_3_converged_4) + (converged_part_104 *
-        converged_part_104) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 *
-        converged_part_106), 0.87438375f);
+        (converged_part_102 * converged_part_102) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+        (converged_part_103 * converged_part_103) + (rows_5_3_converged_4 * rows_5_3_converged_4) +
+        (converged_part_104 * converged_part_104) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) +
+        (row_2_converged_4 * converged_part_106), 0.87438375f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
@@ -990,172 +987,172 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         other_2_converged_3 = other_2_converged_2;
         converged_part_109 = converged_part_82;
     }
-    const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ? (then_3_converged_3 +
-        (forward_3_converged_3 / converged_part_108)) : (0.5f * (then_3_converged_3 + other_3_converged_3)),
-        0.14022085f);
+    const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ?
+        (then_3_converged_3 + (forward_3_converged_3 / converged_part_108)) :
+        (0.5f * (then_3_converged_3 + other_3_converged_3)), 0.14022085f);
     const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
     const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
     const float converged_part_110 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
     const float turns_3_cosine_converged_4 = heading_cosine - converged_part_110;
-    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) - (heading_sine *
-        half_converged_4_squared);
+    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
+        (heading_sine * half_converged_4_squared);
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_105) - (row_1_converged_4 * moves_3_converged_3))) : (0.5f *
-        (then_1_converged_3 + other_1_converged_3)), 0.5f);
+        ((gradient_1_converged_4 * converged_part_105) - (row_1_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
     const float limited_3_cosine_converged_4 = hall_position_three_limit(-converged_part_110, 0.14022085f);
     const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
-    const float by_converged_19 = hall_position_three_limit(then_1_converged_4 - (1.5812683f *
-        limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
-    const float f10_argument_7 = by_converged_19 * by_converged_19;
-    const float by_cosine_converged_19 = f10_polynomial(f10_argument_7);
-    const float by_sine_converged_19 = by_converged_19 * f11_polynomial(f10_argument_7);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_converged_19) + (start_cosine_converged *
-        by_sine_converged_19);
+    const float by_ax_converged_4 = hall_position_three_limit(then_1_converged_4 -
+        (1.5812683f * limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
+    const float f10_argument_7 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f10_polynomial(f10_argument_7);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f11_polynomial(f10_argument_7);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
+        (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_part_111 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
     const float converged_part_112 = converged_part_111 * converged_part_3;
-    const float converged_part_113 = phasors_1_sine_converged_4 * (converged_part + (converged_part_111 *
-        (converged_part_2 + converged_part_112)));
-    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) - (turns_3_sine_converged_4 *
-        measured_2) - converged_part_113;
+    const float converged_part_113 = phasors_1_sine_converged_4 * (converged_part +
+        (converged_part_111 * (converged_part_2 + converged_part_112)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) -
+        (turns_3_sine_converged_4 * measured_2) - converged_part_113;
     const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_107) - (row_2_converged_4 * moves_3_converged_3))) : (0.5f *
-        (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_converged_20 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) - (1.5812683f *
-        limited_3_sine_converged_4);
-    const float f10_argument_8 = by_converged_20 * by_converged_20;
-    const float by_cosine_converged_20 = f10_polynomial(f10_argument_8);
-    const float by_sine_converged_20 = by_converged_20 * f11_polynomial(f10_argument_8);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_converged_20) + (start_cosine_converged_2 *
-        by_sine_converged_20);
+        ((gradient_2_converged_4 * converged_part_107) - (row_2_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
+    const float by_ay_converged_4 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) -
+        (1.5812683f * limited_3_sine_converged_4);
+    const float f10_argument_8 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f10_polynomial(f10_argument_8);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f11_polynomial(f10_argument_8);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
+        (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_part_114 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
     const float converged_part_115 = converged_part_114 * converged_part_3;
-    const float converged_part_116 = phasors_2_sine_converged_4 * (converged_part + (converged_part_114 *
-        (converged_part_2 + converged_part_115)));
-    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) + (turns_3_sine_converged_4 *
-        measured_1) - converged_part_116;
-    const float by_converged_21 = hall_position_three_limit(then_1_converged_4 - (0.0858702f *
-        limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
-    const float f12_argument_7 = by_converged_21 * by_converged_21;
-    const float by_cosine_converged_21 = f12_polynomial(f12_argument_7);
-    const float by_sine_converged_21 = by_converged_21 * f13_polynomial(f12_argument_7);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_converged_21) + (start_cosine_converged_3 *
-        by_sine_converged_21);
+    const float converged_part_116 = phasors_2_sine_converged_4 * (converged_part +
+        (converged_part_114 * (converged_part_2 + converged_part_115)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) +
+        (turns_3_sine_converged_4 * measured_1) - converged_part_116;
+    const float by_bx_converged_4 = hall_position_three_limit(then_1_converged_4 -
+        (0.0858702f * limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
+    const float f12_argument_7 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f12_polynomial(f12_argument_7);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f13_polynomial(f12_argument_7);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
+        (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_part_117 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
     const float converged_part_118 = converged_part_117 * converged_part_11;
-    const float converged_part_119 = phasors_3_sine_converged_4 * (converged_part_9 + (converged_part_117 *
-        (converged_part_10 + converged_part_118)));
-    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) - (turns_3_sine_converged_4 *
-        measured_4) - converged_part_119;
-    const float by_converged_22 = hall_position_three_limit(then_2_converged_4 + (0.08168141f *
-        limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
-    const float f12_argument_8 = by_converged_22 * by_converged_22;
-    const float by_cosine_converged_22 = f12_polynomial(f12_argument_8);
-    const float by_sine_converged_22 = by_converged_22 * f13_polynomial(f12_argument_8);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_22) + (start_cosine_converged_4 *
-        by_sine_converged_22);
+    const float converged_part_119 = phasors_3_sine_converged_4 * (converged_part_9 +
+        (converged_part_117 * (converged_part_10 + converged_part_118)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) -
+        (turns_3_sine_converged_4 * measured_4) - converged_part_119;
+    const float by_converged_4 = hall_position_three_limit(then_2_converged_4 +
+        (0.08168141f * limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
+    const float f12_argument_8 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f12_polynomial(f12_argument_8);
+    const float by_sine_converged_4 = by_converged_4 * f13_polynomial(f12_argument_8);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
+        (start_cosine_by * by_sine_converged_4);
     const float converged_part_120 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
     const float converged_part_121 = converged_part_120 * converged_part_11;
-    const float converged_part_122 = phasors_4_sine_converged_4 * (converged_part_9 + (converged_part_120 *
-        (converged_part_10 + converged_part_121)));
-    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) + (turns_3_sine_converged_4 *
-        measured_3) - converged_part_122;
-    const float by_converged_23 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) + (1.6650441f *
-        limited_3_sine_converged_4);
-    const float f16_argument_5 = by_converged_23 * by_converged_23;
-    const float by_cosine_converged_23 = f16_polynomial(f16_argument_5);
-    const float by_sine_converged_23 = by_converged_23 * f17_polynomial(f16_argument_5);
-    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_converged_23) + (start_cosine_converged_5 *
-        by_sine_converged_23);
+    const float converged_part_122 = phasors_4_sine_converged_4 * (converged_part_9 +
+        (converged_part_120 * (converged_part_10 + converged_part_121)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) +
+        (turns_3_sine_converged_4 * measured_3) - converged_part_122;
+    const float by_cx_converged_4 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) +
+        (1.6650441f * limited_3_sine_converged_4);
+    const float f16_argument_5 = by_cx_converged_4 * by_cx_converged_4;
+    const float by_cosine_cx_converged_4 = f16_polynomial(f16_argument_5);
+    const float by_sine_cx_converged_4 = by_cx_converged_4 * f17_polynomial(f16_argument_5);
+    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_cx_converged_4) +
+        (start_cosine_cx * by_sine_cx_converged_4);
     const float converged_part_123 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
     const float converged_part_124 = converged_part_123 * converged_part_19;
-    const float converged_part_125 = phasors_5_sine_converged_4 * (converged_part_17 + (converged_part_123 *
-        (converged_part_18 + converged_part_124)));
-    const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) - (turns_3_sine_converged_4 *
-        measured_6) - converged_part_125;
-    const float by_converged_24 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) + (1.6671385f *
-        limited_3_sine_converged_4);
-    const float f16_argument_6 = by_converged_24 * by_converged_24;
-    const float by_cosine_converged_24 = f16_polynomial(f16_argument_6);
-    const float by_sine_converged_24 = by_converged_24 * f17_polynomial(f16_argument_6);
-    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_converged_24) + (start_cosine_converged_6 *
-        by_sine_converged_24);
+    const float converged_part_125 = phasors_5_sine_converged_4 * (converged_part_17 +
+        (converged_part_123 * (converged_part_18 + converged_part_124)));
+    const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) -
+        (turns_3_sine_converged_4 * measured_6) - converged_part_125;
+    const float by_cy_converged_4 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) +
+        (1.6671385f * limited_3_sine_converged_4);
+    const float f16_argument_6 = by_cy_converged_4 * by_cy_converged_4;
+    const float by_cosine_cy_converged_4 = f16_polynomial(f16_argument_6);
+    const float by_sine_cy_converged_4 = by_cy_converged_4 * f17_polynomial(f16_argument_6);
+    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_cy_converged_4) +
+        (start_cosine_cy * by_sine_cy_converged_4);
     const float converged_part_126 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
     const float converged_part_127 = converged_part_126 * converged_part_19;
-    const float converged_part_128 = phasors_6_sine_converged_4 * (converged_part_17 + (converged_part_126 *
-        (converged_part_18 + converged_part_127)));
-    const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) + (turns_3_sine_converged_4 *
-        measured_5) - converged_part_128;
-    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) + (residuals_2_converged_5 *
-        residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) + (residuals_4_converged_5 *
-        residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) + (residuals_6_converged_5 *
-        residuals_6_converged_5);
+    const float converged_part_128 = phasors_6_sine_converged_4 * (converged_part_17 +
+        (converged_part_126 * (converged_part_18 + converged_part_127)));
+    const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) +
+        (turns_3_sine_converged_4 * measured_5) - converged_part_128;
+    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
+        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
+        (residuals_4_converged_5 * residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) +
+        (residuals_6_converged_5 * residuals_6_converged_5);
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const float growing_gate = 0.030115018f + (0.030115018f * (float)estimator_residual_faults);
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
-    const bool gate_exceeded = (growing_gate * growing_gate) < (then_1_converged_4_squared + then_2_converged_4_squared
-        + (3.524405f * then_3_converged_4_squared));
-    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) + (0.00992376f *
-        then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <= ((1.000002f * converged_part_109)
-        + 1e-08f);
-    const float rows_1_1_converged_5 = ((start_cosine_converged * by_cosine_converged_19) - (ax_part_full *
-        by_sine_converged_19)) * (converged_part + (converged_part_111 * (converged_part_2_scaled + (5.0f *
-        converged_part_112))));
-    const float rows_3_1_converged_5 = ((start_cosine_converged_3 * by_cosine_converged_21) - (bx_part_full *
-        by_sine_converged_21)) * (converged_part_9 + (converged_part_117 * (converged_part_10_scaled + (5.0f *
-        converged_part_118))));
-    const float rows_5_1_converged_5 = ((start_cosine_converged_5 * by_cosine_converged_23) - (cx_part_full *
-        by_sine_converged_23)) * (converged_part_17 + (converged_part_123 * (converged_part_18_scaled + (5.0f *
-        converged_part_124))));
-    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) + (rows_3_1_converged_5 *
-        residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) - (0.00992376f *
-        then_1_converged_4);
-    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 *
-        rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
+    const bool gate_exceeded = (growing_gate * growing_gate) <
+        (then_1_converged_4_squared + then_2_converged_4_squared + (3.524405f * then_3_converged_4_squared));
+    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
+        (0.00992376f * then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <=
+        ((1.000002f * converged_part_109) + 1e-08f);
+    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
+        (ax_part_full * by_sine_ax_converged_4)) * (converged_part +
+        (converged_part_111 * (converged_part_2_scaled + (5.0f * converged_part_112))));
+    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
+        (bx_part_full * by_sine_bx_converged_4)) * (converged_part_9 +
+        (converged_part_117 * (converged_part_10_scaled + (5.0f * converged_part_118))));
+    const float rows_5_1_converged_5 = ((start_cosine_cx * by_cosine_cx_converged_4) -
+        (cx_part_full * by_sine_cx_converged_4)) * (converged_part_17 +
+        (converged_part_123 * (converged_part_18_scaled + (5.0f * converged_part_124))));
+    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
+        (rows_3_1_converged_5 * residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) -
+        (0.00992376f * then_1_converged_4);
+    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
+        (rows_3_1_converged_5 * rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
     const float converged_part_129 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_converged_2 * by_cosine_converged_20) - (ay_part_full *
-        by_sine_converged_20)) * (converged_part + (converged_part_114 * (converged_part_2_scaled + (5.0f *
-        converged_part_115))));
-    const float rows_4_2_converged_5 = ((start_cosine_converged_4 * by_cosine_converged_22) - (by_part_full *
-        by_sine_converged_22)) * (converged_part_9 + (converged_part_120 * (converged_part_10_scaled + (5.0f *
-        converged_part_121))));
-    const float rows_6_2_converged_5 = ((start_cosine_converged_6 * by_cosine_converged_24) - (cy_part_full *
-        by_sine_converged_24)) * (converged_part_17 + (converged_part_126 * (converged_part_18_scaled + (5.0f *
-        converged_part_127))));
-    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) + (rows_4_2_converged_5 *
-        residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) - (0.00992376f *
-        then_2_converged_4);
-    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 *
-        rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
+    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
+        (ay_part_full * by_sine_ay_converged_4)) * (converged_part +
+        (converged_part_114 * (converged_part_2_scaled + (5.0f * converged_part_115))));
+    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
+        (by_part_full * by_sine_converged_4)) * (converged_part_9 +
+        (converged_part_120 * (converged_part_10_scaled + (5.0f * converged_part_121))));
+    const float rows_6_2_converged_5 = ((start_cosine_cy * by_cosine_cy_converged_4) -
+        (cy_part_full * by_sine_cy_converged_4)) * (converged_part_17 +
+        (converged_part_126 * (converged_part_18_scaled + (5.0f * converged_part_127))));
+    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
+        (rows_4_2_converged_5 * residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) -
+        (0.00992376f * then_2_converged_4);
+    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
+        (rows_4_2_converged_5 * rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
     const float converged_part_130 = gradient_2_converged_5 * inverse_2;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) - (1.5833627f *
-        turns_3_cosine_converged_4))) + converged_part_116;
-    const float converged_part_131 = converged_part_113 - (rows_2_2_converged_5 * ((-1.5812683f *
-        turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
-    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) - (0.08168141f *
-        turns_3_cosine_converged_4))) + converged_part_122;
-    const float converged_part_132 = converged_part_119 - (rows_4_2_converged_5 * ((-0.0858702f *
-        turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
-    const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) - (1.6671385f
-        * turns_3_sine_converged_4))) + converged_part_128;
-    const float converged_part_133 = converged_part_125 - (rows_6_2_converged_5 * ((1.6671385f *
-        turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
-    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) + (rows_3_3_converged_5 *
-        rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) -
+        (1.5833627f * turns_3_cosine_converged_4))) + converged_part_116;
+    const float converged_part_131 = converged_part_113 -
+        (rows_2_2_converged_5 * ((-1.5812683f * turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) -
+        (0.08168141f * turns_3_cosine_converged_4))) + converged_part_122;
+    const float converged_part_132 = converged_part_119 - (rows_4_2_converged_5 *
+        ((-0.0858702f * turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
+    const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) -
+        (1.6671385f * turns_3_sine_converged_4))) + converged_part_128;
+    const float converged_part_133 = converged_part_125 -
+        (rows_6_2_converged_5 * ((1.6671385f * turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
+    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
+        (rows_3_3_converged_5 * rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
     const float x_converged = hall_position_three_limit(left_3_1_converged_5 * inverse_1, 4693.3496f);
-    const float converged_part_134 = (converged_part_131 * rows_2_2_converged_5) + (converged_part_132 *
-        rows_4_2_converged_5) + (converged_part_133 * rows_6_2_converged_5);
+    const float converged_part_134 = (converged_part_131 * rows_2_2_converged_5) +
+        (converged_part_132 * rows_4_2_converged_5) + (converged_part_133 * rows_6_2_converged_5);
     const float y_converged = hall_position_three_limit(-(converged_part_134 * inverse_2), 4693.3496f);
-    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) - (converged_part_131 *
-        residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) - (converged_part_132 *
-        residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) - (converged_part_133 *
-        residuals_6_converged_5) - (0.87438375f * then_3_converged_4) - (x_converged * gradient_1_converged_5) -
-        (y_converged * gradient_2_converged_5);
+    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) -
+        (converged_part_131 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_132 * residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) -
+        (converged_part_133 * residuals_6_converged_5) - (0.87438375f * then_3_converged_4) -
+        (x_converged * gradient_1_converged_5) - (y_converged * gradient_2_converged_5);
     const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_131 *
         converged_part_131) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_132 * converged_part_132)
         + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_133 * converged_part_133) + 0.87438375f -
@@ -1187,8 +1184,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t estimator_searching = state->estimator_searching;
     bool lost_X = gate_exceeded;
     if (estimator_ambiguity_resolved == 0u) {
-        lost_X = (estimator_searching != 0u) && !(fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <=
-            0.08726646f);
+        lost_X = (estimator_searching != 0u) &&
+            !(fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f);
     }
     const bool integrity_residual_fault = ((0.01f * freedom) < squares_converged_2) || lost_X;
     const bool tracking = estimator_searching == 0u;
@@ -1207,19 +1204,19 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         estimator_motion_yaw_part = 0.1f * at_3;
     }
     const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_X = pi < X_part;
-    float angle_X = X_part;
-    if (turns_X) {
-        angle_X = X_part - two_pi;
+    const bool turns_x_X = pi < X_part;
+    float angle_x = X_part;
+    if (turns_x_X) {
+        angle_x = X_part - two_pi;
     }
-    float pose_phase_x = angle_X;
-    float turns_x = -1.0f;
-    if (angle_X < -pi) {
-        pose_phase_x = angle_X + two_pi;
+    float pose_phase_x = angle_x;
+    float turns_x_X_2 = -1.0f;
+    if (angle_x < -pi) {
+        pose_phase_x = angle_x + two_pi;
     } else {
-        turns_x = turns_X ? 1.0f : 0.0f;
+        turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + turns_x;
+    const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
     const float f18_argument = yaw_X * yaw_X;
     const float by_cosine_X = f18_polynomial(f18_argument);
     const float by_sine_X = yaw_X * f9_polynomial(f18_argument);
@@ -1228,29 +1225,29 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x) - lever_cosine;
     const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_Y = pi < Y_part;
-    float angle_Y = Y_part;
-    if (turns_Y) {
-        angle_Y = Y_part - two_pi;
+    const bool turns_y_Y = pi < Y_part;
+    float angle_y = Y_part;
+    if (turns_y_Y) {
+        angle_y = Y_part - two_pi;
     }
-    float pose_phase_y = angle_Y;
-    float turns_y = -1.0f;
-    if (angle_Y < -pi) {
-        pose_phase_y = angle_Y + two_pi;
+    float pose_phase_y = angle_y;
+    float turns_y_Y_2 = -1.0f;
+    if (angle_y < -pi) {
+        pose_phase_y = angle_y + two_pi;
     } else {
-        turns_y = turns_Y ? 1.0f : 0.0f;
+        turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_y;
+    const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
     const float lever_sine = (0.0060790665f * sine_X) - (0.0040132f * cosine);
     const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y) - lever_sine;
     const float prediction_yaw_plus_yaw_X = prediction_yaw + yaw_X;
-    float angle_yaw = prediction_yaw_plus_yaw_X;
+    float angle = prediction_yaw_plus_yaw_X;
     if (pi < prediction_yaw_plus_yaw_X) {
-        angle_yaw = prediction_yaw_plus_yaw_X - two_pi;
+        angle = prediction_yaw_plus_yaw_X - two_pi;
     }
-    float yaw = angle_yaw;
-    if (angle_yaw < -pi) {
-        yaw = angle_yaw + two_pi;
+    float yaw = angle;
+    if (angle < -pi) {
+        yaw = angle + two_pi;
     }
     const float by_yaw_X = x_converged - (123.68475f * lever_sine);
     const float yaw_variance = 1.0f / (pivot + -0.8394084f);
@@ -1307,13 +1304,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float squares_2 = terms_3_converged + terms_4_converged;
         const float square = terms_5_converged + terms_6_converged;
         const float squares_2_max_squares_1 = hall_position_three_max(squares_2, squares_1);
-        const float others = hall_position_three_min(squares_2, squares_1) + hall_position_three_min(square,
-            squares_2_max_squares_1);
-        if (integrity_residual_fault && ((1.6e-05f * freedom) < squares_converged_2) && (estimator_ambiguity_resolved !=
-                0u) && (1u <= estimator_residual_faults) && (others <= 0.076f) && ((25.0f * others) <=
-                hall_position_three_max(square, squares_2_max_squares_1))) {
-            state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f : ((squares_1 <
-                squares_2) ? 2.0f : 1.0f));
+        const float others = hall_position_three_min(squares_2, squares_1) +
+            hall_position_three_min(square, squares_2_max_squares_1);
+        if (integrity_residual_fault && ((1.6e-05f * freedom) < squares_converged_2) &&
+                (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (others <= 0.076f) &&
+                ((25.0f * others) <= hall_position_three_max(square, squares_2_max_squares_1))) {
+            state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f :
+                ((squares_1 < squares_2) ? 2.0f : 1.0f));
         }
     }
     if (resolved_valid && estimator_yaw_last_good_test) {
@@ -1332,8 +1329,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     state->estimator_motion_x = hall_position_three_limit(estimator_motion_x_part_2, 0.5f);
     state->estimator_motion_y = hall_position_three_limit(estimator_motion_y_part_2, 0.5f);
     state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, 0.14022085f);
-    state->estimator_residual_faults = (integrity_residual_fault) ? ((exhausted) ? 0u : (estimator_residual_faults +
-        1u)) : 0u;
+    state->estimator_residual_faults = (integrity_residual_fault) ?
+        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_three_flag(resolved_valid || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&

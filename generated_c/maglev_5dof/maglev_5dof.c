@@ -99,8 +99,8 @@ static inline float theta_polynomial(float t)
  * 4.19616699e-05; relative error at most 1.7e-07. */
 static inline float thrust_per_ampere_1_polynomial(float t)
 {
-    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f + (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t *
-        (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
+    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f +
+        (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
 /* half_a_over_h2_1; x = 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x -
@@ -114,16 +114,16 @@ static inline float half_a_over_h2_1_polynomial(float t)
  * 3.43322754e-05) * 16384; relative error at most 2.9e-07. */
 static inline float thrust_per_ampere_2_polynomial(float t)
 {
-    return 7.0962987f + (t * (30.470612f + (t * (12.132695f + (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f +
-        (t * (33.817627f + (t * -9.12594f)))))))))))));
+    return 7.0962987f + (t * (30.470612f + (t * (12.132695f +
+        (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
 /* half_a_over_h2_2; x = 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x -
  * 3.43322754e-05) * 16384; relative error at most 3.3e-07. */
 static inline float half_a_over_h2_2_polynomial(float t)
 {
-    return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t *
-        0.0020529632f)))))))));
+    return 0.079422385f + (t * (0.020285927f +
+        (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
 typedef struct {
@@ -263,8 +263,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 *
-        state->q1);
+    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) +
+        (k_q1 * state->q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -325,9 +325,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     return maglev_5dof_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t
-    *out,
-    maglev_5dof_diagnostics_t *diagnostics)
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
+    maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics)
 #else
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
@@ -357,12 +356,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
-        122.7319f, -5.5538764f};
-    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
-        86.03567f, -7.0522647f};
-    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
-        86.03567f, -7.0522647f};
+    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
+        .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
+    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -497,8 +496,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f <
-        fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -518,8 +517,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f <
-        fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) &&
+        (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -639,30 +638,30 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if (moving == 3u) {
-                    const bool flag_suspect_y1 = 8u <= still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_y4;
-                    suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) +
-                        maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const bool flag_y1 = 8u <= still_y1;
+                    const bool flag_y2 = 8u <= still_y2;
+                    const bool flag_y3 = 8u <= still_y3;
+                    const bool flag_y4 = 8u <= still_y4;
+                    suspect_y1_part_4 = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
+                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
-                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
-                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
-                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
+                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
                 }
                 const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y1));
+                const float score_y1 = E_y1 +
+                    (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
                 const float best_y1 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y2));
+                const float score_y2 = E_y2 +
+                    (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
                 const float best_y2 = maglev_5dof_max(best_y1, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y3));
+                const float score_y3 = E_y3 +
+                    (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float best_y3 = maglev_5dof_max(best_y2, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
-                    preferred_y4));
+                const float score_y4 = E_y4 +
+                    (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
                 const float best = maglev_5dof_max(best_y3, score_y4);
                 const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(best_y1,
                     score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
@@ -687,27 +686,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
                     0.0366f), 0.0124f);
                 determined = waited == 0u;
-                bool contradictory = least_upto_score_y1;
-                bool contradictory_2 = least_upto_score_y2;
-                bool contradictory_3 = least_upto_score_y3;
-                bool contradictory_4 = least_upto_score_y4;
+                bool contradictory_y1 = least_upto_score_y1;
+                bool contradictory_y2 = least_upto_score_y2;
+                bool contradictory_y3 = least_upto_score_y3;
+                bool contradictory_y4 = least_upto_score_y4;
                 if (redundancy_contradictions_0 < 2u) {
-                    contradictory = false;
-                    contradictory_2 = false;
-                    contradictory_3 = false;
-                    contradictory_4 = false;
+                    contradictory_y1 = false;
+                    contradictory_y2 = false;
+                    contradictory_y3 = false;
+                    contradictory_y4 = false;
                 }
-                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory);
-                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_2);
-                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_3);
-                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_4);
+                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory_y1);
+                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
                     (redundancy_contradictions_0 + 1u);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory) +
-                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_2) + maglev_5dof_flag(still_y3_at_least_3 &&
-                    contradictory_3);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
+                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
+                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
-                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -974,19 +973,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 (maglev_5dof_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
             w_z_unprobed = demand_w_z;
             const float faster_w_y = maglev_5dof_slew(dr_w_y, target_w_y, 0.002f);
-            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (dr_w_y
-                + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
+            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y +
+                (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = ahead_w_y;
             state->landing_dr_y = faster_w_y;
 
             /* landing: ramps and state feedback (continued) */
             const float faster_w_x = maglev_5dof_slew(dr_w_x, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)),
-                0.5f) : observer_x.estimate;
+            state->landing_r_x = (landing_landing != 0u) ?
+                maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
             state->landing_dr_x = maglev_5dof_limit(faster_w_x, 10.0f);
             const float faster_w_z = maglev_5dof_slew(dr_w_z, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)),
-                0.5f) : observer_z.estimate;
+            state->landing_r_z = (landing_landing != 0u) ?
+                maglev_5dof_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : observer_z.estimate;
             state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
@@ -1078,8 +1077,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
         const float safe_output_last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
-        const float half_load_1 = half_a_1 + (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 *
-            safe_output_last_i_d1)));
+        const float half_load_1 = half_a_1 +
+            (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
         const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (16.0f * (half_a_1 * half_c_1)));
         const float thrust_per_ampere_2_part = slot_pull / (y2_held + gap_offset);
         const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
@@ -1089,8 +1088,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
         const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
         const float safe_output_last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
-        const float half_load_2 = half_a_2 + (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 *
-            safe_output_last_i_d2)));
+        const float half_load_2 = half_a_2 +
+            (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
         const float thrust_per_ampere_3_part = slot_pull / (y3_held + gap_offset);
         const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
@@ -1099,8 +1098,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
-        const float half_load_3 = half_a_3 + (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 *
-            safe_output_last_i_d3)));
+        const float half_load_3 = half_a_3 +
+            (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
         const float thrust_per_ampere_4_part = slot_pull / (y4_held + gap_offset);
         const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
@@ -1109,17 +1108,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
-        const float half_load_4 = half_a_4 + (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 *
-            safe_output_last_i_d4)));
+        const float half_load_4 = half_a_4 +
+            (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
         const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 -
-            half_load_1);
-        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 -
-            half_load_4);
+        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) +
+            (half_load_3 - half_load_1);
+        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
+            (half_load_2 - half_load_4);
         const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
-        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) + ((inverse_b_2 - inverse_b_4) *
-            half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
+        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) +
+            ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
         const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
@@ -1130,6 +1129,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
         if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
@@ -1138,7 +1138,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_x = state->probe_x_towards * (float)w_x_part;
                     pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
                 }
-                w_x_unprobed = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
                 if (15u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
@@ -1156,10 +1156,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
-        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced,
-            i_d4_balanced * i_d4_balanced));
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
+        const float u_x_demand = -M_x * w_x / u_x_demand_part;
+        const float room_u_x = sqrtf(squared_current_limit -
+            maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
 
         /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
@@ -1167,6 +1167,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
         if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
@@ -1175,7 +1176,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     const float push_w_z = state->probe_z_towards * (float)w_z_part;
                     pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
                 }
-                w_z_unprobed = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
                 if (15u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
@@ -1193,10 +1194,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
-        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced,
-            i_d3_balanced * i_d3_balanced));
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
+        const float u_z_demand = -M_z * w_z / u_z_demand_part;
+        const float room_u_z = sqrtf(squared_current_limit -
+            maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
@@ -1212,21 +1213,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z,
-                room_i_d1_computed);
+            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
             out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float i_d2_computed_part = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x,
-                i_d2_computed_part);
+            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z,
-                room_i_d1_computed);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x,
-                i_d2_computed_part);
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
@@ -1338,8 +1335,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->i_d2_balanced = i_d2_balanced;
             diagnostics->i_d3_balanced = i_d3_balanced;
             diagnostics->i_d4_balanced = i_d4_balanced;
-            diagnostics->w_x = w_x_unprobed;
-            diagnostics->w_z = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;
@@ -1348,8 +1345,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x_computed) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z_computed) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
         }
 #endif
     }

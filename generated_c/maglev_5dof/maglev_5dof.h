@@ -1,27 +1,36 @@
 /* maglev_5dof: one step every 0.001 s, float. Generated: do not edit.
  *
- * Call maglev_5dof_init once, then maglev_5dof_step once every 0.001 s with the inputs of that sample, and write its
- * outputs to the hardware. Nothing else may change the state.
+ * Call maglev_5dof_init once, then maglev_5dof_step once every 0.001 s with the inputs of that sample, and use its
+ * outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init: the
- * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
- * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
- * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.00051 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
- * 0.004 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
- * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init, and the
+ * outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100
+ * A/s.
+ *
+ * What this does to the machine:
+ *   - a gap encoder that is refused or excluded is replaced
+ *   - without x, z or two gap encoders the platen lands and then latches on the stop
+ *   - without three it latches as said above
+ *   - zero current pulls the platen up below 28.7 mm
+ *   - 2.5 A rms lowers it from 18.1 mm and above
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00051 m/s (x) and hits a stop at
+ *     0.0055 m/s (y)
+ *   - in motion the machine reaches 0.004 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
+ * In each sample, call maglev_5dof_step and then maglev_5dof_phase_step: a step takes outputs of the steps before it,
+ * and the outputs of the last one go to the hardware.
+ *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
- * The gains were computed for the numbers of the plant in maglev_5dof.c: for another mass or geometry, generate the
- * files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in maglev_5dof.c hold for one plant and one period: for other masses, geometry or magnets, or
+ * another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_DIAGNOSTICS defined, for the .c as well, maglev_5dof_step_diagnosed also says which signals it
  * computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -39,15 +48,15 @@ extern "C" {
 #endif
 
 typedef struct {
-    float sum;                          /* m, -600 .. 600: internal model */
-    float p1;                           /* m, -3 .. 3: internal model */
-    float q1;                           /* m, -600 .. 600: internal model */
+    float sum;                          /* m or rad: internal model */
+    float p1;                           /* m or rad: internal model */
+    float q1;                           /* m or rad: internal model */
 } maglev_5dof_regulator_state_t;
 
 typedef struct {
-    float q_prev;                       /* m: signal one sample ago */
-    float s;                            /* m: fading sum of the differences */
-    float r;                            /* m: filtered rate over h */
+    float q_prev;                       /* m or rad: signal one sample ago */
+    float s;                            /* m or rad: fading sum of the differences */
+    float r;                            /* m or rad: filtered rate over h */
 } maglev_5dof_filter_state_t;
 
 typedef struct {
@@ -209,15 +218,16 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 14  y4: contradicts the others
  *   bit 15  x: contradicts the others
  *   bit 16  z: contradicts the others
- *   bit 31  latched: safe output until init
- *   bit 17  readings are refused, replaced or contradict each other
+ *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 i_d1_balanced, 1 i_d2_balanced, 2 i_d3_balanced, 3 i_d4_balanced, 4 u_x_computed, 5 u_z_computed. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 i_d1_balanced, 1 i_d2_balanced, 2
+ * i_d3_balanced, 3 i_d4_balanced, 4 u_x_computed, 5 u_z_computed. */
 typedef struct {
     float x_unanswered;                 /* 1: no pair of the probe was answered */
     float y1_expected;                  /* m: gap of motor 1 */
@@ -296,8 +306,8 @@ typedef struct {
 } maglev_5dof_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
-    maglev_5dof_diagnostics_t *diagnostics);
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
+    maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -77,8 +77,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 }
 
 uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
-    maglev_5dof_phase_output_t *out,
-    maglev_5dof_phase_diagnostics_t *diagnostics)
+    maglev_5dof_phase_output_t *out, maglev_5dof_phase_diagnostics_t *diagnostics)
 #else
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
     maglev_5dof_phase_output_t *out)
@@ -90,7 +89,6 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
     }
 #endif
     /* guard: range acceptance, hold, latch */
@@ -169,32 +167,32 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
      *         lost_x or lost_z or 0 < |transfer|, else 0 */
     const float distance_x_part = (8.748906f * x_acting) + 4.5f;
-    const float n_distance_x = (float)(uint32_t)distance_x_part - 4.0f;
-    const float distance_x = x_acting - (0.11428833f * n_distance_x) - (1.1669922e-05f * n_distance_x);
+    const float n_x = (float)(uint32_t)distance_x_part - 4.0f;
+    const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
     const float distance_z_part = (8.748906f * z_acting) + 4.5f;
-    const float n_distance_z = (float)(uint32_t)distance_z_part - 4.0f;
-    const float distance_z = z_acting - (0.11428833f * n_distance_z) - (1.1669922e-05f * n_distance_z);
+    const float n_z = (float)(uint32_t)distance_z_part - 4.0f;
+    const float distance_z = z_acting - (0.11428833f * n_z) - (1.1669922e-05f * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
-    const float h_i_a1 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
-    const float turned_sine = h_i_a1 * (5.656854f - (11.313708f * quarter_sine_z_squared));
-    const float turned_cosine = root_2 - (11.313708f * (h_i_a1 * h_i_a1));
+    const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
+    const float turned_sine = h_z * (5.656854f - (11.313708f * quarter_sine_z_squared));
+    const float turned_cosine = root_2 - (11.313708f * (h_z * h_z));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
-    const float h_i_a2 = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
-    const float waves_x_cosine_i_a2 = h_i_a2 * (5.656854f - (11.313708f * quarter_sine_x_squared));
-    const float waves_x_sine_i_a2 = root_2 - (11.313708f * (h_i_a2 * h_i_a2));
-    float cosine_i_a1 = i_d1_held;
+    const float h_x = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
+    const float waves_x_cosine_i_a2 = h_x * (5.656854f - (11.313708f * quarter_sine_x_squared));
+    const float waves_x_sine_i_a2 = root_2 - (11.313708f * (h_x * h_x));
+    float cosine_z_i_a1 = i_d1_held;
     float waves_z_cosine = turned_sine;
     float waves_z_sine = turned_cosine;
-    float cosine_i_a2 = i_d2_held;
+    float cosine_x_i_a2 = i_d2_held;
     float waves_x_cosine_i_a2_2 = waves_x_cosine_i_a2;
     float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
-    float cosine_i_a3 = i_d3_held;
-    float cosine_i_a4 = i_d4_held;
+    float cosine_z_i_a3 = i_d3_held;
+    float cosine_x_i_a4 = i_d4_held;
     if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
         float target = commutation_transfer;
         uint32_t unknown = 0u;
@@ -209,66 +207,66 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         const float part = fabsf(transfer);
         const float part_x = (of_x) ? part : 0.0f;
         const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
-        cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
+        cosine_z_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
         const float whole = maglev_5dof_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
         waves_z_cosine = share_z * turned_sine;
         waves_z_sine = share_z * turned_cosine;
         const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
-        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + handed_x, 4.9497476f - fabsf(i_q2_held));
+        cosine_x_i_a2 = maglev_5dof_phase_limit(i_d2_held + handed_x, 4.9497476f - fabsf(i_q2_held));
         const float share_x = whole * (1.0f - part_x);
         waves_x_cosine_i_a2_2 = share_x * waves_x_cosine_i_a2;
         waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
-        cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
-        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
+        cosine_z_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
+        cosine_x_i_a4 = maglev_5dof_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
         state->commutation_transfer = transfer;
         state->commutation_unknown = unknown;
     } else {
         state->commutation_transfer = 0.0f;
         state->commutation_unknown = 0u;
     }
-    const float cosine_i_a1_2 = (cosine_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
-    const float i_a1 = cosine_i_a1_2;
+    const float cosine_z_i_a1_2 = (cosine_z_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
+    const float i_a1 = cosine_z_i_a1_2;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
     out->i_a1 = i_a1;
-    const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_i_a1 * waves_z_sine));
-    const float half_z = 0.5f * cosine_i_a1_2;
+    const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_z_i_a1 * waves_z_sine));
+    const float half_z = 0.5f * cosine_z_i_a1_2;
     const float i_b1 = other_z - half_z;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
     out->i_b1 = i_b1;
     const float i_c1 = -(half_z + other_z);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
     out->i_c1 = i_c1;
-    const float cosine_i_a2_2 = (cosine_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
-    const float i_a2 = cosine_i_a2_2;
+    const float cosine_x_i_a2_2 = (cosine_x_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
+    const float i_a2 = cosine_x_i_a2_2;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
     out->i_a2 = i_a2;
-    const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_i_a2 * waves_x_sine_i_a2_2));
-    const float half_x = 0.5f * cosine_i_a2_2;
+    const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a2 * waves_x_sine_i_a2_2));
+    const float half_x = 0.5f * cosine_x_i_a2_2;
     const float i_b2 = other_x - half_x;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
     out->i_b2 = i_b2;
     const float i_c2 = -(half_x + other_x);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
     out->i_c2 = i_c2;
-    const float cosine_i_a3_2 = (cosine_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
-    const float i_a3 = cosine_i_a3_2;
+    const float cosine_z_i_a3_2 = (cosine_z_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
+    const float i_a3 = cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
     out->i_a3 = i_a3;
-    const float i_b3_part = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_i_a3 * waves_z_sine));
-    const float half_cosine_i_a3_2 = 0.5f * cosine_i_a3_2;
-    const float i_b3 = i_b3_part - half_cosine_i_a3_2;
+    const float i_b3_part = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
+    const float half_cosine_z_i_a3_2 = 0.5f * cosine_z_i_a3_2;
+    const float i_b3 = i_b3_part - half_cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
     out->i_b3 = i_b3;
-    const float i_c3 = -(half_cosine_i_a3_2 + i_b3_part);
+    const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_part);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
     out->i_c3 = i_c3;
-    const float current_cosine = (cosine_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
+    const float current_cosine = (cosine_x_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
     const float i_a4 = current_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
     out->i_a4 = i_a4;
-    const float i_b4_part = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_i_a4 * waves_x_sine_i_a2_2));
+    const float i_b4_part = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a4 * waves_x_sine_i_a2_2));
     const float half_current_cosine = 0.5f * current_cosine;
     const float i_b4 = i_b4_part - half_current_cosine;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */

@@ -1,16 +1,19 @@
 /* maglev_5dof_phase: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call maglev_5dof_phase_init once, then maglev_5dof_phase_step once every 0.001 s with the inputs of that sample, and
- * write its outputs to the hardware. Nothing else may change the state.
+ * use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
+ * In each sample, call maglev_5dof_step and then maglev_5dof_phase_step: a step takes outputs of the steps before it,
+ * and the outputs of the last one go to the hardware.
+ *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
- * The gains were computed for the numbers of the plant in maglev_5dof_phase.c: for another mass or geometry, generate
- * the files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in maglev_5dof_phase.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -106,8 +109,8 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. */
 typedef struct {
     float x_acting;                     /* m: x when the current acts */
     float lost_x;                       /* 1: x is unknown */
@@ -115,13 +118,11 @@ typedef struct {
     float lost_z;                       /* 1: z is unknown */
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
-    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
-    uint32_t saturated;                 /* signals at their limits in the last step */
 } maglev_5dof_phase_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
-    maglev_5dof_phase_diagnostics_t *diagnostics);
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out, maglev_5dof_phase_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

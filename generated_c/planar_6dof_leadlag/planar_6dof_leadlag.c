@@ -14,11 +14,6 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
-static inline float planar_6dof_leadlag_min(float a, float b)
-{
-    return (a < b) ? a : b;
-}
-
 static inline float planar_6dof_leadlag_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -83,18 +78,18 @@ static inline float sin_phi_polynomial(float t)
     return 0.99999994f + (t * -0.16661468f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0272707082 .. 0.0272707082, t = x^2; relative error at most
- * 2.5e-06. */
+/* quarter_sine_rear / x; x = distance_rear in -0.0292707086 .. 0.0292707086, t = x^2; relative error at most
+ * 3.7e-06. */
 static inline float quarter_sine_rear_polynomial(float t)
 {
-    return 30.921116f + (t * (-4925.7046f + (t * 229584.3f)));
+    return 30.921078f + (t * (-4925.152f + (t * 228680.86f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253418665, t = x^2; relative error at most
- * 1.7e-06. */
+/* quarter_sine_front / x; x = distance_front in -0.0274924003 .. 0.0273418669, t = x^2; relative error at most
+ * 2.6e-06. */
 static inline float quarter_sine_front_polynomial(float t)
 {
-    return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));
+    return 30.921114f + (t * (-4925.6577f + (t * 229496.34f)));
 }
 
 /* f5_polynomial; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
@@ -130,8 +125,8 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float prediction_p = now + angle_part;
     const float prediction_s = angle_part + a;
     float angle = now;
-    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <=
-            parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
+    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) &&
+            (fabsf(prediction_s) <= parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
         state->p = prediction_p;
         state->s = prediction_s;
         state->h = a;
@@ -154,8 +149,7 @@ typedef struct {
  *     d_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
-    planar_6dof_leadlag_loop_state_t *state,
-    float gain, float ref_held, float value)
+    planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
     return (planar_6dof_leadlag_loop_output_t){.error = error, .d = (gain * error) + state->lead + state->integral};
@@ -190,8 +184,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 }
 
 uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
-    planar_6dof_leadlag_output_t *out,
-    planar_6dof_leadlag_diagnostics_t *diagnostics)
+    planar_6dof_leadlag_output_t *out, planar_6dof_leadlag_diagnostics_t *diagnostics)
 #else
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
     planar_6dof_leadlag_output_t *out)
@@ -254,18 +247,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_psi_gain = 581.13947f;              /* A/rad; (25): gain on the error */
     static const float loop_psi_lead_input = -536.41425f;       /* A/rad; (25): gain times (lead_pole - zero) */
     static const float loop_psi_integral_decay = 0.9900498f;    /* 1; (25): zero of the integral action in z */
+    static const float allocation_two = 2.0f;                   /* 1; Table 3: both motors */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float commutation_minus_half = -0.5f;          /* 1; (17): cos 120 degrees */
     /* 1; (23): 1 - integral_decay; times allocation_rear_share */
     static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
     /* 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
-    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {0.30911008f, 0.05698819f, 0.0026284785f,
-        0.05f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-        0.2f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-        0.2f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f, .k_s = 0.05698819f,
+        .k_h = 0.0026284785f, .largest_prediction = 0.05f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -315,9 +310,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
-            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
-            sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) +
+            (sensing_first_r_2 * sensing_first_r_2) +
+            (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -353,10 +348,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
-            fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
-            !is_jump) || common;
+            (sensing_first_r_2_size <= significant_r) &&
+            (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
+            (both_m_exceed_suspect_V_ax && !is_jump) || common;
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
@@ -443,9 +438,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 
         /* sensing: position and yaw, (1)-(5) (continued) */
         const float filter_y_p = state->filter_y.p;
-        float x_raw = filter_x_p;
-        float y_raw = filter_y_p;
-        bool accepted_phi_raw = false;
+        bool accepted_x_raw = false;
+        float x_raw = 0.0f;
+        float y_raw = 0.0f;
         float raw_yaw = 0.0f;
         float sensing_within_x_next = 0.0f;
         float sensing_within_y_next = 0.0f;
@@ -458,8 +453,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float X_c_squared = X_c * X_c;
             const float X_s_times_X_c = X_s * X_c;
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
-                (product_m_x * sensing_power_2))));
+            const float m_x = X_s_squared + X_c_squared -
+                (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
             const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
             const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
             const float Y_s_squared = Y_s * Y_s;
@@ -467,18 +462,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
             const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-                (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-                sensing_slope_1)));
+            const float m_y = Y_s_squared + ratio_y_part_squared -
+                (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s -
+                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-                ratio_y_part);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
+                (Y_s - ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
-                    (squared_residual_limit < squared))) {
+            if ((guard_ready != 0u) && (squared_confirmation < squared) &&
+                    ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
@@ -492,31 +487,31 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_first_phi = filter_phi_p;
                 }
             } else {
-                const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) +
-                    least_square);
+                const float ratio_x = X_s_times_X_c /
+                    (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
                 /*@ admit -1.0f <= ratio_x <= 1.0f; */
                 const float ratio_x_squared = ratio_x * ratio_x;
-                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                     (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
                 float within_x_2;
                 if (X_s_squared <= X_c_squared) {
                     if (X_c < 0.0f) {
-                        if (0.0f < f_x_raw) {
-                            within_x_2 = f_x_raw - half_pitch;
+                        if (0.0f < f_x) {
+                            within_x_2 = f_x - half_pitch;
                         } else {
-                            within_x_2 = f_x_raw + half_pitch;
+                            within_x_2 = f_x + half_pitch;
                         }
                     } else {
-                        within_x_2 = f_x_raw;
+                        within_x_2 = f_x;
                     }
                 } else {
-                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
                 }
                 const float sensing_offset_x = state->sensing_offset_x;
-                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
+                const float off_x = within_x_2 - (filter_x_p - sensing_offset_x);
                 float offset_x = sensing_offset_x;
-                if (half_pitch < fabsf(off_x_raw)) {
-                    if (0.0f < off_x_raw) {
+                if (half_pitch < fabsf(off_x)) {
+                    if (0.0f < off_x) {
                         if (-pitch <= sensing_offset_x) {
                             const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
                             offset_x = sensing_offset_x_minus_pitch;
@@ -532,31 +527,31 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
                 x_raw = within_x_2 + offset_x;
                 sensing_within_x_next = within_x_2;
-                const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared,
-                    ratio_y_part_squared) + least_square));
+                const float ratio_y = -(Y_s_times_ratio_y_part /
+                    (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
                 /*@ admit -1.0f <= ratio_y <= 1.0f; */
                 const float ratio_y_squared = ratio_y * ratio_y;
-                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                     (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
                 float position;
                 if (Y_s_squared <= ratio_y_part_squared) {
                     if (-ratio_y_part < 0.0f) {
-                        if (0.0f < f_y_raw) {
-                            position = f_y_raw - half_pitch;
+                        if (0.0f < f_y) {
+                            position = f_y - half_pitch;
                         } else {
-                            position = f_y_raw + half_pitch;
+                            position = f_y + half_pitch;
                         }
                     } else {
-                        position = f_y_raw;
+                        position = f_y;
                     }
                 } else {
-                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
                 }
                 const float sensing_offset_y = state->sensing_offset_y;
-                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
+                const float off_y = position - (filter_y_p - sensing_offset_y);
                 float offset_y = sensing_offset_y;
-                if (half_pitch < fabsf(off_y_raw)) {
-                    if (0.0f < off_y_raw) {
+                if (half_pitch < fabsf(off_y)) {
+                    if (0.0f < off_y) {
                         if (-pitch <= sensing_offset_y) {
                             const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
                             offset_y = sensing_offset_y_minus_pitch;
@@ -575,10 +570,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ?
-                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
-                state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
-                accepted_phi_raw = true;
+                const float sensing_scale_part = sensing_scale -
+                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
+                state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_part, 0.18f);
+                accepted_x_raw = true;
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
                 const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
                     / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
@@ -593,16 +588,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             }
 #endif
         }
-        const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
-        const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
-        if (accepted_phi_raw) {
+        if (accepted_x_raw) {
             state->sensing_within_x = sensing_within_x_next;
             state->sensing_within_y = sensing_within_y_next;
         } else {
+            x_raw = filter_x_p;
+            y_raw = filter_y_p;
             raw_yaw = filter_phi_p;
             sensing_within_x_next = state->sensing_within_x;
             sensing_within_y_next = state->sensing_within_y;
         }
+        const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
+        const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
         const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
 
@@ -645,9 +642,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *         quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
          *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
-         *     achieved_x = cos(phi) * i_CQ - 2 * (sin(phi) * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
+         *     achieved_x = cos(phi) * i_CQ - sin(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_y = sin(phi) * i_CQ + 2 * (cos(phi) * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
+         *     achieved_y = sin(phi) * i_CQ + cos(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
         const float cos_phi_argument = phi * phi;
@@ -656,17 +653,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
             planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
         const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ *
-            loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) -
+            (sin_i_CQ * loop_x_output.d)), quadrature_limit - fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
         const float front_i_AD = loop_z_output.d - loop_theta_output.d;
         const float i_AD = planar_6dof_leadlag_limit(front_i_AD + loop_psi_output.d, direct_limit);
         const float i_BD = planar_6dof_leadlag_limit(front_i_AD - loop_psi_output.d, direct_limit);
         const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), direct_limit);
-        const float achieved_x = (cos_i_CQ * i_CQ) - (2.0f * (sin_i_CQ * half));
+        const float both = allocation_two * half;
+        const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
         planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
-        const float achieved_y = (sin_i_CQ * i_CQ) + (2.0f * (cos_i_CQ * half));
+        const float achieved_y = (sin_i_CQ * i_CQ) + (cos_i_CQ * both);
         planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
         const float achieved_phi = yaw - i_CQ;
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
@@ -696,8 +694,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
-            distance_front);
+        const float quarter_sine_front = distance_front *
+            quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -713,12 +711,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
+        const float middle_A = commutation_minus_half * i_AA_computed;
         const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
-        const float half_i_AA_computed = 0.5f * i_AA_computed;
-        const float i_AB_computed = beta_A - half_i_AA_computed;
+        const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(half_i_AA_computed + beta_A);
+        const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
@@ -726,12 +724,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
+        const float middle_B = commutation_minus_half * i_BA_computed;
         const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
-        const float half_i_BA_computed = 0.5f * i_BA_computed;
-        const float i_BB_computed = beta_B - half_i_BA_computed;
+        const float i_BB_computed = middle_B + beta_B;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(half_i_BA_computed + beta_B);
+        const float i_BC_computed = middle_B - beta_B;
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
@@ -741,12 +739,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
+        const float middle_C = commutation_minus_half * i_CA_computed;
         const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
-        const float half_i_CA_computed = 0.5f * i_CA_computed;
-        const float i_CB_computed = beta_C - half_i_CA_computed;
+        const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(half_i_CA_computed + beta_C);
+        const float i_CC_computed = middle_C - beta_C;
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;

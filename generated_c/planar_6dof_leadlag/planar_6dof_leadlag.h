@@ -1,16 +1,19 @@
 /* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call planar_6dof_leadlag_init once, then planar_6dof_leadlag_step once every 0.001 s with the inputs of that sample,
- * and write its outputs to the hardware. Nothing else may change the state.
+ * and use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init: the outputs
- * move to the safe output (the air bearings carry the platen, and without current no force acts on it; measured on 17
- * plants, each sensor lost in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s (phi); in motion the
- * machine reaches 0.15 m/s (x) and 0.022 rad/s (psi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at
- * 126 A/s.
+ * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init, and the outputs
+ * move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ *
+ * What this does to the machine:
+ *   - the air bearings carry the platen, and without current no force acts on it
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s
+ *     (phi)
+ *   - in motion the machine reaches 0.15 m/s (x) and 0.022 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -24,8 +27,8 @@
  * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
  * first within 4 samples. Their fault bits are set from that sample on.
  *
- * The gains were computed for the numbers of the plant in planar_6dof_leadlag.c: for another mass or geometry, generate
- * the files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
+ * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With PLANAR_6DOF_LEADLAG_DIAGNOSTICS defined, for the .c as well, planar_6dof_leadlag_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -48,9 +51,9 @@ typedef struct {
 } planar_6dof_leadlag_loop_state_t;
 
 typedef struct {
-    float p;                            /* rad: predicted position */
-    float s;                            /* rad: predicted velocity times T */
-    float h;                            /* rad: predicted acceleration times T^2/2 */
+    float p;                            /* m or rad: predicted position */
+    float s;                            /* m or rad: predicted velocity times T */
+    float h;                            /* m or rad: predicted acceleration times T^2/2 */
 } planar_6dof_leadlag_filter_state_t;
 
 typedef struct {
@@ -107,8 +110,8 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    float sensing_within_x;             /* m, -0.0274 .. 0.0274: raw position along x, from the middle of its pitch */
+    float sensing_within_y;             /* m, -0.0274 .. 0.0274: raw position along y, from the middle of its pitch */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
@@ -167,14 +170,14 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 18  V_by: contradicts the others
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
- *   bit 31  latched: safe output until init
  *   bit 29  all Hall voltages have another amplitude than the field
+ *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
 typedef struct {
     float suspect_V_ax;                 /* 1: V_ax contradicts the others */
     float suspect_V_ay;                 /* 1: V_ay contradicts the others */
@@ -221,8 +224,8 @@ typedef struct {
 } planar_6dof_leadlag_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
-    planar_6dof_leadlag_diagnostics_t *diagnostics);
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out, planar_6dof_leadlag_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -14,11 +14,6 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
-static inline float planar_6dof_lqg_min(float a, float b)
-{
-    return (a < b) ? a : b;
-}
-
 static inline float planar_6dof_lqg_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -36,15 +31,6 @@ static inline float planar_6dof_lqg_slew(float last, float target, float step)
     const float lowest = last - step;
     const float below = (target < highest) ? target : highest;
     return (below > lowest) ? below : lowest;
-}
-
-static inline uint32_t planar_6dof_lqg_flag(bool holds)
-{
-    uint32_t value = 0u;
-    if (holds) {
-        value = 1u;
-    }
-    return value;
 }
 
 #if defined(__GNUC__)
@@ -92,18 +78,18 @@ static inline float sin_phi_raw_polynomial(float t)
     return 1.0f + (t * -0.16666232f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0260395538 .. 0.0260395538, t = x^2; relative error at most
- * 1.9e-06. */
+/* quarter_sine_rear / x; x = distance_rear in -0.0280395541 .. 0.0280395541, t = x^2; relative error at most
+ * 2.9e-06. */
 static inline float quarter_sine_rear_polynomial(float t)
 {
-    return 30.921135f + (t * (-4925.9985f + (t * 230119.58f)));
+    return 30.921103f + (t * (-4925.5044f + (t * 229242.78f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253116228, t = x^2; relative error at most
- * 1.7e-06. */
+/* quarter_sine_front / x; x = distance_front in -0.0274924003 .. 0.0273116231, t = x^2; relative error at most
+ * 2.6e-06. */
 static inline float quarter_sine_front_polynomial(float t)
 {
-    return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));
+    return 30.921114f + (t * (-4925.6577f + (t * 229496.34f)));
 }
 
 /* f5_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
@@ -137,8 +123,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 }
 
 uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
-    planar_6dof_lqg_output_t *out,
-    planar_6dof_lqg_diagnostics_t *diagnostics)
+    planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics)
 #else
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
     planar_6dof_lqg_output_t *out)
@@ -232,8 +217,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float loop_psi_gain = 469.96793f;              /* A/rad; (25): gain on the error */
     static const float loop_psi_lead_input = -425.18707f;       /* A/rad; (25): gain times (lead_pole - zero) */
     static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
+    static const float allocation_two = 2.0f;                   /* 1; Table 3: both motors */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float commutation_minus_half = -0.5f;          /* 1; (17): cos 120 degrees */
     static const float braking_x_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
     static const float braking_y_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
     static const float braking_phi_gain = -1433.3131f;          /* (A)/rad; 0.5 / (b T^2) */
@@ -273,7 +260,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         &faults);
 
     /* sensing: position and yaw, (1)-(5)
-     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and complete, else 0 */
+     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and measured, else 0 */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
@@ -286,9 +273,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
-            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
-            sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) +
+            (sensing_first_r_2 * sensing_first_r_2) +
+            (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -324,10 +311,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f *
-            fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax &&
-            !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
+            (sensing_first_r_2_size <= significant_r) &&
+            (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
+            (both_m_exceed_suspect_V_ax && !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
@@ -386,6 +373,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     if (braking) {
         faults |= 0x40000000u;
     }
+    if (other_amplitude) {
+        faults |= 0x20000000u;
+    }
+    uint32_t fault_word;
     if (latched != 0u) {
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
@@ -408,10 +399,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
-        faults |= 0x80000000u;
+        fault_word = faults | 0x80000000u;
     } else {
+        /* guard: range acceptance, hold, latch (continued) */
+        const bool braked = guard_left < 25u;
+
         /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = x_rate + x_rate_gain * (x_raw - (x_position if guard_ready and complete, else x_raw)) +
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
@@ -422,9 +416,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float expected_x = reckoning_x_position - sensing_offset_x;
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
-        float x_raw = reckoning_x_position;
-        float y_raw = reckoning_y_position;
-        bool accepted_phi_raw = false;
+        bool measured = false;
+        float x_raw = 0.0f;
+        float y_raw = 0.0f;
         float raw_yaw = 0.0f;
         float last = 0.0f;
         float within_x = 0.0f;
@@ -446,42 +440,42 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float Y_s_squared = Y_s * Y_s;
             const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) +
-                least_square));
+            const float ratio_y = -(Y_s_times_ratio_y_part /
+                (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 +
-                (product_m_x * sensing_power_2))));
+            const float m_x = X_s_squared + X_c_squared -
+                (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
-                (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
-                sensing_slope_1)));
+            const float m_y = Y_s_squared + ratio_y_part_squared -
+                (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s -
+                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
-                ratio_y_part);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
+                (Y_s - ratio_y_part);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+            const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                 (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float within_x_2;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
-                    if (0.0f < f_x_raw) {
-                        within_x_2 = f_x_raw - half_pitch;
+                    if (0.0f < f_x) {
+                        within_x_2 = f_x - half_pitch;
                     } else {
-                        within_x_2 = f_x_raw + half_pitch;
+                        within_x_2 = f_x + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x_raw;
+                    within_x_2 = f_x;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
             }
-            const float off_x_raw = within_x_2 - expected_x;
+            const float off_x = within_x_2 - expected_x;
             float offset_x = sensing_offset_x;
-            if (half_pitch < fabsf(off_x_raw)) {
-                if (0.0f < off_x_raw) {
+            if (half_pitch < fabsf(off_x)) {
+                if (0.0f < off_x) {
                     if (-pitch <= sensing_offset_x) {
                         offset_x = sensing_offset_x - pitch;
                     }
@@ -491,29 +485,29 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     }
                 }
             }
-            const float accepted_x_raw = within_x_2 + offset_x;
-            const float innovation_x = accepted_x_raw - reckoning_x_position;
+            const float accepted_x = within_x_2 + offset_x;
+            const float innovation_x = accepted_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+            const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
             if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_x_raw_2) {
-                        position = f_x_raw_2 - half_pitch;
+                    if (0.0f < f_y) {
+                        position = f_y - half_pitch;
                     } else {
-                        position = f_x_raw_2 + half_pitch;
+                        position = f_y + half_pitch;
                     }
                 } else {
-                    position = f_x_raw_2;
+                    position = f_y;
                 }
             } else {
-                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
             }
-            const float off_x_raw_2 = position - expected_y;
+            const float off_y = position - expected_y;
             float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_x_raw_2)) {
-                if (0.0f < off_x_raw_2) {
+            if (half_pitch < fabsf(off_y)) {
+                if (0.0f < off_y) {
                     if (-pitch <= sensing_offset_y) {
                         offset_y = sensing_offset_y - pitch;
                     }
@@ -523,20 +517,21 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     }
                 }
             }
-            const float accepted_x_raw_2 = position + offset_y;
-            const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
-            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
+            const float accepted_y = position + offset_y;
+            const float innovation_y = accepted_y - reckoning_y_position;
+            const float measured_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
                 (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
-            const float accepted_x_raw_3 = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3
-                * (m_x - m_y)))) / information);
-            const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
-            const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
+            const float accepted_measured = sensing_phi_raw +
+                (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
+            const float measured_part_2 = accepted_measured - reckoning_phi_position;
+            const float squared = measured_part +
+                (yaw_innovation_weight * (information * (measured_part_2 * measured_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) ||
-                    (squared_residual_limit < squared))) {
+            if ((guard_ready != 0u) && (squared_confirmation < squared) &&
+                    ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
@@ -550,10 +545,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                x_raw = accepted_x_raw;
-                y_raw = accepted_x_raw_2;
-                accepted_phi_raw = true;
-                raw_yaw = accepted_x_raw_3;
+                measured = true;
+                x_raw = accepted_x;
+                y_raw = accepted_y;
+                raw_yaw = accepted_measured;
                 within_x = within_x_2;
                 within_y = position;
                 if (1u <= sensing_contradiction_left) {
@@ -561,9 +556,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale - (((guard_ready < 1u) ?
-                    sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
-                state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
+                const float sensing_scale_part = sensing_scale -
+                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
+                state->sensing_scale = 1.02f + planar_6dof_lqg_limit(sensing_scale_part, 0.18f);
             }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -576,21 +571,37 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         } else {
             last = state->sensing_innovation_phi;
         }
-        if (!accepted_phi_raw) {
+        if (!measured) {
+            const float passed_x = planar_6dof_lqg_limit(expected_x, 0.0274f);
+            x_raw = passed_x + sensing_offset_x;
+            const float passed_y = planar_6dof_lqg_limit(expected_y, 0.0274f);
+            y_raw = passed_y + sensing_offset_y;
             raw_yaw = reckoning_phi_position + last;
-            within_x = planar_6dof_lqg_limit(expected_x, half_pitch);
-            within_y = planar_6dof_lqg_limit(expected_y, half_pitch);
+            within_x = passed_x;
+            within_y = passed_y;
         }
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
-        float start_x = reckoning_x_position;
-        float start_y = reckoning_y_position;
-        float start_phi = reckoning_phi_position;
-        if ((guard_ready != 0u) && complete) {
-            state->sensing_innovation_phi = phi_raw - reckoning_phi_position;
+        const float reckoning_x_rate = state->reckoning_x_rate;
+        const float reckoning_y_rate = state->reckoning_y_rate;
+        const float reckoning_phi_rate = state->reckoning_phi_rate;
+        float corrected_x = x_raw;
+        float x_next_part = reckoning_x_rate;
+        float corrected_y = y_raw;
+        float y_next_part = reckoning_y_rate;
+        float corrected_phi = phi_raw;
+        float phi_next_part = reckoning_phi_rate;
+        if ((guard_ready != 0u) && measured) {
+            const float x_next_part_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * x_next_part_2);
+            x_next_part = reckoning_x_rate + (reckoning_x_rate_gain * x_next_part_2);
+            const float y_next_part_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * y_next_part_2);
+            y_next_part = reckoning_y_rate + (reckoning_y_rate_gain * y_next_part_2);
+            const float phi_next_part_2 = phi_raw - reckoning_phi_position;
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * phi_next_part_2);
+            phi_next_part = reckoning_phi_rate + (reckoning_phi_rate_gain * phi_next_part_2);
+            state->sensing_innovation_phi = phi_next_part_2;
         } else {
-            start_x = x_raw;
-            start_y = y_raw;
-            start_phi = phi_raw;
             state->sensing_innovation_phi = 0.0f;
         }
         state->sensing_phi_raw = phi_raw;
@@ -616,9 +627,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float e_x = x_raw - start_x;
         const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = state->reckoning_x_rate + (reckoning_x_rate_gain * e_x) + a_x;
+        const float middle_x = x_next_part + a_x;
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
         const float x_advance = middle_x + a_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
@@ -627,9 +639,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float e_y = y_raw - start_y;
         const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = state->reckoning_y_rate + (reckoning_y_rate_gain * e_y) + a_y;
+        const float middle_y = y_next_part + a_y;
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
         const float y_advance = middle_y + a_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -642,18 +655,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float e_phi = phi_raw - start_phi;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = state->reckoning_phi_rate + (reckoning_phi_rate_gain * e_phi) + a_phi;
+        const float middle_phi = phi_next_part + a_phi;
+        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, 0.05f);
         const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = planar_6dof_lqg_limit(start_x + (reckoning_x_position_gain * e_x) + middle_x,
-            0.2f);
+        state->reckoning_x_position = x_next;
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
-        state->reckoning_y_position = planar_6dof_lqg_limit(start_y + (reckoning_y_position_gain * e_y) + middle_y,
-            0.2f);
+        state->reckoning_y_position = y_next;
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
-        state->reckoning_phi_position = planar_6dof_lqg_limit(start_phi + (reckoning_phi_position_gain * e_phi) +
-            middle_phi, 0.05f);
+        state->reckoning_phi_position = phi_next;
         state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
         /* vertical_kinematics: z and tilts from distances
@@ -686,14 +696,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
         /* braking: braking before the latch
-         *     d_phi = phi_gain * phi_advance if active is set, else law_phi; likewise d_x, d_y */
-        const uint32_t braking_active = state->braking_active;
+         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
         const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
@@ -701,25 +710,29 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float d_phi;
         float d_x;
         float d_y;
-        if (braking_active != 0u) {
+        bool value = false;
+        bool runs = false;
+        if (braked) {
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
         } else {
             /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_x = (lqg_x_error_gain * ((is_small_law_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f)
-                ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
+            const float law_x = (lqg_x_error_gain * ((is_small) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
+                -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
             d_x = law_x;
 
             /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_y = (lqg_y_error_gain * ((is_small_law_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f)
-                ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
+            const float law_y = (lqg_y_error_gain * ((is_close) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
+                -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
             d_y = law_y;
 
             /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral -
-                estimated_law_phi);
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
+                (lqg_phi_integral - estimated_law_phi);
             d_phi = law_phi;
+            value = !is_small;
+            runs = !is_close;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->law_x = law_x;
@@ -728,7 +741,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         }
-        state->braking_active = planar_6dof_lqg_flag(braking);
+        uint32_t value_2 = faults;
+        if (value) {
+            value_2 = faults | 0x08000000u;
+        }
+        if (runs) {
+            fault_word = value_2 | 0x10000000u;
+        } else {
+            fault_word = value_2;
+        }
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -737,9 +758,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *         i_CQ, quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
          *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
-         *     achieved_x = cos(phi_raw) * i_CQ - 2 * (sin(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_y = sin(phi_raw) * i_CQ + 2 * (cos(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
         const float cos_phi_raw_argument = phi_raw * phi_raw;
@@ -756,27 +777,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AD = planar_6dof_lqg_limit(front_i_AD + d_psi, direct_limit);
         const float i_BD = planar_6dof_lqg_limit(front_i_AD - d_psi, direct_limit);
         const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
-        const float achieved_x = (cos_i_CQ * i_CQ) - (2.0f * (sin_i_CQ * half));
-        const float achieved_y = (sin_i_CQ * i_CQ) + (2.0f * (cos_i_CQ * half));
+        const float both = allocation_two * half;
+        const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
+        const float achieved_y = (sin_i_CQ * i_CQ) + (cos_i_CQ * both);
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (is_small_law_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
-            estimated_law_x))) : lqg_x_integral_part;
+        state->lqg_x_integral = (is_small) ?
+            (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (is_small_law_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
-            estimated_law_y))) : lqg_y_integral_part;
+        state->lqg_y_integral = (is_close) ?
+            (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi
-            + estimated_law_phi));
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
+            (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) (continued) */
@@ -785,8 +807,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_z_integral = integral_4;
 
         /* loop_theta: lead-lag, (24) (continued) */
-        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input *
-            achieved_theta);
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) +
+            (loop_theta_integral_input * achieved_theta);
 
         /* loop_psi: lead-lag, (25) (continued) */
         const float integral_6 = (loop_psi_integral_decay * loop_psi_integral) +
@@ -802,8 +824,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
-            distance_front);
+        const float quarter_sine_front = distance_front *
+            quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -819,12 +841,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
+        const float middle_A = commutation_minus_half * i_AA_computed;
         const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
-        const float half_i_AA_computed = 0.5f * i_AA_computed;
-        const float i_AB_computed = beta_A - half_i_AA_computed;
+        const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(half_i_AA_computed + beta_A);
+        const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
@@ -832,12 +854,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
+        const float middle_B = commutation_minus_half * i_BA_computed;
         const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
-        const float half_i_BA_computed = 0.5f * i_BA_computed;
-        const float i_BB_computed = beta_B - half_i_BA_computed;
+        const float i_BB_computed = middle_B + beta_B;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(half_i_BA_computed + beta_B);
+        const float i_BC_computed = middle_B - beta_B;
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
@@ -847,12 +869,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
+        const float middle_C = commutation_minus_half * i_CA_computed;
         const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
-        const float half_i_CA_computed = 0.5f * i_CA_computed;
-        const float i_CB_computed = beta_C - half_i_CA_computed;
+        const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(half_i_CA_computed + beta_C);
+        const float i_CC_computed = middle_C - beta_C;
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;
@@ -866,6 +888,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->measured = measured ? 1.0f : 0.0f;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
             diagnostics->within_x = within_x;
@@ -894,16 +917,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi),
-                half_quadrature_limit)) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(phi_next) >= 0.05f) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >=
+                planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000020u : 0u;
         }
 #endif
-    }
-    if (other_amplitude) {
-        faults |= 0x20000000u;
     }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -913,11 +934,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
-        diagnostics->faults = faults;
-        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = faults;
+        diagnostics->faults = fault_word;
+        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = fault_word;
         }
     }
 #endif
-    return faults;
+    return fault_word;
 }

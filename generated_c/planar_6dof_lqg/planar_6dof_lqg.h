@@ -1,16 +1,20 @@
 /* planar_6dof_lqg: one step every 0.00125 s, float. Generated: do not edit.
  *
  * Call planar_6dof_lqg_init once, then planar_6dof_lqg_step once every 0.00125 s with the inputs of that sample, and
- * write its outputs to the hardware. Nothing else may change the state.
+ * use its outputs at once. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
- * last of them until init: the outputs move to the safe output (the air bearings carry the platen, and without current
- * no force acts on it; measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00018 m/s (z) and
- * 0.007 rad/s (psi); in motion the machine reaches 0.0036 m/s (z) and 0.095 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB,
- * i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ * last of them until init, and the outputs move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB,
+ * i_CC to 0 A at 126 A/s.
+ *
+ * What this does to the machine:
+ *   - the air bearings carry the platen, and without current no force acts on it
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00018 m/s (z) and 0.007 rad/s
+ *     (psi)
+ *   - in motion the machine reaches 0.0036 m/s (z) and 0.095 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -24,8 +28,8 @@
  * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
  * first within 4 samples. Their fault bits are set from that sample on.
  *
- * The gains were computed for the numbers of the plant in planar_6dof_lqg.c: for another mass or geometry, generate the
- * files again. gains.json and manifest.json say where each number comes from.
+ * The gains and numbers in planar_6dof_lqg.c hold for one plant and one period: for other masses, geometry or magnets,
+ * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With PLANAR_6DOF_LQG_DIAGNOSTICS defined, for the .c as well, planar_6dof_lqg_step_diagnosed also says which signals
  * it computed, what is saturated and why it latched. Without it nothing is paid for that.
@@ -120,7 +124,6 @@ typedef struct {
     float loop_theta_lead;              /* A, -4.68479 .. 4.68479: state of the lead filter */
     float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_psi_lead;                /* A, -5.15327 .. 5.15327: state of the lead filter */
-    uint32_t braking_active;            /* 1, 0 .. 1: 1 from the second braking sample on */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -136,11 +139,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 228u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 224u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_228[(sizeof(planar_6dof_lqg_state_t) == 228u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_224[(sizeof(planar_6dof_lqg_state_t) == 224u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -169,15 +172,19 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 18  V_by: contradicts the others
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
+ *   bit 27  status, no fault: the set-point of the position along X is followed late
+ *   bit 28  status, no fault: the set-point of the position along Y is followed late
+ *   bit 29  all Hall voltages have another amplitude than the field
  *   bit 30  brakes, a latch follows
  *   bit 31  latched: safe output until init
- *   bit 29  all Hall voltages have another amplitude than the field
+ * The bits of a status, 0x18000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
-/* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD,
+ * 5 i_CD. */
 typedef struct {
     float suspect_V_ax;                 /* 1: V_ax contradicts the others */
     float suspect_V_ay;                 /* 1: V_ay contradicts the others */
@@ -195,6 +202,7 @@ typedef struct {
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
     float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
+    float measured;                     /* 1: the positions are measured in this sample */
     float x_advance;                    /* m: predicted rate times the sample period */
     float y_advance;                    /* m: predicted rate times the sample period */
     float phi_advance;                  /* rad: predicted rate times the sample period */
@@ -227,8 +235,8 @@ typedef struct {
 } planar_6dof_lqg_diagnostics_t;
 
 /* The step; `diagnostics` may be null. */
-uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
-    planar_6dof_lqg_diagnostics_t *diagnostics);
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics);
 #endif
 
 #ifdef __cplusplus

@@ -124,7 +124,7 @@ def _equilibrium(
 def _require_no_fault(rest: Equilibrium) -> None:
     """Raise ModelError if the controller raises a fault at equilibrium."""
     block = rest.closed.controller
-    flags = [f.output for f in block.faults]
+    flags = [f.output for f in block.faults if not f.status]
     symbols = {
         **{n: block.symbol[n] for n in (*rest.state, *rest.inputs)},
         **{c.name: block.symbol[c.name] for c in block.constants},

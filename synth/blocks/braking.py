@@ -1,6 +1,6 @@
 """Rate feedback that stops a machine before a latch: efforts that bring the predicted rates of its axes to 0.
 
-    q'' = b f,   v+ = v + b T f      f = effort of the law, or while `braking`:   f = - share v / (b T)
+    q'' = b f,   v+ = v + b T f      f = effort of the law, or while `braked`:   f = - share v / (b T)
 
 so that v+ = (1 - share) v within the limits of f, which stay behind this Block. v is the rate at the moment when f
 begins to act, as `dead_reckoning` predicts it, so no measurement is needed. An axis that is faster than the limits
@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks.dead_reckoning import Axis
-from synth.blocks.safety import BRAKING
+from synth.blocks.safety import BRAKED
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -24,10 +24,10 @@ from synth.timing import Discrete
 def block(
     name: str, time: Discrete, axes: Sequence[Axis], demands: Mapping[str, tuple[Signal, Signal]], share: float
 ) -> Block:
-    """Return the Block that passes the demand of each axis on, except while the input ``braking`` of the guard is 1.
+    """Return the Block that passes the demand of each axis on, except while the input ``braked`` of the guard is 1.
 
     `demands` has the demanded effort of each axis by name, and the signal under which it is passed on.
-    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample but the first removes `share` of it.
+    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it.
 
     Raises SignalError for a share that is not in 0 .. 1, and for an axis without a demand.
     """
@@ -41,15 +41,13 @@ def block(
         output = {}
         for axis, rate in advance.items():
             demand, passed = demands[axis]
-            output[passed.name] = ca.if_else(x["active"], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
-        return Step(output, {"active": u[BRAKING.name]})
+            output[passed.name] = ca.if_else(u[BRAKED.name], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
+        return Step(output)
 
     constants = []
     for axis in axes:
         unit, gain = demands[axis.name][0].unit, -share / (axis.acceleration * time.period_s**2)
         constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.measured.unit}", f"{share:g} / (b T^2)"))
-    inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKING]
+    inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKED]
     outputs = [demands[axis.name][1] for axis in axes]
-    states = [State(Signal("active", "1", 0, 1, "1 from the second braking sample on"), 0, True)]
-    tag = "braking before the latch"
-    return build(name, time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
+    return build(name, time, law, inputs=inputs, outputs=outputs, constants=constants, tag="braking before the latch")

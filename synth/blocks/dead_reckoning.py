@@ -10,7 +10,7 @@ e = q - p:
 The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
 e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
 
-In a sample that is not ``complete``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
+In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
 prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
@@ -19,17 +19,18 @@ Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+MEASURED = Signal("measured", "1", 0, 1, "the positions are measured in this sample")
 
 
 @arguments.checked
@@ -63,8 +64,9 @@ class Axis:
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The flags are ``ready`` and ``complete`` of the guard. The prediction is a state, so a Block that measures the
-    position may read it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
+    The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The
+    prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
+    assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
     that is not positive, or a prediction whose unit is not that of the position.
@@ -74,16 +76,19 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output: dict[str, ca.SX] = {}
         next: dict[str, ca.SX] = {}
+        named: list[tuple[Signal, ca.SX]] = []
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
-            start = ca.if_else(ca.logic_and(u[READY.name], u[COMPLETE.name]), p, q)
-            e = q - start
-            middle = s + k[f"{axis.name}_rate_gain"] * e + a
+            corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
+            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * (q - p), q)
+            middle = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * (q - p), s) + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
-            corrected = start + k[f"{axis.name}_position_gain"] * e
-            next |= {f"{axis.name}_position": corrected + middle, f"{axis.name}_rate": middle + a}
-        return Step(output, next)
+            position = clip(corrected + middle, axis.predicted)
+            named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
+            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
+        certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
+        return Step(output, next, named, certified)
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
     outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
@@ -91,8 +96,23 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     constants = [c for axis in axes for c in _constants(axis, time)]
     tag = "alpha-beta filter, dead reckoning"
     return build(
-        name, time, law, inputs=[*inputs, READY, COMPLETE], outputs=outputs, states=states, constants=constants, tag=tag
+        name, time, law, inputs=[*inputs, READY, MEASURED], outputs=outputs, states=states, constants=constants, tag=tag
     )
+
+
+def _ends(axis: Axis) -> tuple[float, float]:
+    return axis.predicted.low, axis.predicted.high
+
+
+def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
+    """Return a bound on the prediction: that before is at its own, and all that is added at theirs, with rounding u."""
+    r, p, q = axis.pole, axis.predicted.high, max(abs(axis.measured.low), axis.measured.high)
+    moved = axis.advance(time).high + (1 - r) ** 2 * (p + q) + _half_step(axis, time) * axis.effort.high
+    return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
+
+
+def _half_step(axis: Axis, time: Discrete) -> float:
+    return axis.acceleration * time.period_s**2 / 2
 
 
 def _states(axis: Axis, time: Discrete) -> list[State]:
@@ -106,7 +126,7 @@ def _constants(axis: Axis, time: Discrete) -> list[Constant]:
     return [
         Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
         Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
-        Constant(f"{axis.name}_half_step", axis.acceleration * time.period_s**2 / 2, per, "b T^2 / 2"),
+        Constant(f"{axis.name}_half_step", _half_step(axis, time), per, "b T^2 / 2"),
     ]
 
 

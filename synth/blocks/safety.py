@@ -12,8 +12,8 @@ never causes a latch.
                  '-- suspected, suspect_<name> <---- [ states of a Block that compares measurements ]
 
 A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on the output ``braking``
-is 1 and every sample counts as bad, so the latch is certain; a law that reads it brings the machine to rest before the
-outputs go to their safe values.
+is 1 and every sample counts as bad, so the latch is certain. From the next one on ``braked`` is 1; a law that reads it
+brings the machine to rest before the outputs go to their safe values.
 
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
@@ -35,11 +35,12 @@ from synth.timing import Discrete
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
-    *("BRAKING", "GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
+    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
+BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
@@ -78,10 +79,10 @@ def guard(
     compared even while others are refused.
 
     `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
-    between the last of the bad samples and the latch there is also the output ``braking``. Behind a `redundant` guard a
-    Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
-    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this. Such
-    a guard does not brake: its law lands the machine before the latch.
+    between the last of the bad samples and the latch there are also the outputs ``braking`` and ``braked``. Behind a
+    `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which its
+    ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
+    `fault.Judgement` declares this. Such a guard does not brake: its law lands the machine before the latch.
 
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, BRAKING_BIT with
     `braking`, and LATCH_BIT.
@@ -117,6 +118,7 @@ def guard(
             if braking:
                 every = ca.if_else(x["left"] <= braking, 0, every)
                 output[BRAKING.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
+                output[BRAKED.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
@@ -133,7 +135,7 @@ def guard(
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
-    outputs += [BRAKING] if braking else []
+    outputs += [BRAKING, BRAKED] if braking else []
     block = build(
         GUARD,
         time,

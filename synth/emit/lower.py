@@ -14,6 +14,7 @@ import casadi as ca
 from synth.block import Block, ComputedSignal
 from synth.emit.approx.polynomial import Polynomial
 from synth.errors import EmitError
+from synth.fault import Fault
 
 UNARY = {
     ca.OP_NEG: "neg",
@@ -160,7 +161,7 @@ def program(block: Block) -> Program:
     tail = results[count:]
     outputs = dict(zip(block.output, tail, strict=False))
     next = dict(zip(block.next, tail[len(outputs) :], strict=True))
-    word = _fault_word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
+    word = _fault_word(nodes, [(outputs[fault.output], fault) for fault in block.faults])
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.computed_signals}
     integers = frozenset([s.name for s in block.states if s.integer])
@@ -174,9 +175,8 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     """Return the nodes that compute an intermediate value of a law, with its name; other values are not computed."""
     if not block.intermediates:
         return {}
-    f = ca.Function(
-        "values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat([e for _, e in block.intermediates])]
-    )
+    shared = ca.cse([e for _, e in block.intermediates])  # it rewrites some operations, as in the program
+    f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     values, results = walk(f, loads, {})
     known = {node: k for k, node in reversed([*enumerate(nodes)])}
     index: list[int | None] = []
@@ -187,27 +187,52 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     return {k: name for value, name in pairs if (k := index[value]) is not None}
 
 
-def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
+def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:
     """Append the fault word, in which each flag sets its bit, and return its node; None without faults.
 
-    Consecutive flags that are conjunctions with a common condition are tested inside one choice on that condition.
+    Consecutive flags that are conjunctions with a common condition are tested inside one choice on that condition. A
+    status that is 0 while the flag of a fault is set is tested where that flag is not set.
     """
     if not faults:
         return None
     nodes.append(Node("literal", value=0.0))
-    for condition, group in groupby(faults, lambda fault: _condition(nodes[fault[0]])):
+    flags = {flag for flag, fault in faults if not fault.status and _condition(nodes[flag]) is None}
+    inside = [(flag, fault) for flag, fault in faults if fault.status and _unless(nodes, flag) in flags]
+    last = {_unless(nodes, flag) for flag, _ in inside}
+    others = sorted((f for f in faults if f not in inside), key=lambda f: f[0] in last)
+    for condition, group in groupby(others, lambda f: _condition(nodes[f[0]])):
         start = len(nodes) - 1
-        for flag, bit in group:
+        for flag, fault in group:
             before = len(nodes) - 1
-            nodes.append(Node("bit", (before,), value=float(1 << bit)))
-            nodes.append(Node("choose", (flag if condition is None else nodes[flag].args[1], before + 1, before)))
+            statuses = [(nodes[f].args[1], status.bit) for f, status in inside if _unless(nodes, f) == flag]
+            without = _with_statuses(nodes, statuses, before)
+            nodes.append(Node("bit", (before,), value=float(1 << fault.bit)))
+            tested = flag if condition is None else nodes[flag].args[1]
+            nodes.append(Node("choose", (tested, len(nodes) - 1, without)))
         if condition is not None:
             nodes.append(Node("choose", (condition, len(nodes) - 1, start)))
     return len(nodes) - 1
 
 
+def _with_statuses(nodes: list[Node], statuses: Sequence[tuple[int, int]], word: int) -> int:
+    """Append the choices that set the bits of flags in a word, and return its node."""
+    for flag, bit in statuses:
+        nodes.append(Node("bit", (word,), value=float(1 << bit)))
+        nodes.append(Node("choose", (flag, len(nodes) - 1, word)))
+        word = len(nodes) - 1
+    return word
+
+
 def _condition(flag: Node) -> int | None:
     return flag.args[0] if flag.op == "and" else None
+
+
+def _unless(nodes: Sequence[Node], flag: int) -> int | None:
+    """Return the flag whose negation is the condition of another one, None if there is none."""
+    if nodes[flag].op not in ("and", "when"):
+        return None
+    condition = nodes[nodes[flag].args[0]]
+    return condition.args[0] if condition.op == "not" else None
 
 
 def walk(

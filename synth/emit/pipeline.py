@@ -30,6 +30,7 @@ from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
 from synth.emit.c import c_text, equations, header, kinds, layout, printer
+from synth.emit.c import lines as wrapping
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
 from synth.emit.passes import calls, flags, fold, guards, limits, numbers, schedule, slews, surrogates
@@ -63,6 +64,37 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     """
     constants, program, polynomials, composed = _run_passes(block, scalar, libm, error)
     return Reduced(replace(block, constants=constants), program, polynomials, composed)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """The lines of <name>.c and what header, manifest and cost are made of.
+
+    `program` is the printed program with its calls, `reduced` the one before them. `numbers` are the constants that
+    printing has named.
+    """
+
+    lines: tuple[printer.Line, ...]
+    memory: Layout
+    program: Program
+    reduced: Program
+    numbers: tuple[Constant, ...]
+    surrogates: tuple[Surrogate, ...]
+
+
+@cache.cached
+def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float | None) -> Source:
+    """Return the C of a Block with rounded constants, whose printing takes most of the time of an emission.
+
+    Raises EmitError as `reduce` and `layout.layout`.
+    """
+    reduced = reduce(block, scalar, libm, error)
+    layout.layout(block, scalar)
+    outlined, memory = outline(reduced, scalar)
+    lines = tuple(wrapping.wrapped(source(outlined, memory)))
+    gains = {c.name for c in reduced.block.constants}
+    named = tuple(c for c in outlined.block.constants if c.name not in gains)
+    return Source(lines, memory, outlined.program, reduced.program, named, reduced.surrogates)
 
 
 @cache.cached

@@ -11,7 +11,7 @@ import numpy as np
 from synth import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import diagnostics, header, layout, lines, manifest
+from synth.emit.c import diagnostics, header, manifest
 from synth.emit.lower import Program
 
 
@@ -46,22 +46,17 @@ def emit(
     over the declared ranges.
     """
     rounded = block.rounded(scalar)
-    printed = pipeline.reduce(rounded, scalar, libm, error)
-    layout.layout(rounded, scalar)
-    outlined, memory = pipeline.outline(printed, scalar)
-    source = list(lines.wrapped(pipeline.source(outlined, memory)))
+    made = pipeline.c_source(rounded, scalar, libm, error)
     texts = {
-        f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": header.header(rounded, memory, outlined.program, header_notes, warning),
+        f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
+        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning),
     }
-    gains_only = {c.name for c in printed.block.constants}
-    numbers = [c for c in outlined.block.constants if c.name not in gains_only]
-    observed = diagnostics.manifest_entry(rounded, outlined.program)
-    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers, observed)
+    observed = diagnostics.manifest_entry(rounded, made.program)
+    document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document, warning)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
-    return EmittedCode(texts, json.loads(texts["manifest.json"]), printed.program)
+    return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

@@ -97,6 +97,11 @@ class Controller:
         return np.float32 if self.manifest["scalar"] == "float32" else np.float64
 
     @property
+    def status_mask(self) -> np.uint32:
+        """The bits of the fault word that are no faults."""
+        return np.uint32(sum(1 << f["bit"] for f in self.manifest.get("faults", ()) if f.get("status")))
+
+    @property
     def step_address(self) -> int:
         """The address of `uint32_t step(void *state, const void *in, void *out)`."""
         return ctypes.cast(self.library.synth_host_step, ctypes.c_void_p).value or 0

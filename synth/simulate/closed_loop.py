@@ -114,7 +114,7 @@ def simulate(
         column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
     blocks = controller, *(block.controller for block in records)
-    drive_faults = {block.name: block.faults for block in records}
+    drive_faults = {block.name: block.faults & ~block.controller.status_mask for block in records}
     return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
 
 
@@ -126,12 +126,17 @@ def trajectory(
     faults: NDArray[np.uint32],
     impacts: dict[str, float],
 ) -> Trajectory:
-    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
-    time.flags.writeable = faults.flags.writeable = False
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals.
+
+    `faults` are the words of the controller, the first of the `blocks`.
+    """
+    mask = blocks[0].status_mask
+    faults, status = faults & ~mask, faults & mask
+    time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
     structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
     members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
+    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, **groups)
 
 
 def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:

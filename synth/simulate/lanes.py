@@ -206,7 +206,8 @@ class LaneLoop:
         faults = words.pop(self.blocks[0].name)
         controllers = tuple(b.controller for b in self.blocks)
         trajectory = closed_loop.trajectory(plant, controllers, time, groups, faults, impacts)
-        return replace(trajectory, drive_faults=words)
+        masks = {b.name: ~b.controller.status_mask for b in self.blocks}
+        return replace(trajectory, drive_faults={name: word & masks[name] for name, word in words.items()})
 
 
 @lru_cache(maxsize=4)

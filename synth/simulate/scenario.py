@@ -80,8 +80,9 @@ class Trajectory:
 
     `states` and `outputs` are true values of the plant, before any encoder; `applied` are the plant inputs from t on;
     `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs,
-    `driven` those of the Blocks of a drive, and `drive_faults` the fault words of each of these Blocks.
-    `impacts` is the largest speed of an impact on each stop. `units` has the unit of each column that is known.
+    `driven` those of the Blocks of a drive, and `drive_faults` the fault words of each of these Blocks. `faults` are
+    the fault words of the controller without the bits of a status, which `status` has. `impacts` is the largest speed
+    of an impact on each stop. `units` has the unit of each column that is known.
     """
 
     time: Array
@@ -95,6 +96,7 @@ class Trajectory:
     units: Mapping[str, str] = field(default_factory=dict)
     driven: Columns = field(default_factory=dict)
     drive_faults: Mapping[str, NDArray[np.uint32]] = field(default_factory=dict)
+    status: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
 
     def sheet(self) -> show.Sheet:
         """Return the range of every column and the impacts."""

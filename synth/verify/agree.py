@@ -26,6 +26,7 @@ from synth.emit.c import casadi_c
 from synth.errors import SignalError
 from synth.execute import compile as host_compiler
 from synth.execute import host
+from synth.signals import signal_names
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
@@ -181,9 +182,10 @@ def _with_fault_word(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
     f = block.function()
     x, u = f.sx_in()
-    names = [*(s.name for s in block.states), *(s.name for s in block.inputs)]
-    symbols = [block.symbol[n] for n in names]
-    bits = [ca.substitute(block.output[b.output], ca.vcat(symbols), ca.vertcat(x, u)) for b in block.faults]
+    names = [*(s.name for s in block.states), *signal_names(block.inputs), *(c.name for c in block.constants)]
+    symbols = ca.vcat([block.symbol[n] for n in names])
+    values = ca.vertcat(x, u, *(c.value for c in block.constants))
+    bits = [ca.substitute(block.output[b.output], symbols, values) for b in block.faults]
     word = sum((2.0**b.bit * ca.if_else(bit, 1, 0) for b, bit in zip(block.faults, bits, strict=True)), start=ca.SX(0))
     next, y = f.call([x, u])
     dense = [ca.densify(e) for e in (next, y, word)]

@@ -77,8 +77,8 @@ def evaluate(controller: host.Controller, steps: Steps) -> host.Batch:
 
 
 def without_faults(controller: host.Controller, steps: Steps) -> Steps:
-    """Return the steps whose fault word is 0."""
-    return steps.part(np.flatnonzero(evaluate(controller, steps).faults == 0))
+    """Return the steps in whose fault words no bit but those of a status is set."""
+    return steps.part(np.flatnonzero(evaluate(controller, steps).faults & ~controller.status_mask == 0))
 
 
 def in_range(controller: host.Controller, n: int) -> Steps:

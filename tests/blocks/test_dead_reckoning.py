@@ -107,7 +107,7 @@ def loop(share: float = 0.5, change: float = 1.0) -> Block:
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["q", "acting", "ready", "complete", "law_f", "braking"],
+                   inputs=["q", "acting", "ready", "measured", "law_f", "braked"],
                    outputs=["d_f", "q_predicted"])  # fmt: skip
 
 

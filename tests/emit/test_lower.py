@@ -173,6 +173,41 @@ def test_a_group_of_faults_under_a_wrong_condition_is_found(monkeypatch: pytest.
     assert wrong_words(grouped_faults()[0]) > 0
 
 
+def unfollowed(latch: Any) -> lower.Program:
+    """Return a program whose fault p is `latch` of a and b, and whose status q is set for b < 0 unless p is."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        p = latch(u["a"], u["b"])
+        return Step({"p": p, "q": ca.if_else(p, 0, u["b"] < 0)})
+
+    faults = Fault(31, "p"), Fault(3, "q", about="late", status=True)
+    return lower.program(replace(make(law, "p q"), faults=faults, outputs=()))
+
+
+LATCHES = [lambda a, b: a < 1, lambda a, b: ca.logic_and(a < 1, b < 2)]
+
+
+@pytest.mark.parametrize("latch", LATCHES)
+def test_a_status_that_is_0_with_a_fault_is_tested_without_it(latch: Any) -> None:
+    program = unfollowed(latch)
+    assert program.word is not None
+    for a, b in ((0, -1), (2, -1), (0, 1), (2, 1), (0, 3), (2, 3)):
+        word = interpret(program, {"a": a, "b": b})[program.word]
+        assert word == (1 << 31 if latch(a, b) else (b < 0) << 3), (a, b)
+    single = latch is LATCHES[0]
+    assert any(n.op in ("when", "and") for n in program.nodes) != single
+
+
+def test_a_status_that_is_tested_with_the_fault_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted defect: a status that is taken for a flag which another fault excludes."""
+    monkeypatch.setattr(lower, "_unless", lambda nodes, flag: nodes[flag].args[0] if nodes[flag].args else None)
+    law = lambda u, x, k: Step({"p": u["a"] < 1, "q": ca.logic_and(u["a"] < 1, u["b"] < 0)})  # noqa: E731
+    faults = Fault(31, "p"), Fault(3, "q", about="late", status=True)
+    program = lower.program(replace(make(law, "p q"), faults=faults, outputs=()))
+    assert program.word is not None
+    assert interpret(program, {"a": 0, "b": -1})[program.word] != 1 << 31 | 1 << 3
+
+
 def test_a_block_without_faults_has_no_word() -> None:
     assert lower.program(make(lambda u, x, k: Step({"y": u["a"]}))).word is None
 

@@ -16,7 +16,7 @@ from synth.emit.c.expressions import constant, literal
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import Line, prose
+from synth.emit.c.lines import Line, comment, prose
 from synth.emit.c.printer import guard_function
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.surrogates import Surrogate
@@ -117,8 +117,8 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
         )
         head = f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)"
         lines += [
-            *routines.comment(about),
-            *routines.wrapped(head),
+            *comment(about),
+            head,
             *("{", f"    {t} held = value;"),
             *(
                 [f"    if ({test}) {{", "        *last = value;", "    } else {"]
@@ -141,7 +141,7 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
-        *routines.comment(
+        *comment(
             f"{prose(s.tag)}{value}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
             f"relative error at most {p.max_relative_error:.2g}."
         ),

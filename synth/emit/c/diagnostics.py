@@ -7,6 +7,7 @@ The emitted C contains them only where the macro <NAME>_DIAGNOSTICS is defined:
         faults                                              fault word of the last step
         latch_cause                                         fault word of the step that set the latch
         saturated                                           bit k: the k-th limited signal is at its limit
+    Without a latch, or without limits, the word of it is absent.
     <name>_step_diagnosed(state, in, out, diagnostics)      the step; it records nothing if `diagnostics` is NULL
 
 The struct belongs to the caller, who sets it to zero together with `init`. Without the macro the C of the step is the
@@ -19,7 +20,7 @@ from dataclasses import dataclass
 from synth.block import LATCH_BIT, Block
 from synth.blocks import safety
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import prose
+from synth.emit.c.lines import comment, prose, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -65,6 +66,12 @@ def of_program(p: Program) -> Diagnostics:
     return Diagnostics(recorded, dict(limited[:MAX_LIMITED]))
 
 
+def _words(block: Block, diagnostics: Diagnostics) -> dict[str, str]:
+    """Return what the words say, without those of a latch and of limits where the Block has none."""
+    absent = {"latch_cause": not block.latches, "saturated": not diagnostics.limited}
+    return {name: about for name, about in WORDS.items() if not absent.get(name)}
+
+
 def _computed_signals(p: Program) -> dict[int, Signal]:
     """Return by node the first signal that a law of a composition computes there; guard and safe output are no laws."""
     computed: dict[int, Signal] = {}
@@ -88,7 +95,7 @@ def macro_name(block: Block) -> str:
 def prototype(name: str) -> str:
     """Return the prototype of the step with diagnostics, without the semicolon."""
     pointers = f"{name}_state_t *state, const {name}_input_t *in, {name}_output_t *out"
-    return f"uint32_t {name}_step_diagnosed({pointers},\n    {name}_diagnostics_t *diagnostics)"
+    return f"uint32_t {name}_step_diagnosed({pointers}, {name}_diagnostics_t *diagnostics)"
 
 
 def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
@@ -100,17 +107,20 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
     fields = [
         (layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in diagnostics.signals.values()
     ]
-    fields += [("uint32_t", name, about) for name, about in WORDS.items()]
+    fields += [("uint32_t", name, about) for name, about in _words(block, diagnostics).items()]
     return [
         f"#if defined({macro_name(block)})",
-        "/* Signals of the last step that was not latched, and what happened. Set it",
-        " * to zero when you call init." + (f" Bits of `saturated`: {bits}." if bits else "") + " */",
+        *comment(
+            "Signals and what happened: each signal from the last step that computed it, since a latch or another "
+            "branch skips some. Set the struct to zero when you call init."
+            + (f" Bits of `saturated`: {bits}." if bits else "")
+        ),
         "typedef struct {",
         *(f"    {ctype} {name};".ljust(40) + f"/* {prose(about)} */" for ctype, name, about in fields),
         f"}} {block.name}_diagnostics_t;",
         "",
         "/* The step; `diagnostics` may be null. */",
-        f"{prototype(block.name)};",
+        *rows(f"{prototype(block.name)};"),
         "#endif",
         "",
     ]
@@ -126,7 +136,7 @@ def manifest_entry(block: Block, p: Program) -> dict[str, object]:
         "function": f"{block.name}_step_diagnosed",
         "type": f"{block.name}_diagnostics_t",
         "signals": {s.name: s.unit for s in diagnostics.signals.values()},
-        "words": list(WORDS),
+        "words": list(_words(block, diagnostics)),
         "saturated": [s.name for s in diagnostics.limited.values()],
     }
 
@@ -139,7 +149,7 @@ def definition_head(block: Block, step: str, p: Program) -> list[str]:
     if of_program(p).is_empty:
         return [step]
     call = f"    return {block.name}_step_diagnosed(state, in, out, NULL);"
-    with_macro = [step, "{", call, "}", "", *prototype(block.name).splitlines()]
+    with_macro = [step, "{", call, "}", "", prototype(block.name)]
     return [f"#if defined({macro_name(block)})", *with_macro, "#else", step, "#endif"]
 
 
@@ -150,9 +160,11 @@ def includes(block: Block, p: Program) -> list[str]:
 
 def entry_statements(block: Block, p: Program) -> list[str]:
     """Return the statements at the beginning of the step."""
-    if of_program(p).is_empty:
+    diagnostics = of_program(p)
+    if diagnostics.is_empty:
         return []
-    return _if_recording(block, ["diagnostics->samples += 1u;", "diagnostics->saturated = 0u;"], "    ")
+    cleared = ["diagnostics->saturated = 0u;"] if diagnostics.limited else []
+    return _if_recording(block, ["diagnostics->samples += 1u;", *cleared], "    ")
 
 
 def exit_statements(block: Block, p: Program, word: str) -> list[str]:

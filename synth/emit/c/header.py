@@ -10,6 +10,7 @@ from synth.emit.c.lines import prose
 from synth.emit.lower import Program
 
 WIDTH = 117
+_ITEM = "  - "  # begins an item of a list
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
 LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
@@ -50,20 +51,24 @@ def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str],
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
-        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and write its "
-        "outputs to the hardware. Nothing else may change the state.",
+        *([f"{name}: {warning}"] if warning else []),
+        f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
+        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and use its "
+        "outputs at once. Nothing else may change the state.",
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
         *notes,
-        f"The gains were computed for the numbers of the plant in {name}.c: for another mass or geometry, generate the "
-        "files again. gains.json and manifest.json say where each number comes from.",
+        f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
+        "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
         *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
     ]
-    texts.insert(0, f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.")
-    texts = [f"{name}: {warning}", *texts] if warning else texts
-    rows = [row for text in texts for row in ("", *wrap(prose(text), WIDTH, break_on_hyphens=False))]
+    rows: list[str] = []
+    for text in texts:
+        rows += [""] if not text.startswith(_ITEM) else []
+        indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
+        rows += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
     return [f"/* {rows[1]}", *(f" * {row}".rstrip() for row in rows[2:]), " */"]
 
 
@@ -95,8 +100,11 @@ def _safe_output(block: Block) -> list[str]:
     for name, value in safety.safe_output.items():
         ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
     slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
+    consequences = [f"{_ITEM}{clause}" for clause in safety.reason.split("; ") if clause]
     return [
-        f"{latches}: the outputs move to the safe output ({safety.reason}): {slews}.",
+        f"{latches}, and the outputs move to the safe output: {slews}.",
+        *(["What this does to the machine:"] if consequences else []),
+        *consequences,
         "Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only "
         "with the machine at rest: the outputs of the first step after it are not slewed.",
     ]
@@ -105,7 +113,10 @@ def _safe_output(block: Block) -> list[str]:
 def _faults(block: Block) -> list[str]:
     if not block.faults:
         return [" * It returns 0: the Block guards no input."]
-    return [" * It returns the fault bits:", *(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)]
+    status = sum(1 << f.bit for f in block.faults if f.status)
+    masked = [f" * The bits of a status, 0x{status:08x}, are no faults: mask them before you compare the word with 0."]
+    rows = [f" *   bit {f.bit:2d}  {_meaning(f)}" for f in sorted(block.faults, key=lambda f: f.bit)]
+    return [" * It returns the fault bits:", *rows, *(masked if status else [])]
 
 
 def _meaning(fault: Fault) -> str:
@@ -113,6 +124,8 @@ def _meaning(fault: Fault) -> str:
         return f"{fault.input}: {fault.about}"
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
+    if fault.status:
+        return f"status, no fault: {fault.about}"
     return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
 
 

@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from synth.block import Block
+from synth.emit.c import diagnostics
 from synth.emit.c.expressions import INLINE, RESERVED, constant
 from synth.emit.lower import Node, Program
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
@@ -112,9 +113,11 @@ def _shared_variables(
     """Map each choice to the choice whose variable it can overwrite.
 
     That is the choice whose value it starts from, if every other reader of this value only leads to the new choice.
+    A value that the diagnostics read at the end of its block is not overwritten.
     """
     shared: dict[int, int] = {}
-    ends, outer = set(p.ends()), _enclosing(statements)
+    watched = diagnostics.of_program(p)
+    ends, outer = {*p.ends(), *watched.signals, *watched.limited}, _enclosing(statements)
     users = [[u for u in readers if p.nodes[u].op != "accepted"] for readers in p.users()]
     written = {*starts, *_definitions(statements)}
     implicit = {k for k, n in enumerate(p.nodes) if n.op == "choose" and k not in written}  # in another one's branch

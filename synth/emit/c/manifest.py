@@ -48,7 +48,8 @@ def manifest(
 
 def _fault(fault: Fault) -> dict[str, Any]:
     named = {"input": fault.input, "suspect": fault.suspect, "about": fault.about}
-    return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True})}
+    status = {"status": True} if fault.status else {}
+    return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True}), **status}
 
 
 def _struct(struct: Struct) -> dict[str, Any]:

@@ -14,31 +14,12 @@ from synth.block import Block, Constant
 from synth.emit.c import printer
 from synth.emit.c.expressions import literal
 from synth.emit.c.layout import Layout, Member
-from synth.emit.c.lines import Line, opening, prose
+from synth.emit.c.lines import Line, comment, opening, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
 
 WIDTH = 116
-
-
-def comment(text: str, indent: str = "") -> list[str]:
-    """Return a comment in lines of at most 120 columns; its last word stands before the end of the comment."""
-    rows = wrap(
-        f"{indent}/* {text}\0*/",
-        WIDTH + 4,
-        subsequent_indent=f"{indent} * ",
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
-    return [row.replace("\0", " ") for row in rows]
-
-
-def wrapped(head: str) -> list[str]:
-    """Return the head of a function in lines of at most 120 columns, broken between its arguments."""
-    text = head.replace(" ", "\0").replace(",\0", ", ")
-    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False, break_long_words=False)
-    return [row.replace("\0", " ") for row in rows]
 
 
 def inline(block: Block) -> str:
@@ -73,8 +54,9 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
 def _state_row(f: Member, of_type: Sequence[Member]) -> str:
     """Return a member of a Block's struct, with its range where all Blocks of the type have the same."""
     name = f.path.split(".")[1]
-    ranges = {(m.low, m.high) for m in of_type if m.path.split(".")[1] == name}
-    about = f.comment if len(ranges) == 1 else f"{f.unit}: {f.about}"
+    members = [m for m in of_type if m.path.split(".")[1] == name]
+    units = dict.fromkeys(m.unit for m in members)
+    about = f.comment if len({(m.unit, m.low, m.high) for m in members}) == 1 else f"{' or '.join(units)}: {f.about}"
     return f"    {f.ctype} {name};".ljust(40) + f"/* {prose(about)} */"
 
 
@@ -125,10 +107,12 @@ def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
     constants = {c.name: c for c in block.constants}
     rows = []
     for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
-        values = [_value(node, constants, layout.scalar) for node in call.numbers]
+        values = [
+            f".{name} = {_value(node, constants, layout.scalar)}"
+            for name, node in zip(call.routine.parameters, call.numbers, strict=True)
+        ]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
-        text = f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};"
-        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False, break_long_words=False)
+        rows.append(f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};")
     return rows
 
 
@@ -150,7 +134,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
     head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
-    return wrapped(head)
+    return [head]
 
 
 def _common_constants(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:

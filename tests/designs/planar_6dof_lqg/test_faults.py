@@ -49,7 +49,7 @@ def run(
 ) -> Trajectory:
     """Run a ramp in which a channel shows a value in some samples."""
     time = sample_times(duration, rig.period_s)
-    start = {axis: -0.45 * v for axis, v in speed.items()}
+    start = {axis: -0.17 * v for axis, v in speed.items()}  # within half a pitch of the middle, as init needs it
     references = {axis: ramp(v, start[axis], time) for axis, v in speed.items()}
     first = round(FAILS / rig.period_s)
     bad = np.isin(np.arange(len(time)), range(first, first + samples))
@@ -166,9 +166,9 @@ def turning(rig: Rig, factor: float, plant: int) -> Trajectory:
     perturbed = campaign.plant_number(rig.plant, plant)
     sensitivity = factor * perturbed.parameter("sensitivity").value
     time = sample_times(1.5, rig.period_s)
-    references = {"x": ramp(0.1, -0.06, time), "phi": 7.8e-3 * np.sin(20 * np.pi * time)}
+    references = {"x": ramp(0.1, -0.02, time), "phi": 7.8e-3 * np.sin(20 * np.pi * time)}
     stage = replace(rig, plant=perturbed.with_parameters(sensitivity=sensitivity))
-    return loops.simulate(stage, 1.5, references, {"x": -0.06})
+    return loops.simulate(stage, 1.5, references, {"x": -0.02})
 
 
 @pytest.mark.parametrize("factor", [0.9, 1.1])

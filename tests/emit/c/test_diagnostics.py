@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -14,6 +15,8 @@ import pytest
 from synth.block import Block, Step, build
 from synth.blocks.safety import GuardedInput, Safety, guard, safe_output
 from synth.composition import compose
+from synth.emit.c import diagnostics
+from synth.emit.c import locals as variables
 from synth.emit.write import EmittedCode, emit
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -121,6 +124,42 @@ def test_the_record_says_what_happened(emitted: EmittedCode) -> None:
 def test_a_planted_defect_is_found(emitted: EmittedCode, change: tuple[str, str]) -> None:
     assert change[0] in emitted.files["stage.c"]
     assert replay(emitted, change)
+
+
+def overwritten_stage() -> Block:
+    """Return a composition in which a signal is the start of another one's choice, whose variable could be the same."""
+    demand, pushed, position = Signal("demand", "N", 0, 3), Signal("pushed", "N", 0, 3), Signal("position", "m", -1, 1)
+
+    def ask(u: Any, x: Any, k: Any) -> Step:
+        return Step({"demand": ca.if_else(u["position"] > 0, ca.sqrt(2 + u["position"]), ca.exp(u["position"]))})
+
+    def push(u: Any, x: Any, k: Any) -> Step:
+        fading = ca.exp(-u["demand"])
+        return Step({"pushed": ca.if_else(u["position"] > 0.5, fading * ca.sqrt(3 + fading), u["demand"])})
+
+    def move(u: Any, x: Any, k: Any) -> Step:
+        return Step({"force": u["pushed"] / 4})
+
+    blocks = [
+        build("asking", TIME, ask, inputs=[position], outputs=[demand]),
+        build("pushing", TIME, push, inputs=[position, demand], outputs=[pushed]),
+        build("moving", TIME, move, inputs=[pushed], outputs=[FORCE]),
+    ]
+    return compose("stage", blocks, inputs=["position"], outputs=["force"])
+
+
+def recorded_demand() -> float:
+    run = Diagnosed(emit(overwritten_stage(), np.float32, libm=True))
+    run.step(0.75, ctypes.byref(run.record))
+    return float(run.record.demand)
+
+
+def test_a_recorded_signal_is_not_overwritten(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert recorded_demand() == pytest.approx(np.sqrt(2.75))
+    planted = SimpleNamespace(of_program=lambda p: diagnostics.NO_DIAGNOSTICS)
+    monkeypatch.setattr(variables, "diagnostics", planted)
+    fading = np.exp(-np.sqrt(2.75))
+    assert recorded_demand() == pytest.approx(fading * np.sqrt(3 + fading))
 
 
 def test_a_null_pointer_records_nothing(emitted: EmittedCode) -> None:

@@ -1,15 +1,19 @@
 """Lines of code have at most 120 columns, and the same words in the same order."""
 
-from synth.emit.c.lines import WIDTH, Line, wrapped
+import re
+
+import pytest
+
+from synth.emit.c.lines import WIDTH, Line, rows, wrapped
 
 SUM = "    const float sum = " + " + ".join(f"(gain_{n} * error_{n})" for n in range(12)) + ";"
 
 
 def test_a_long_line_is_continued_with_its_equation() -> None:
-    rows = list(wrapped([Line(SUM, "sum: (1)")]))
-    assert len(rows) > 1 and all(len(row.text) <= WIDTH and row.tag == "sum: (1)" for row in rows)
-    assert " ".join(row.text.strip() for row in rows) == SUM.strip()
-    assert [row.text[:9] for row in rows[1:]] == [" " * 8 + row.text[8] for row in rows[1:]]
+    lines = list(wrapped([Line(SUM, "sum: (1)")]))
+    assert len(lines) > 1 and all(len(line.text) <= WIDTH and line.tag == "sum: (1)" for line in lines)
+    assert " ".join(line.text.strip() for line in lines) == SUM.strip()
+    assert [line.text[:9] for line in lines[1:]] == [" " * 8 + line.text[8] for line in lines[1:]]
 
 
 def test_a_condition_is_continued_beyond_its_block() -> None:
@@ -18,9 +22,29 @@ def test_a_condition_is_continued_beyond_its_block() -> None:
     assert first.text.startswith("if (") and second.text.startswith(" " * 8) and second.text.endswith("{")
 
 
+@pytest.mark.parametrize(
+    ("code", "row"),
+    [
+        ("return " + " + ".join(f"(gain_{n} * state->error_{n})" for n in range(5)) + ";", r".*\+"),
+        ("const float limited_value = name_max(name_min(some_rather_long_name * (first + second), upper), lower);",
+         r".*, upper\),"),
+        ("const float some_rather_long_name_of_a_value = name_limit(some_rather_long_name_of_another, in->some_limit);",
+         r".*_another,"),
+        ("INLINE name_output_t name_output(const name_state_t *state_of_the_loop, const type *value, t u)",
+         r".*,"),
+        ("name_t a = {.first = 0.1234567890f, .second = 0.1234567890f, .third = 0.1234567890f, .fourth = 1.0f};",
+         r".*,"),
+    ],
+)  # fmt: skip
+def test_a_line_is_broken_after_an_operator_or_a_comma_where_least_is_open(code: str, row: str) -> None:
+    indent = " " * (WIDTH + 4 - len(code))
+    first, second = rows(indent + code)
+    assert re.fullmatch(row, first) and re.match(indent + r"    \S", second)
+
+
 def test_short_lines_comments_and_directives_stay() -> None:
-    rows = [Line("x = 1;"), Line("/* " + "word " * 40 + "*/"), Line('#error "' + "word " * 40 + '"')]
-    assert list(wrapped(rows)) == rows
+    lines = [Line("x = 1;"), Line("/* " + "word " * 40 + "*/"), Line('#error "' + "word " * 40 + '"')]
+    assert list(wrapped(lines)) == lines
 
 
 def test_no_name_is_cut_where_nested_calls_have_no_blank() -> None:
@@ -28,5 +52,5 @@ def test_no_name_is_cut_where_nested_calls_have_no_blank() -> None:
     nested = (
         f"x = {name}({name}({name}({name}({name}(0.0f, first_part), second_part), third_part), fourth_part), more);"
     )
-    rows = [row.text for row in wrapped([Line("    " + nested)])]
-    assert len(rows) > 1 and sum(row.count(f"{name}(") for row in rows) == 5
+    broken = rows("    " + nested)
+    assert len(broken) > 1 and sum(row.count(f"{name}(") for row in broken) == 5
