@@ -74,6 +74,7 @@ def problem(setup: Setup) -> Problem:
         setup.iterations,
         setup.deviation,
         setup.convergence_sigma,
+        setup.scale,
         ROUNDING,
     )
 

@@ -57,6 +57,7 @@ class Problem:
     corrections: int
     deviation: float
     convergence_sigma: float
+    scale: float = 1.0
     rounding: float = 0.0
     once: bool = False
 
@@ -125,8 +126,8 @@ def augment(H: Array, root: Array) -> Array:
 
 
 def correct(problem: Problem, trial: Fit) -> Array:
-    """Return the displacement (N, n) after a correction, within the bounds."""
-    R, z, end = trial.R, trial.z, trial.at.copy()
+    """Return the displacement (N, n) after a scaled correction, within the bounds."""
+    R, z, end = trial.R, problem.scale * trial.z, trial.at.copy()
     for block in problem.blocks:
         later = end[:, block.stop :] - trial.at[:, block.stop :]
         right = z[:, block] - (R[:, block, block.stop :] @ later[:, :, None])[:, :, 0]

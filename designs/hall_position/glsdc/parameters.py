@@ -19,6 +19,7 @@ class Tuning:
     """
 
     iterations: int = between(1, 5, 20)  # corrections a sample
+    scale: float = between(0, 1.0, 1)  # of each correction
     damping: float = between(0, 1e-3, 1)  # of alpha^2: weight of the prior on the phases
     yaw_damping_ratio: float = between(0, 5.0, 100)  # arm of the yaw's damping, over the sensors' rms arm
     max_phase_step: float = between(0, 1.0, 1)  # rad of phase, of a sensor in a sample; half of it by the yaw

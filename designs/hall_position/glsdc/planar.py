@@ -68,7 +68,9 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
         phases(array.arms, pi + half, half, turn),
         [*field_constants(array), *(Constant(n, 1.0, "1", "1 for a sensor in use") for n in _weights(array))],
     )
-    iteration = Iteration(tuning.iterations, descent_check=True, convergence=tuning.convergence_sigma)
+    iteration = Iteration(
+        tuning.iterations, descent_check=True, convergence=tuning.convergence_sigma, scale=tuning.scale
+    )
     bound = hypot(tuning.residual_limit, tuning.innovation_gate_sigma * prior * array.alpha)
     return Problem(array, tuning, model, iteration, tuning.damping * array.alpha**2, bound)
 

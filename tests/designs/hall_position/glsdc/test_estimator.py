@@ -157,6 +157,17 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     assert (cost < 0.9 * before.cost).mean() > 0.5
 
 
+def test_five_corrections_of_a_fifth_take_three_samples_as_in_the_paper() -> None:
+    """0.8^15 = 3.5 % of a step remains; 51 % with one correction a sample. The last trial is not applied yet."""
+    pose = places(200, 7, 0.02)
+    target = at_rest(Pose(pose.X + 5e-4, pose.Y, pose.yaw), 3)
+    for iterations, left in ((6, 0.8**15), (2, 0.8**3)):
+        tuning = Tuning(iterations, scale=0.2, velocity_gain=0.0, damping=1e-6, residual_limit=10.0)
+        outputs = replay(THREE, pose, volts(THREE, target), tuning)
+        assert np.median(position_error(outputs, target)[2]) == pytest.approx(left * 5e-4, rel=0.05)
+        assert not outputs["valid"][0].any()
+
+
 # Singular points.
 
 
@@ -212,7 +223,7 @@ def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: 
 
 
 @pytest.mark.parametrize(
-    "change", [{"iterations": 0}, {"max_phase_step": 2.0}, {"velocity_gain": -0.1}, {"damping": 0.0}]
+    "change", [{"iterations": 0}, {"scale": 1.5}, {"max_phase_step": 2.0}, {"velocity_gain": -0.1}, {"damping": 0.0}]
 )
 def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
     with pytest.raises(ModelError, match=f"{next(iter(change))} is"):
