@@ -297,63 +297,63 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
-    const float converged_part_15 = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
-    const float turns_3_cosine_converged = heading_cosine - converged_part_15;
+    const float fall_converged = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float turns_3_cosine_converged = heading_cosine - fall_converged;
     const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) -
         (row_1_converged * then_3_converged), 0.5f);
-    const float converged_part_16 = three_quarters_pi * hall_position_limit(-converged_part_15, 0.10100254f);
-    const float converged_part_17 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
-    const float by_ax_converged = then_1_converged - converged_part_16 + converged_part_17;
+    const float converged_part_15 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
+    const float converged_part_16 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
+    const float by_ax_converged = then_1_converged - converged_part_15 + converged_part_16;
     const float f6_argument = by_ax_converged * by_ax_converged;
     const float by_cosine_ax_converged = f6_polynomial(f6_argument);
     const float by_sine_ax_converged = by_ax_converged * f7_polynomial(f6_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
-    const float converged_part_18 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_19 = converged_part_18 * estimator_field_5;
-    const float converged_part_20 = phasors_1_sine_converged * (estimator_field_1 +
-        (converged_part_18 * (estimator_field_3 + converged_part_19)));
+    const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_18 = converged_part_17 * estimator_field_5;
+    const float converged_part_19 = phasors_1_sine_converged * (estimator_field_1 +
+        (converged_part_17 * (estimator_field_3 + converged_part_18)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
-        (turns_3_sine_converged * V_ay_held) - converged_part_20;
+        (turns_3_sine_converged * V_ay_held) - converged_part_19;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) -
         (row_2_converged * then_3_converged), 0.5f);
-    const float by_ay_converged = then_2_converged - converged_part_16 - converged_part_17;
+    const float by_ay_converged = then_2_converged - converged_part_15 - converged_part_16;
     const float f6_argument_2 = by_ay_converged * by_ay_converged;
     const float by_cosine_ay_converged = f6_polynomial(f6_argument_2);
     const float by_sine_ay_converged = by_ay_converged * f7_polynomial(f6_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
-    const float converged_part_21 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_22 = converged_part_21 * estimator_field_5;
-    const float converged_part_23 = phasors_2_sine_converged * (estimator_field_1 +
-        (converged_part_21 * (estimator_field_3 + converged_part_22)));
+    const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_21 = converged_part_20 * estimator_field_5;
+    const float converged_part_22 = phasors_2_sine_converged * (estimator_field_1 +
+        (converged_part_20 * (estimator_field_3 + converged_part_21)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
-        (turns_3_sine_converged * V_ax_held) - converged_part_23;
-    const float by_bx_converged = then_1_converged + converged_part_16 - converged_part_17;
+        (turns_3_sine_converged * V_ax_held) - converged_part_22;
+    const float by_bx_converged = then_1_converged + converged_part_15 - converged_part_16;
     const float f6_argument_3 = by_bx_converged * by_bx_converged;
     const float by_cosine_bx_converged = f6_polynomial(f6_argument_3);
     const float by_sine_bx_converged = by_bx_converged * f7_polynomial(f6_argument_3);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
-    const float converged_part_24 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_25 = converged_part_24 * estimator_field_5;
-    const float converged_part_26 = phasors_3_sine_converged * (estimator_field_1 +
-        (converged_part_24 * (estimator_field_3 + converged_part_25)));
+    const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_24 = converged_part_23 * estimator_field_5;
+    const float converged_part_25 = phasors_3_sine_converged * (estimator_field_1 +
+        (converged_part_23 * (estimator_field_3 + converged_part_24)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
-        (turns_3_sine_converged * V_by_held) - converged_part_26;
-    const float by_converged = then_2_converged + converged_part_16 + converged_part_17;
+        (turns_3_sine_converged * V_by_held) - converged_part_25;
+    const float by_converged = then_2_converged + converged_part_15 + converged_part_16;
     const float f6_argument_4 = by_converged * by_converged;
     const float by_cosine_converged = f6_polynomial(f6_argument_4);
     const float by_sine_converged = by_converged * f7_polynomial(f6_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
-    const float converged_part_27 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_28 = converged_part_27 * estimator_field_5;
-    const float converged_part_29 = phasors_4_sine_converged * (estimator_field_1 +
-        (converged_part_27 * (estimator_field_3 + converged_part_28)));
+    const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_27 = converged_part_26 * estimator_field_5;
+    const float converged_part_28 = phasors_4_sine_converged * (estimator_field_1 +
+        (converged_part_26 * (estimator_field_3 + converged_part_27)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
-        (turns_3_sine_converged * V_bx_held) - converged_part_29;
+        (turns_3_sine_converged * V_bx_held) - converged_part_28;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
         (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
         (residuals_4_converged_2 * residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
@@ -364,388 +364,388 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
     const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
         (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
-        (converged_part_18 * (estimator_field_3_scaled + (5.0f * converged_part_19))));
-    const float converged_part_30 = three_quarters_pi * turns_3_cosine_converged;
-    const float converged_part_31 = three_quarters_pi * turns_3_sine_converged;
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_30 + converged_part_31)) +
-        converged_part_23;
+        (converged_part_17 * (estimator_field_3_scaled + (5.0f * converged_part_18))));
+    const float converged_part_29 = three_quarters_pi * turns_3_cosine_converged;
+    const float converged_part_30 = three_quarters_pi * turns_3_sine_converged;
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_29 + converged_part_30)) +
+        converged_part_22;
     const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
         (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
-        (converged_part_21 * (estimator_field_3_scaled + (5.0f * converged_part_22))));
-    const float converged_part_32 = converged_part_20 -
-        (rows_2_2_converged_2 * (converged_part_31 - converged_part_30));
+        (converged_part_20 * (estimator_field_3_scaled + (5.0f * converged_part_21))));
+    const float converged_part_31 = converged_part_19 -
+        (rows_2_2_converged_2 * (converged_part_30 - converged_part_29));
     const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
         (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
-        (converged_part_24 * (estimator_field_3_scaled + (5.0f * converged_part_25))));
+        (converged_part_23 * (estimator_field_3_scaled + (5.0f * converged_part_24))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
-        converged_part_31)) + converged_part_29;
+        converged_part_30)) + converged_part_28;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (estimator_field_1 + (converged_part_27 * (estimator_field_3_scaled + (5.0f * converged_part_28))));
-    const float converged_part_33 = converged_part_26 -
-        (rows_4_2_converged_2 * (converged_part_30 - converged_part_31));
+        (estimator_field_1 + (converged_part_26 * (estimator_field_3_scaled + (5.0f * converged_part_27))));
+    const float converged_part_32 = converged_part_25 -
+        (rows_4_2_converged_2 * (converged_part_29 - converged_part_30));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
         (rows_3_3_converged_2 * rows_3_1_converged_2);
-    const float converged_part_34 = 1.0f /
+    const float converged_part_33 = 1.0f /
         ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 * rows_3_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_34, 8330.405f);
+    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_33, 8330.405f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
         (rows_3_1_converged_2 * residuals_3_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_35 = (converged_part_32 * rows_2_2_converged_2) +
-        (converged_part_33 * rows_4_2_converged_2);
-    const float converged_part_36 = 1.0f /
+    const float converged_part_34 = (converged_part_31 * rows_2_2_converged_2) +
+        (converged_part_32 * rows_4_2_converged_2);
+    const float converged_part_35 = 1.0f /
         ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 * rows_4_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_limit(-(converged_part_35 * converged_part_36), 8330.405f);
+    const float row_2_converged_2 = hall_position_limit(-(converged_part_34 * converged_part_35), 8330.405f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
         (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
-    const float converged_part_37 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_32
-        * converged_part_32) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_33 * converged_part_33) +
-        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_35), 2.7546635f);
+    const float converged_part_36 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_31
+        * converged_part_31) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_32 * converged_part_32) +
+        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_34), 2.7546635f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
-    float converged_part_38 = cost_converged;
+    float converged_part_37 = cost_converged;
     if (!better_converged) {
         other_3_converged = 0.0f;
         other_1_converged = 0.0f;
         other_2_converged = 0.0f;
-        converged_part_38 = squares_converged;
+        converged_part_37 = squares_converged;
     }
-    const float converged_part_39 = (better_converged) ? (then_3_converged +
-        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_32 * residuals_2_converged_2) +
-        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_33 * residuals_4_converged_2) -
+    const float converged_part_38 = (better_converged) ? (then_3_converged +
+        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_31 * residuals_2_converged_2) +
+        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_32 * residuals_4_converged_2) -
         (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
-        gradient_2_converged_2)) / converged_part_37)) : (0.5f * (then_3_converged + other_3_converged));
-    const float then_3_converged_2 = hall_position_limit(converged_part_39, 0.10100254f);
+        gradient_2_converged_2)) / converged_part_36)) : (0.5f * (then_3_converged + other_3_converged));
+    const float then_3_converged_2 = hall_position_limit(converged_part_38, 0.10100254f);
     const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
     const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
-    const float converged_part_40 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
-    const float turns_3_cosine_converged_2 = heading_cosine - converged_part_40;
+    const float fall_converged_2 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
     const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
         (heading_sine * half_converged_2_squared);
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_limit((better_converged) ?
-        (then_1_converged + ((gradient_1_converged_2 * converged_part_34) - (row_1_converged_2 * moves_3_converged))) :
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_33) - (row_1_converged_2 * moves_3_converged))) :
         (0.5f * (then_1_converged + other_1_converged)), 0.5f);
-    const float converged_part_41 = three_quarters_pi * hall_position_limit(-converged_part_40, 0.10100254f);
-    const float converged_part_42 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
-    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_41 + converged_part_42,
+    const float converged_part_39 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
+    const float converged_part_40 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
+    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
         0.97596323f);
     const float f6_argument_5 = by_ax_converged_2 * by_ax_converged_2;
     const float by_cosine_ax_converged_2 = f6_polynomial(f6_argument_5);
     const float by_sine_ax_converged_2 = by_ax_converged_2 * f7_polynomial(f6_argument_5);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
-    const float converged_part_43 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_44 = converged_part_43 * estimator_field_5;
-    const float converged_part_45 = phasors_1_sine_converged_2 * (estimator_field_1 +
-        (converged_part_43 * (estimator_field_3 + converged_part_44)));
+    const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_42 = converged_part_41 * estimator_field_5;
+    const float converged_part_43 = phasors_1_sine_converged_2 * (estimator_field_1 +
+        (converged_part_41 * (estimator_field_3 + converged_part_42)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
-        (turns_3_sine_converged_2 * V_ay_held) - converged_part_45;
+        (turns_3_sine_converged_2 * V_ay_held) - converged_part_43;
     const float then_2_converged_2 = hall_position_limit((better_converged) ?
-        (then_2_converged + ((gradient_2_converged_2 * converged_part_36) - (row_2_converged_2 * moves_3_converged))) :
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_35) - (row_2_converged_2 * moves_3_converged))) :
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
-    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_41 - converged_part_42,
+    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
         0.97596323f);
     const float f6_argument_6 = by_ay_converged_2 * by_ay_converged_2;
     const float by_cosine_ay_converged_2 = f6_polynomial(f6_argument_6);
     const float by_sine_ay_converged_2 = by_ay_converged_2 * f7_polynomial(f6_argument_6);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
-    const float converged_part_46 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_47 = converged_part_46 * estimator_field_5;
-    const float converged_part_48 = phasors_2_sine_converged_2 * (estimator_field_1 +
-        (converged_part_46 * (estimator_field_3 + converged_part_47)));
+    const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_45 = converged_part_44 * estimator_field_5;
+    const float converged_part_46 = phasors_2_sine_converged_2 * (estimator_field_1 +
+        (converged_part_44 * (estimator_field_3 + converged_part_45)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
-        (turns_3_sine_converged_2 * V_ax_held) - converged_part_48;
-    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_41 - converged_part_42,
+        (turns_3_sine_converged_2 * V_ax_held) - converged_part_46;
+    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
         0.97596323f);
     const float f6_argument_7 = by_bx_converged_2 * by_bx_converged_2;
     const float by_cosine_bx_converged_2 = f6_polynomial(f6_argument_7);
     const float by_sine_bx_converged_2 = by_bx_converged_2 * f7_polynomial(f6_argument_7);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
-    const float converged_part_49 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_50 = converged_part_49 * estimator_field_5;
-    const float converged_part_51 = phasors_3_sine_converged_2 * (estimator_field_1 +
-        (converged_part_49 * (estimator_field_3 + converged_part_50)));
+    const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_48 = converged_part_47 * estimator_field_5;
+    const float converged_part_49 = phasors_3_sine_converged_2 * (estimator_field_1 +
+        (converged_part_47 * (estimator_field_3 + converged_part_48)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
-        (turns_3_sine_converged_2 * V_by_held) - converged_part_51;
-    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_41 + converged_part_42,
+        (turns_3_sine_converged_2 * V_by_held) - converged_part_49;
+    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
         0.97596323f);
     const float f6_argument_8 = by_converged_2 * by_converged_2;
     const float by_cosine_converged_2 = f6_polynomial(f6_argument_8);
     const float by_sine_converged_2 = by_converged_2 * f7_polynomial(f6_argument_8);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
-    const float converged_part_52 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_53 = converged_part_52 * estimator_field_5;
-    const float converged_part_54 = phasors_4_sine_converged_2 * (estimator_field_1 +
-        (converged_part_52 * (estimator_field_3 + converged_part_53)));
+    const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_51 = converged_part_50 * estimator_field_5;
+    const float converged_part_52 = phasors_4_sine_converged_2 * (estimator_field_1 +
+        (converged_part_50 * (estimator_field_3 + converged_part_51)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
-        (turns_3_sine_converged_2 * V_bx_held) - converged_part_54;
+        (turns_3_sine_converged_2 * V_bx_held) - converged_part_52;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
         (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_38) + 1e-08f);
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_37) + 1e-08f);
     const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
         (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
-        (converged_part_43 * (estimator_field_3_scaled + (5.0f * converged_part_44))));
-    const float converged_part_55 = three_quarters_pi * turns_3_cosine_converged_2;
-    const float converged_part_56 = three_quarters_pi * turns_3_sine_converged_2;
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_55 + converged_part_56)) +
-        converged_part_48;
+        (converged_part_41 * (estimator_field_3_scaled + (5.0f * converged_part_42))));
+    const float converged_part_53 = three_quarters_pi * turns_3_cosine_converged_2;
+    const float converged_part_54 = three_quarters_pi * turns_3_sine_converged_2;
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_53 + converged_part_54)) +
+        converged_part_46;
     const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
         (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
-        (converged_part_46 * (estimator_field_3_scaled + (5.0f * converged_part_47))));
-    const float converged_part_57 = converged_part_45 -
-        (rows_2_2_converged_3 * (converged_part_56 - converged_part_55));
+        (converged_part_44 * (estimator_field_3_scaled + (5.0f * converged_part_45))));
+    const float converged_part_55 = converged_part_43 -
+        (rows_2_2_converged_3 * (converged_part_54 - converged_part_53));
     const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
         (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
-        (converged_part_49 * (estimator_field_3_scaled + (5.0f * converged_part_50))));
+        (converged_part_47 * (estimator_field_3_scaled + (5.0f * converged_part_48))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
-        converged_part_56)) + converged_part_54;
+        converged_part_54)) + converged_part_52;
     const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
         (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
-        (converged_part_52 * (estimator_field_3_scaled + (5.0f * converged_part_53))));
-    const float converged_part_58 = converged_part_51 -
-        (rows_4_2_converged_3 * (converged_part_55 - converged_part_56));
+        (converged_part_50 * (estimator_field_3_scaled + (5.0f * converged_part_51))));
+    const float converged_part_56 = converged_part_49 -
+        (rows_4_2_converged_3 * (converged_part_53 - converged_part_54));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
         (rows_3_3_converged_3 * rows_3_1_converged_3);
-    const float converged_part_59 = 1.0f /
+    const float converged_part_57 = 1.0f /
         ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 * rows_3_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_59, 8330.405f);
+    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_57, 8330.405f);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
         (rows_3_1_converged_3 * residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
-    const float converged_part_60 = (converged_part_57 * rows_2_2_converged_3) +
-        (converged_part_58 * rows_4_2_converged_3);
-    const float converged_part_61 = 1.0f /
+    const float converged_part_58 = (converged_part_55 * rows_2_2_converged_3) +
+        (converged_part_56 * rows_4_2_converged_3);
+    const float converged_part_59 = 1.0f /
         ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 * rows_4_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_limit(-(converged_part_60 * converged_part_61), 8330.405f);
+    const float row_2_converged_3 = hall_position_limit(-(converged_part_58 * converged_part_59), 8330.405f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
         (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
-    const float converged_part_62 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_57
-        * converged_part_57) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_58 * converged_part_58) +
-        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_60), 2.7546635f);
+    const float converged_part_60 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_55
+        * converged_part_55) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_56 * converged_part_56) +
+        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_58), 2.7546635f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_part_63 = cost_converged_2;
+    float converged_part_61 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_part_63 = converged_part_38;
+        converged_part_61 = converged_part_37;
     }
-    const float converged_part_64 = (better_converged_2) ? (then_3_converged_2 +
-        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_57 * residuals_2_converged_3) +
-        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_58 * residuals_4_converged_3) -
+    const float converged_part_62 = (better_converged_2) ? (then_3_converged_2 +
+        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_55 * residuals_2_converged_3) +
+        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_56 * residuals_4_converged_3) -
         (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
-        gradient_2_converged_3)) / converged_part_62)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
-    const float then_3_converged_3 = hall_position_limit(converged_part_64, 0.10100254f);
+        gradient_2_converged_3)) / converged_part_60)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
+    const float then_3_converged_3 = hall_position_limit(converged_part_62, 0.10100254f);
     const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
     const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
-    const float converged_part_65 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
-    const float turns_3_cosine_converged_3 = heading_cosine - converged_part_65;
+    const float fall_converged_3 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
     const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
         (heading_sine * half_converged_3_squared);
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_59) - (row_1_converged_3 * moves_3_converged_2))) :
+        ((gradient_1_converged_3 * converged_part_57) - (row_1_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float converged_part_66 = three_quarters_pi * hall_position_limit(-converged_part_65, 0.10100254f);
-    const float converged_part_67 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
-    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_66 + converged_part_67,
+    const float converged_part_63 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
+    const float converged_part_64 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
+    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
         0.97596323f);
     const float f6_argument_9 = by_ax_converged_3 * by_ax_converged_3;
     const float by_cosine_ax_converged_3 = f6_polynomial(f6_argument_9);
     const float by_sine_ax_converged_3 = by_ax_converged_3 * f7_polynomial(f6_argument_9);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
-    const float converged_part_68 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_69 = converged_part_68 * estimator_field_5;
-    const float converged_part_70 = phasors_1_sine_converged_3 * (estimator_field_1 +
-        (converged_part_68 * (estimator_field_3 + converged_part_69)));
+    const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_66 = converged_part_65 * estimator_field_5;
+    const float converged_part_67 = phasors_1_sine_converged_3 * (estimator_field_1 +
+        (converged_part_65 * (estimator_field_3 + converged_part_66)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
-        (turns_3_sine_converged_3 * V_ay_held) - converged_part_70;
+        (turns_3_sine_converged_3 * V_ay_held) - converged_part_67;
     const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_61) - (row_2_converged_3 * moves_3_converged_2))) :
+        ((gradient_2_converged_3 * converged_part_59) - (row_2_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_66 - converged_part_67,
+    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
         0.97596323f);
     const float f6_argument_10 = by_ay_converged_3 * by_ay_converged_3;
     const float by_cosine_ay_converged_3 = f6_polynomial(f6_argument_10);
     const float by_sine_ay_converged_3 = by_ay_converged_3 * f7_polynomial(f6_argument_10);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
-    const float converged_part_71 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_72 = converged_part_71 * estimator_field_5;
-    const float converged_part_73 = phasors_2_sine_converged_3 * (estimator_field_1 +
-        (converged_part_71 * (estimator_field_3 + converged_part_72)));
+    const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_69 = converged_part_68 * estimator_field_5;
+    const float converged_part_70 = phasors_2_sine_converged_3 * (estimator_field_1 +
+        (converged_part_68 * (estimator_field_3 + converged_part_69)));
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
-        (turns_3_sine_converged_3 * V_ax_held) - converged_part_73;
-    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_66 - converged_part_67,
+        (turns_3_sine_converged_3 * V_ax_held) - converged_part_70;
+    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
         0.97596323f);
     const float f6_argument_11 = by_bx_converged_3 * by_bx_converged_3;
     const float by_cosine_bx_converged_3 = f6_polynomial(f6_argument_11);
     const float by_sine_bx_converged_3 = by_bx_converged_3 * f7_polynomial(f6_argument_11);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
-    const float converged_part_74 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_75 = converged_part_74 * estimator_field_5;
-    const float converged_part_76 = phasors_3_sine_converged_3 * (estimator_field_1 +
-        (converged_part_74 * (estimator_field_3 + converged_part_75)));
+    const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_72 = converged_part_71 * estimator_field_5;
+    const float converged_part_73 = phasors_3_sine_converged_3 * (estimator_field_1 +
+        (converged_part_71 * (estimator_field_3 + converged_part_72)));
     const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
-        (turns_3_sine_converged_3 * V_by_held) - converged_part_76;
-    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_66 + converged_part_67,
+        (turns_3_sine_converged_3 * V_by_held) - converged_part_73;
+    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
         0.97596323f);
     const float f6_argument_12 = by_converged_3 * by_converged_3;
     const float by_cosine_converged_3 = f6_polynomial(f6_argument_12);
     const float by_sine_converged_3 = by_converged_3 * f7_polynomial(f6_argument_12);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
-    const float converged_part_77 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_78 = converged_part_77 * estimator_field_5;
-    const float converged_part_79 = phasors_4_sine_converged_3 * (estimator_field_1 +
-        (converged_part_77 * (estimator_field_3 + converged_part_78)));
+    const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_75 = converged_part_74 * estimator_field_5;
+    const float converged_part_76 = phasors_4_sine_converged_3 * (estimator_field_1 +
+        (converged_part_74 * (estimator_field_3 + converged_part_75)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
-        (turns_3_sine_converged_3 * V_bx_held) - converged_part_79;
+        (turns_3_sine_converged_3 * V_bx_held) - converged_part_76;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
         (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_63) + 1e-08f);
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_61) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
         (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
-        (converged_part_68 * (estimator_field_3_scaled + (5.0f * converged_part_69))));
-    const float converged_part_80 = three_quarters_pi * turns_3_cosine_converged_3;
-    const float converged_part_81 = three_quarters_pi * turns_3_sine_converged_3;
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_80 + converged_part_81)) +
-        converged_part_73;
+        (converged_part_65 * (estimator_field_3_scaled + (5.0f * converged_part_66))));
+    const float converged_part_77 = three_quarters_pi * turns_3_cosine_converged_3;
+    const float converged_part_78 = three_quarters_pi * turns_3_sine_converged_3;
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_77 + converged_part_78)) +
+        converged_part_70;
     const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
         (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
-        (converged_part_71 * (estimator_field_3_scaled + (5.0f * converged_part_72))));
-    const float converged_part_82 = converged_part_70 -
-        (rows_2_2_converged_4 * (converged_part_81 - converged_part_80));
+        (converged_part_68 * (estimator_field_3_scaled + (5.0f * converged_part_69))));
+    const float converged_part_79 = converged_part_67 -
+        (rows_2_2_converged_4 * (converged_part_78 - converged_part_77));
     const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
         (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
-        (converged_part_74 * (estimator_field_3_scaled + (5.0f * converged_part_75))));
+        (converged_part_71 * (estimator_field_3_scaled + (5.0f * converged_part_72))));
     const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
-        converged_part_81)) + converged_part_79;
+        converged_part_78)) + converged_part_76;
     const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
         (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
-        (converged_part_77 * (estimator_field_3_scaled + (5.0f * converged_part_78))));
-    const float converged_part_83 = converged_part_76 -
-        (rows_4_2_converged_4 * (converged_part_80 - converged_part_81));
+        (converged_part_74 * (estimator_field_3_scaled + (5.0f * converged_part_75))));
+    const float converged_part_80 = converged_part_73 -
+        (rows_4_2_converged_4 * (converged_part_77 - converged_part_78));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
         (rows_3_3_converged_4 * rows_3_1_converged_4);
-    const float converged_part_84 = 1.0f /
+    const float converged_part_81 = 1.0f /
         ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 * rows_3_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_84, 8330.405f);
+    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_81, 8330.405f);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
         (rows_3_1_converged_4 * residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
-    const float converged_part_85 = (converged_part_82 * rows_2_2_converged_4) +
-        (converged_part_83 * rows_4_2_converged_4);
-    const float converged_part_86 = 1.0f /
+    const float converged_part_82 = (converged_part_79 * rows_2_2_converged_4) +
+        (converged_part_80 * rows_4_2_converged_4);
+    const float converged_part_83 = 1.0f /
         ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 * rows_4_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_limit(-(converged_part_85 * converged_part_86), 8330.405f);
+    const float row_2_converged_4 = hall_position_limit(-(converged_part_82 * converged_part_83), 8330.405f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
         (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
-    const float converged_part_87 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_82
-        * converged_part_82) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_83 * converged_part_83) +
-        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_85), 2.7546635f);
+    const float converged_part_84 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_79
+        * converged_part_79) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_80 * converged_part_80) +
+        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_82), 2.7546635f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_part_88 = cost_converged_3;
+    float converged_part_85 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_part_88 = converged_part_63;
+        converged_part_85 = converged_part_61;
     }
-    const float converged_part_89 = (better_converged_3) ? (then_3_converged_3 +
-        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_82 * residuals_2_converged_4) +
-        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_83 * residuals_4_converged_4) -
+    const float converged_part_86 = (better_converged_3) ? (then_3_converged_3 +
+        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_79 * residuals_2_converged_4) +
+        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_80 * residuals_4_converged_4) -
         (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
-        gradient_2_converged_4)) / converged_part_87)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
-    const float then_3_converged_4 = hall_position_limit(converged_part_89, 0.10100254f);
+        gradient_2_converged_4)) / converged_part_84)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
+    const float then_3_converged_4 = hall_position_limit(converged_part_86, 0.10100254f);
     const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
     const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
-    const float converged_part_90 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
-    const float turns_3_cosine_converged_4 = heading_cosine - converged_part_90;
+    const float fall_converged_4 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
     const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
         (heading_sine * half_converged_4_squared);
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_84) - (row_1_converged_4 * moves_3_converged_3))) :
+        ((gradient_1_converged_4 * converged_part_81) - (row_1_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float converged_part_91 = three_quarters_pi * hall_position_limit(-converged_part_90, 0.10100254f);
-    const float converged_part_92 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
-    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_91 + converged_part_92,
+    const float converged_part_87 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
+    const float converged_part_88 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
+    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
         0.97596323f);
     const float f6_argument_13 = by_ax_converged_4 * by_ax_converged_4;
     const float by_cosine_ax_converged_4 = f6_polynomial(f6_argument_13);
     const float by_sine_ax_converged_4 = by_ax_converged_4 * f7_polynomial(f6_argument_13);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
-    const float converged_part_93 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_94 = converged_part_93 * estimator_field_5;
-    const float converged_part_95 = phasors_1_sine_converged_4 * (estimator_field_1 +
-        (converged_part_93 * (estimator_field_3 + converged_part_94)));
+    const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_90 = converged_part_89 * estimator_field_5;
+    const float converged_part_91 = phasors_1_sine_converged_4 * (estimator_field_1 +
+        (converged_part_89 * (estimator_field_3 + converged_part_90)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
-        (turns_3_sine_converged_4 * V_ay_held) - converged_part_95;
+        (turns_3_sine_converged_4 * V_ay_held) - converged_part_91;
     const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_86) - (row_2_converged_4 * moves_3_converged_3))) :
+        ((gradient_2_converged_4 * converged_part_83) - (row_2_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_91 - converged_part_92,
+    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
         0.97596323f);
     const float f6_argument_14 = by_ay_converged_4 * by_ay_converged_4;
     const float by_cosine_ay_converged_4 = f6_polynomial(f6_argument_14);
     const float by_sine_ay_converged_4 = by_ay_converged_4 * f7_polynomial(f6_argument_14);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
-    const float converged_part_96 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_97 = converged_part_96 * estimator_field_5;
-    const float converged_part_98 = phasors_2_sine_converged_4 * (estimator_field_1 +
-        (converged_part_96 * (estimator_field_3 + converged_part_97)));
+    const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_93 = converged_part_92 * estimator_field_5;
+    const float converged_part_94 = phasors_2_sine_converged_4 * (estimator_field_1 +
+        (converged_part_92 * (estimator_field_3 + converged_part_93)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
-        (turns_3_sine_converged_4 * V_ax_held) - converged_part_98;
-    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_91 - converged_part_92,
+        (turns_3_sine_converged_4 * V_ax_held) - converged_part_94;
+    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
         0.97596323f);
     const float f6_argument_15 = by_bx_converged_4 * by_bx_converged_4;
     const float by_cosine_bx_converged_4 = f6_polynomial(f6_argument_15);
     const float by_sine_bx_converged_4 = by_bx_converged_4 * f7_polynomial(f6_argument_15);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
-    const float converged_part_99 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_100 = converged_part_99 * estimator_field_5;
-    const float converged_part_101 = phasors_3_sine_converged_4 * (estimator_field_1 +
-        (converged_part_99 * (estimator_field_3 + converged_part_100)));
+    const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_96 = converged_part_95 * estimator_field_5;
+    const float converged_part_97 = phasors_3_sine_converged_4 * (estimator_field_1 +
+        (converged_part_95 * (estimator_field_3 + converged_part_96)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
-        (turns_3_sine_converged_4 * V_by_held) - converged_part_101;
-    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_91 + converged_part_92,
+        (turns_3_sine_converged_4 * V_by_held) - converged_part_97;
+    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
         0.97596323f);
     const float f6_argument_16 = by_converged_4 * by_converged_4;
     const float by_cosine_converged_4 = f6_polynomial(f6_argument_16);
     const float by_sine_converged_4 = by_converged_4 * f7_polynomial(f6_argument_16);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
-    const float converged_part_102 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_103 = converged_part_102 * estimator_field_5;
-    const float converged_part_104 = phasors_4_sine_converged_4 * (estimator_field_1 +
-        (converged_part_102 * (estimator_field_3 + converged_part_103)));
+    const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_99 = converged_part_98 * estimator_field_5;
+    const float converged_part_100 = phasors_4_sine_converged_4 * (estimator_field_1 +
+        (converged_part_98 * (estimator_field_3 + converged_part_99)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
-        (turns_3_sine_converged_4 * V_bx_held) - converged_part_104;
+        (turns_3_sine_converged_4 * V_bx_held) - converged_part_100;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5);
@@ -757,55 +757,55 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_part_88) + 1e-08f);
+        ((1.000002f * converged_part_85) + 1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
         (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
-        (converged_part_93 * (estimator_field_3_scaled + (5.0f * converged_part_94))));
+        (converged_part_89 * (estimator_field_3_scaled + (5.0f * converged_part_90))));
     const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
         (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
-        (converged_part_99 * (estimator_field_3_scaled + (5.0f * converged_part_100))));
+        (converged_part_95 * (estimator_field_3_scaled + (5.0f * converged_part_96))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
         (rows_3_1_converged_5 * residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
     const float inverse_1 = 1.0f /
         ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 * rows_3_1_converged_5) + 0.00992376f);
-    const float converged_part_105 = gradient_1_converged_5 * inverse_1;
+    const float converged_part_101 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
         (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
-        (converged_part_96 * (estimator_field_3_scaled + (5.0f * converged_part_97))));
+        (converged_part_92 * (estimator_field_3_scaled + (5.0f * converged_part_93))));
     const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
         (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
-        (converged_part_102 * (estimator_field_3_scaled + (5.0f * converged_part_103))));
+        (converged_part_98 * (estimator_field_3_scaled + (5.0f * converged_part_99))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
         (rows_4_2_converged_5 * residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
     const float inverse_2 = 1.0f /
         ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 * rows_4_2_converged_5) + 0.00992376f);
-    const float converged_part_106 = gradient_2_converged_5 * inverse_2;
-    const float converged_part_107 = three_quarters_pi * turns_3_cosine_converged_4;
-    const float converged_part_108 = three_quarters_pi * turns_3_sine_converged_4;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_107 + converged_part_108)) +
-        converged_part_98;
-    const float converged_part_109 = converged_part_95 -
-        (rows_2_2_converged_5 * (converged_part_108 - converged_part_107));
+    const float converged_part_102 = gradient_2_converged_5 * inverse_2;
+    const float converged_part_103 = three_quarters_pi * turns_3_cosine_converged_4;
+    const float converged_part_104 = three_quarters_pi * turns_3_sine_converged_4;
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_103 + converged_part_104)) +
+        converged_part_94;
+    const float converged_part_105 = converged_part_91 -
+        (rows_2_2_converged_5 * (converged_part_104 - converged_part_103));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
-        converged_part_108)) + converged_part_104;
-    const float converged_part_110 = converged_part_101 -
-        (rows_4_2_converged_5 * (converged_part_107 - converged_part_108));
+        converged_part_104)) + converged_part_100;
+    const float converged_part_106 = converged_part_97 -
+        (rows_4_2_converged_5 * (converged_part_103 - converged_part_104));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
         (rows_3_3_converged_5 * rows_3_1_converged_5);
     const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
-    const float converged_part_111 = (converged_part_109 * rows_2_2_converged_5) +
-        (converged_part_110 * rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(converged_part_111 * inverse_2), 8330.405f);
+    const float converged_part_107 = (converged_part_105 * rows_2_2_converged_5) +
+        (converged_part_106 * rows_4_2_converged_5);
+    const float by_yaw_Y = hall_position_limit(-(converged_part_107 * inverse_2), 8330.405f);
     const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (converged_part_109 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_part_110 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
+        (converged_part_105 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_106 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
         (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
-    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_109 *
-        converged_part_109) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_110 * converged_part_110)
-        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_111), 2.7546635f);
+    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_105 *
+        converged_part_105) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_106 * converged_part_106)
+        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_107), 2.7546635f);
     const float step_converged = forward_3_converged / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_105) +
-        (gradient_2_converged_5 * converged_part_106) + (forward_3_converged * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_101) +
+        (gradient_2_converged_5 * converged_part_102) + (forward_3_converged * step_converged)) <= 1e-08f);
     float at_3;
     float at_1;
     float at_2;
@@ -813,8 +813,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, 0.10100254f);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_105 - (by_yaw_X * moves_3_X)), 0.5f);
-        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_106 - (by_yaw_Y * moves_3_X)), 0.5f);
+        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_101 - (by_yaw_X * moves_3_X)), 0.5f);
+        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_102 - (by_yaw_Y * moves_3_X)), 0.5f);
     } else {
         if (better_converged_4) {
             at_3 = then_3_converged_4;
@@ -845,11 +845,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         estimator_motion_y_part = 0.5f * at_2;
         estimator_motion_yaw_part = 0.1f * at_3;
     }
-    const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < X_part;
-    float angle_x = X_part;
+    const float moved_x = prediction_phase_x + by_phase_x;
+    const bool turns_x_X = pi < moved_x;
+    float angle_x = moved_x;
     if (turns_x_X) {
-        angle_x = X_part - two_pi;
+        angle_x = moved_x - two_pi;
     }
     float pose_phase_x = angle_x;
     float turns_x_X_2 = -1.0f;
@@ -860,11 +860,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x);
-    const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < Y_part;
-    float angle_y = Y_part;
+    const float moved_y = prediction_phase_y + by_phase_y;
+    const bool turns_y_Y = pi < moved_y;
+    float angle_y = moved_y;
     if (turns_y_Y) {
-        angle_y = Y_part - two_pi;
+        angle_y = moved_y - two_pi;
     }
     float pose_phase_y = angle_y;
     float turns_y_Y_2 = -1.0f;
@@ -913,7 +913,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
-    const bool estimator_yaw_last_good_test = !integrity_residual_fault;
+    const bool faultless = !integrity_residual_fault;
     if (restart) {
         const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
@@ -938,27 +938,27 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
-        if (converged && estimator_yaw_last_good_test) {
+        if (converged && faultless) {
             state->estimator_searching = 0u;
         }
         state->estimator_ambiguity_resolved = hall_position_flag(resolved);
     }
-    if (resolved && estimator_yaw_last_good_test) {
+    if (resolved && faultless) {
         state->estimator_yaw_last_good = yaw;
     }
     state->estimator_pitch_x = hall_position_limit(pose_pitch_x, 8.0f);
     state->estimator_pitch_y = hall_position_limit(pose_pitch_y, 8.0f);
-    float estimator_motion_x_part_2 = 0.0f;
-    float estimator_motion_y_part_2 = 0.0f;
-    float estimator_motion_yaw_part_2 = 0.0f;
+    float continued_motion_x = 0.0f;
+    float continued_motion_y = 0.0f;
+    float continued_motion_yaw = 0.0f;
     if (estimator_searching == 0u) {
-        estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
-        estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
-        estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;
+        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
+        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
+        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
     }
-    state->estimator_motion_x = hall_position_limit(estimator_motion_x_part_2, 0.5f);
-    state->estimator_motion_y = hall_position_limit(estimator_motion_y_part_2, 0.5f);
-    state->estimator_motion_yaw = hall_position_limit(estimator_motion_yaw_part_2, 0.10100254f);
+    state->estimator_motion_x = hall_position_limit(continued_motion_x, 0.5f);
+    state->estimator_motion_y = hall_position_limit(continued_motion_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, 0.10100254f);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;

@@ -482,13 +482,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * f9_polynomial(then_3_converged_squared);
-    const float converged_part_29 = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
-    const float turns_3_cosine_converged = heading_cosine - converged_part_29;
+    const float fall_converged = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float turns_3_cosine_converged = heading_cosine - fall_converged;
     const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
         (row_1_converged * then_3_converged), 0.5f);
-    const float limited_3_cosine_converged = hall_position_three_limit(-converged_part_29, 0.14022085f);
+    const float limited_3_cosine_converged = hall_position_three_limit(-fall_converged, 0.14022085f);
     const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
     const float by_ax_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) -
         (1.5833627f * limited_3_sine_converged);
@@ -497,12 +497,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ax_converged = by_ax_converged * f11_polynomial(f10_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
-    const float converged_part_30 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_31 = converged_part_30 * converged_part_3;
-    const float converged_part_32 = phasors_1_sine_converged * (converged_part +
-        (converged_part_30 * (converged_part_2 + converged_part_31)));
+    const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_30 = converged_part_29 * converged_part_3;
+    const float converged_part_31 = phasors_1_sine_converged * (converged_part +
+        (converged_part_29 * (converged_part_2 + converged_part_30)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) -
-        (turns_3_sine_converged * measured_2) - converged_part_32;
+        (turns_3_sine_converged * measured_2) - converged_part_31;
     const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
         (row_2_converged * then_3_converged), 0.5f);
     const float by_ay_converged = then_2_converged + (1.5833627f * limited_3_cosine_converged) -
@@ -512,12 +512,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ay_converged = by_ay_converged * f11_polynomial(f10_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
-    const float converged_part_33 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_34 = converged_part_33 * converged_part_3;
-    const float converged_part_35 = phasors_2_sine_converged * (converged_part +
-        (converged_part_33 * (converged_part_2 + converged_part_34)));
+    const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_33 = converged_part_32 * converged_part_3;
+    const float converged_part_34 = phasors_2_sine_converged * (converged_part +
+        (converged_part_32 * (converged_part_2 + converged_part_33)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) +
-        (turns_3_sine_converged * measured_1) - converged_part_35;
+        (turns_3_sine_converged * measured_1) - converged_part_34;
     const float by_bx_converged = then_1_converged - (0.0858702f * limited_3_cosine_converged) -
         (0.08168141f * limited_3_sine_converged);
     const float f12_argument = by_bx_converged * by_bx_converged;
@@ -525,24 +525,24 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_bx_converged = by_bx_converged * f13_polynomial(f12_argument);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
-    const float converged_part_36 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_37 = converged_part_36 * converged_part_11;
-    const float converged_part_38 = phasors_3_sine_converged * (converged_part_9 +
-        (converged_part_36 * (converged_part_10 + converged_part_37)));
+    const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_36 = converged_part_35 * converged_part_11;
+    const float converged_part_37 = phasors_3_sine_converged * (converged_part_9 +
+        (converged_part_35 * (converged_part_10 + converged_part_36)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) -
-        (turns_3_sine_converged * measured_4) - converged_part_38;
+        (turns_3_sine_converged * measured_4) - converged_part_37;
     const float by_converged = then_2_converged + (0.08168141f * limited_3_cosine_converged) -
         (0.0858702f * limited_3_sine_converged);
     const float f12_argument_2 = by_converged * by_converged;
     const float by_cosine_converged = f12_polynomial(f12_argument_2);
     const float by_sine_converged = by_converged * f13_polynomial(f12_argument_2);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
-    const float converged_part_39 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_40 = converged_part_39 * converged_part_11;
-    const float converged_part_41 = phasors_4_sine_converged * (converged_part_9 +
-        (converged_part_39 * (converged_part_10 + converged_part_40)));
+    const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_39 = converged_part_38 * converged_part_11;
+    const float converged_part_40 = phasors_4_sine_converged * (converged_part_9 +
+        (converged_part_38 * (converged_part_10 + converged_part_39)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) +
-        (turns_3_sine_converged * measured_3) - converged_part_41;
+        (turns_3_sine_converged * measured_3) - converged_part_40;
     const float by_cx_converged = then_1_converged + (1.6671385f * limited_3_cosine_converged) +
         (1.6650441f * limited_3_sine_converged);
     const float f14_argument = by_cx_converged * by_cx_converged;
@@ -550,12 +550,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cx_converged = by_cx_converged * f15_polynomial(f14_argument);
     const float phasors_5_sine_converged = (cx_part_full * by_cosine_cx_converged) +
         (start_cosine_cx * by_sine_cx_converged);
-    const float converged_part_42 = phasors_5_sine_converged * phasors_5_sine_converged;
-    const float converged_part_43 = converged_part_42 * converged_part_19;
-    const float converged_part_44 = phasors_5_sine_converged * (converged_part_17 +
-        (converged_part_42 * (converged_part_18 + converged_part_43)));
+    const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
+    const float converged_part_42 = converged_part_41 * converged_part_19;
+    const float converged_part_43 = phasors_5_sine_converged * (converged_part_17 +
+        (converged_part_41 * (converged_part_18 + converged_part_42)));
     const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) -
-        (turns_3_sine_converged * measured_6) - converged_part_44;
+        (turns_3_sine_converged * measured_6) - converged_part_43;
     const float by_cy_converged = then_2_converged - (1.6650441f * limited_3_cosine_converged) +
         (1.6671385f * limited_3_sine_converged);
     const float f14_argument_2 = by_cy_converged * by_cy_converged;
@@ -563,12 +563,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cy_converged = by_cy_converged * f15_polynomial(f14_argument_2);
     const float phasors_6_sine_converged = (cy_part_full * by_cosine_cy_converged) +
         (start_cosine_cy * by_sine_cy_converged);
-    const float converged_part_45 = phasors_6_sine_converged * phasors_6_sine_converged;
-    const float converged_part_46 = converged_part_45 * converged_part_19;
-    const float converged_part_47 = phasors_6_sine_converged * (converged_part_17 +
-        (converged_part_45 * (converged_part_18 + converged_part_46)));
+    const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
+    const float converged_part_45 = converged_part_44 * converged_part_19;
+    const float converged_part_46 = phasors_6_sine_converged * (converged_part_17 +
+        (converged_part_44 * (converged_part_18 + converged_part_45)));
     const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) +
-        (turns_3_sine_converged * measured_5) - converged_part_47;
+        (turns_3_sine_converged * measured_5) - converged_part_46;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
         (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
         (residuals_4_converged_2 * residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) +
@@ -585,83 +585,83 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
     const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
         (ax_part_full * by_sine_ax_converged)) * (converged_part +
-        (converged_part_30 * (converged_part_2_scaled + (5.0f * converged_part_31))));
+        (converged_part_29 * (converged_part_2_scaled + (5.0f * converged_part_30))));
     const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) -
-        (1.5833627f * turns_3_cosine_converged))) + converged_part_35;
+        (1.5833627f * turns_3_cosine_converged))) + converged_part_34;
     const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
         (ay_part_full * by_sine_ay_converged)) * (converged_part +
-        (converged_part_33 * (converged_part_2_scaled + (5.0f * converged_part_34))));
-    const float converged_part_48 = converged_part_32 -
+        (converged_part_32 * (converged_part_2_scaled + (5.0f * converged_part_33))));
+    const float converged_part_47 = converged_part_31 -
         (rows_2_2_converged_2 * ((-1.5812683f * turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
     const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
         (bx_part_full * by_sine_bx_converged)) * (converged_part_9 +
-        (converged_part_36 * (converged_part_10_scaled + (5.0f * converged_part_37))));
+        (converged_part_35 * (converged_part_10_scaled + (5.0f * converged_part_36))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) -
-        (0.08168141f * turns_3_cosine_converged))) + converged_part_41;
+        (0.08168141f * turns_3_cosine_converged))) + converged_part_40;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (converged_part_9 + (converged_part_39 * (converged_part_10_scaled + (5.0f * converged_part_40))));
-    const float converged_part_49 = converged_part_38 -
+        (converged_part_9 + (converged_part_38 * (converged_part_10_scaled + (5.0f * converged_part_39))));
+    const float converged_part_48 = converged_part_37 -
         (rows_4_2_converged_2 * ((-0.0858702f * turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
     const float rows_5_1_converged_2 = ((start_cosine_cx * by_cosine_cx_converged) -
         (cx_part_full * by_sine_cx_converged)) * (converged_part_17 +
-        (converged_part_42 * (converged_part_18_scaled + (5.0f * converged_part_43))));
+        (converged_part_41 * (converged_part_18_scaled + (5.0f * converged_part_42))));
     const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) -
-        (1.6671385f * turns_3_sine_converged))) + converged_part_47;
+        (1.6671385f * turns_3_sine_converged))) + converged_part_46;
     const float rows_6_2_converged_2 = ((start_cosine_cy * by_cosine_cy_converged) -
         (cy_part_full * by_sine_cy_converged)) * (converged_part_17 +
-        (converged_part_45 * (converged_part_18_scaled + (5.0f * converged_part_46))));
-    const float converged_part_50 = converged_part_44 -
+        (converged_part_44 * (converged_part_18_scaled + (5.0f * converged_part_45))));
+    const float converged_part_49 = converged_part_43 -
         (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged) + (1.6650441f * turns_3_sine_converged)));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
         (rows_3_3_converged_2 * rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
-    const float converged_part_51 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
+    const float converged_part_50 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
         (rows_3_1_converged_2 * rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_51, 4693.3496f);
+    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_50, 4693.3496f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
         residuals_3_converged_2) + (rows_5_1_converged_2 * residuals_5_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_52 = (converged_part_48 * rows_2_2_converged_2) +
-        (converged_part_49 * rows_4_2_converged_2) + (converged_part_50 * rows_6_2_converged_2);
-    const float converged_part_53 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
+    const float converged_part_51 = (converged_part_47 * rows_2_2_converged_2) +
+        (converged_part_48 * rows_4_2_converged_2) + (converged_part_49 * rows_6_2_converged_2);
+    const float converged_part_52 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
         (rows_4_2_converged_2 * rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_52 * converged_part_53), 4693.3496f);
+    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_51 * converged_part_52), 4693.3496f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
         residuals_4_converged_2) + (rows_6_2_converged_2 * residuals_6_converged_2) - (0.00992376f * then_2_converged);
     const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) -
-        (converged_part_48 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
-        (converged_part_49 * residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) -
-        (converged_part_50 * residuals_6_converged_2) - (0.87438375f * then_3_converged) -
+        (converged_part_47 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
+        (converged_part_48 * residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) -
+        (converged_part_49 * residuals_6_converged_2) - (0.87438375f * then_3_converged) -
         (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2);
-    const float converged_part_54 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-        (converged_part_48 * converged_part_48) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-        (converged_part_49 * converged_part_49) + (rows_5_3_converged_2 * rows_5_3_converged_2) +
-        (converged_part_50 * converged_part_50) + 0.87438375f - (row_1_converged_2 * left_3_1_converged_2) +
-        (row_2_converged_2 * converged_part_52), 0.87438375f);
+    const float converged_part_53 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
+        (converged_part_47 * converged_part_47) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+        (converged_part_48 * converged_part_48) + (rows_5_3_converged_2 * rows_5_3_converged_2) +
+        (converged_part_49 * converged_part_49) + 0.87438375f - (row_1_converged_2 * left_3_1_converged_2) +
+        (row_2_converged_2 * converged_part_51), 0.87438375f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
-    float converged_part_55 = cost_converged;
+    float converged_part_54 = cost_converged;
     if (!better_converged) {
         other_3_converged = 0.0f;
         other_1_converged = 0.0f;
         other_2_converged = 0.0f;
-        converged_part_55 = squares_converged;
+        converged_part_54 = squares_converged;
     }
     const float then_3_converged_2 = hall_position_three_limit((better_converged) ? (then_3_converged +
-        (forward_3_converged / converged_part_54)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
+        (forward_3_converged / converged_part_53)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
     const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
     const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
-    const float converged_part_56 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
-    const float turns_3_cosine_converged_2 = heading_cosine - converged_part_56;
+    const float fall_converged_2 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
     const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
         (heading_sine * half_converged_2_squared);
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_three_limit((better_converged) ?
-        (then_1_converged + ((gradient_1_converged_2 * converged_part_51) - (row_1_converged_2 * moves_3_converged))) :
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_50) - (row_1_converged_2 * moves_3_converged))) :
         (0.5f * (then_1_converged + other_1_converged)), 0.5f);
-    const float limited_3_cosine_converged_2 = hall_position_three_limit(-converged_part_56, 0.14022085f);
+    const float limited_3_cosine_converged_2 = hall_position_three_limit(-fall_converged_2, 0.14022085f);
     const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
     const float by_ax_converged_2 = hall_position_three_limit(then_1_converged_2 -
         (1.5812683f * limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
@@ -670,14 +670,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ax_converged_2 = by_ax_converged_2 * f11_polynomial(f10_argument_3);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
-    const float converged_part_57 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_58 = converged_part_57 * converged_part_3;
-    const float converged_part_59 = phasors_1_sine_converged_2 * (converged_part +
-        (converged_part_57 * (converged_part_2 + converged_part_58)));
+    const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_56 = converged_part_55 * converged_part_3;
+    const float converged_part_57 = phasors_1_sine_converged_2 * (converged_part +
+        (converged_part_55 * (converged_part_2 + converged_part_56)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) -
-        (turns_3_sine_converged_2 * measured_2) - converged_part_59;
+        (turns_3_sine_converged_2 * measured_2) - converged_part_57;
     const float then_2_converged_2 = hall_position_three_limit((better_converged) ?
-        (then_2_converged + ((gradient_2_converged_2 * converged_part_53) - (row_2_converged_2 * moves_3_converged))) :
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_52) - (row_2_converged_2 * moves_3_converged))) :
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
     const float by_ay_converged_2 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) -
         (1.5812683f * limited_3_sine_converged_2);
@@ -686,12 +686,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ay_converged_2 = by_ay_converged_2 * f11_polynomial(f10_argument_4);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
-    const float converged_part_60 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_61 = converged_part_60 * converged_part_3;
-    const float converged_part_62 = phasors_2_sine_converged_2 * (converged_part +
-        (converged_part_60 * (converged_part_2 + converged_part_61)));
+    const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_59 = converged_part_58 * converged_part_3;
+    const float converged_part_60 = phasors_2_sine_converged_2 * (converged_part +
+        (converged_part_58 * (converged_part_2 + converged_part_59)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) +
-        (turns_3_sine_converged_2 * measured_1) - converged_part_62;
+        (turns_3_sine_converged_2 * measured_1) - converged_part_60;
     const float by_bx_converged_2 = hall_position_three_limit(then_1_converged_2 -
         (0.0858702f * limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
     const float f12_argument_3 = by_bx_converged_2 * by_bx_converged_2;
@@ -699,12 +699,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_bx_converged_2 = by_bx_converged_2 * f13_polynomial(f12_argument_3);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
-    const float converged_part_63 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_64 = converged_part_63 * converged_part_11;
-    const float converged_part_65 = phasors_3_sine_converged_2 * (converged_part_9 +
-        (converged_part_63 * (converged_part_10 + converged_part_64)));
+    const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_62 = converged_part_61 * converged_part_11;
+    const float converged_part_63 = phasors_3_sine_converged_2 * (converged_part_9 +
+        (converged_part_61 * (converged_part_10 + converged_part_62)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) -
-        (turns_3_sine_converged_2 * measured_4) - converged_part_65;
+        (turns_3_sine_converged_2 * measured_4) - converged_part_63;
     const float by_converged_2 = hall_position_three_limit(then_2_converged_2 +
         (0.08168141f * limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
     const float f12_argument_4 = by_converged_2 * by_converged_2;
@@ -712,12 +712,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_2 = by_converged_2 * f13_polynomial(f12_argument_4);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
-    const float converged_part_66 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_67 = converged_part_66 * converged_part_11;
-    const float converged_part_68 = phasors_4_sine_converged_2 * (converged_part_9 +
-        (converged_part_66 * (converged_part_10 + converged_part_67)));
+    const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_65 = converged_part_64 * converged_part_11;
+    const float converged_part_66 = phasors_4_sine_converged_2 * (converged_part_9 +
+        (converged_part_64 * (converged_part_10 + converged_part_65)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) +
-        (turns_3_sine_converged_2 * measured_3) - converged_part_68;
+        (turns_3_sine_converged_2 * measured_3) - converged_part_66;
     const float by_cx_converged_2 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) +
         (1.6650441f * limited_3_sine_converged_2);
     const float f16_argument = by_cx_converged_2 * by_cx_converged_2;
@@ -725,12 +725,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cx_converged_2 = by_cx_converged_2 * f17_polynomial(f16_argument);
     const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_cx_converged_2) +
         (start_cosine_cx * by_sine_cx_converged_2);
-    const float converged_part_69 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
-    const float converged_part_70 = converged_part_69 * converged_part_19;
-    const float converged_part_71 = phasors_5_sine_converged_2 * (converged_part_17 +
-        (converged_part_69 * (converged_part_18 + converged_part_70)));
+    const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
+    const float converged_part_68 = converged_part_67 * converged_part_19;
+    const float converged_part_69 = phasors_5_sine_converged_2 * (converged_part_17 +
+        (converged_part_67 * (converged_part_18 + converged_part_68)));
     const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) -
-        (turns_3_sine_converged_2 * measured_6) - converged_part_71;
+        (turns_3_sine_converged_2 * measured_6) - converged_part_69;
     const float by_cy_converged_2 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) +
         (1.6671385f * limited_3_sine_converged_2);
     const float f16_argument_2 = by_cy_converged_2 * by_cy_converged_2;
@@ -738,101 +738,101 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cy_converged_2 = by_cy_converged_2 * f17_polynomial(f16_argument_2);
     const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_cy_converged_2) +
         (start_cosine_cy * by_sine_cy_converged_2);
-    const float converged_part_72 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
-    const float converged_part_73 = converged_part_72 * converged_part_19;
-    const float converged_part_74 = phasors_6_sine_converged_2 * (converged_part_17 +
-        (converged_part_72 * (converged_part_18 + converged_part_73)));
+    const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
+    const float converged_part_71 = converged_part_70 * converged_part_19;
+    const float converged_part_72 = phasors_6_sine_converged_2 * (converged_part_17 +
+        (converged_part_70 * (converged_part_18 + converged_part_71)));
     const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) +
-        (turns_3_sine_converged_2 * measured_5) - converged_part_74;
+        (turns_3_sine_converged_2 * measured_5) - converged_part_72;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
         residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
         (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_55) + 1e-08f);
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_54) + 1e-08f);
     const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
         (ax_part_full * by_sine_ax_converged_2)) * (converged_part +
-        (converged_part_57 * (converged_part_2_scaled + (5.0f * converged_part_58))));
+        (converged_part_55 * (converged_part_2_scaled + (5.0f * converged_part_56))));
     const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) -
-        (1.5833627f * turns_3_cosine_converged_2))) + converged_part_62;
+        (1.5833627f * turns_3_cosine_converged_2))) + converged_part_60;
     const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
         (ay_part_full * by_sine_ay_converged_2)) * (converged_part +
-        (converged_part_60 * (converged_part_2_scaled + (5.0f * converged_part_61))));
-    const float converged_part_75 = converged_part_59 -
+        (converged_part_58 * (converged_part_2_scaled + (5.0f * converged_part_59))));
+    const float converged_part_73 = converged_part_57 -
         (rows_2_2_converged_3 * ((-1.5812683f * turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
     const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
         (bx_part_full * by_sine_bx_converged_2)) * (converged_part_9 +
-        (converged_part_63 * (converged_part_10_scaled + (5.0f * converged_part_64))));
+        (converged_part_61 * (converged_part_10_scaled + (5.0f * converged_part_62))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) -
-        (0.08168141f * turns_3_cosine_converged_2))) + converged_part_68;
+        (0.08168141f * turns_3_cosine_converged_2))) + converged_part_66;
     const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
         (by_part_full * by_sine_converged_2)) * (converged_part_9 +
-        (converged_part_66 * (converged_part_10_scaled + (5.0f * converged_part_67))));
-    const float converged_part_76 = converged_part_65 - (rows_4_2_converged_3 *
+        (converged_part_64 * (converged_part_10_scaled + (5.0f * converged_part_65))));
+    const float converged_part_74 = converged_part_63 - (rows_4_2_converged_3 *
         ((-0.0858702f * turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
     const float rows_5_1_converged_3 = ((start_cosine_cx * by_cosine_cx_converged_2) -
         (cx_part_full * by_sine_cx_converged_2)) * (converged_part_17 +
-        (converged_part_69 * (converged_part_18_scaled + (5.0f * converged_part_70))));
+        (converged_part_67 * (converged_part_18_scaled + (5.0f * converged_part_68))));
     const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) -
-        (1.6671385f * turns_3_sine_converged_2))) + converged_part_74;
+        (1.6671385f * turns_3_sine_converged_2))) + converged_part_72;
     const float rows_6_2_converged_3 = ((start_cosine_cy * by_cosine_cy_converged_2) -
         (cy_part_full * by_sine_cy_converged_2)) * (converged_part_17 +
-        (converged_part_72 * (converged_part_18_scaled + (5.0f * converged_part_73))));
-    const float converged_part_77 = converged_part_71 -
+        (converged_part_70 * (converged_part_18_scaled + (5.0f * converged_part_71))));
+    const float converged_part_75 = converged_part_69 -
         (rows_6_2_converged_3 * ((1.6671385f * turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
         (rows_3_3_converged_3 * rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
-    const float converged_part_78 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
+    const float converged_part_76 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
         (rows_3_1_converged_3 * rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_78, 4693.3496f);
+    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_76, 4693.3496f);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
         (rows_3_1_converged_3 * residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) -
         (0.00992376f * then_1_converged_2);
-    const float converged_part_79 = (converged_part_75 * rows_2_2_converged_3) +
-        (converged_part_76 * rows_4_2_converged_3) + (converged_part_77 * rows_6_2_converged_3);
-    const float converged_part_80 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
+    const float converged_part_77 = (converged_part_73 * rows_2_2_converged_3) +
+        (converged_part_74 * rows_4_2_converged_3) + (converged_part_75 * rows_6_2_converged_3);
+    const float converged_part_78 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
         (rows_4_2_converged_3 * rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_79 * converged_part_80), 4693.3496f);
+    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_77 * converged_part_78), 4693.3496f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
         (rows_4_2_converged_3 * residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) -
         (0.00992376f * then_2_converged_2);
     const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) -
-        (converged_part_75 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
-        (converged_part_76 * residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) -
-        (converged_part_77 * residuals_6_converged_3) - (0.87438375f * then_3_converged_2) -
+        (converged_part_73 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
+        (converged_part_74 * residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) -
+        (converged_part_75 * residuals_6_converged_3) - (0.87438375f * then_3_converged_2) -
         (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3);
-    const float converged_part_81 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-        (converged_part_75 * converged_part_75) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-        (converged_part_76 * converged_part_76) + (rows_5_3_converged_3 * rows_5_3_converged_3) +
-        (converged_part_77 * converged_part_77) + 0.87438375f - (row_1_converged_3 * left_3_1_converged_3) +
-        (row_2_converged_3 * converged_part_79), 0.87438375f);
+    const float converged_part_79 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
+        (converged_part_73 * converged_part_73) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+        (converged_part_74 * converged_part_74) + (rows_5_3_converged_3 * rows_5_3_converged_3) +
+        (converged_part_75 * converged_part_75) + 0.87438375f - (row_1_converged_3 * left_3_1_converged_3) +
+        (row_2_converged_3 * converged_part_77), 0.87438375f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_part_82 = cost_converged_2;
+    float converged_part_80 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_part_82 = converged_part_55;
+        converged_part_80 = converged_part_54;
     }
     const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ?
-        (then_3_converged_2 + (forward_3_converged_2 / converged_part_81)) :
+        (then_3_converged_2 + (forward_3_converged_2 / converged_part_79)) :
         (0.5f * (then_3_converged_2 + other_3_converged_2)), 0.14022085f);
     const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
     const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
-    const float converged_part_83 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
-    const float turns_3_cosine_converged_3 = heading_cosine - converged_part_83;
+    const float fall_converged_3 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
     const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
         (heading_sine * half_converged_3_squared);
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_78) - (row_1_converged_3 * moves_3_converged_2))) :
+        ((gradient_1_converged_3 * converged_part_76) - (row_1_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float limited_3_cosine_converged_3 = hall_position_three_limit(-converged_part_83, 0.14022085f);
+    const float limited_3_cosine_converged_3 = hall_position_three_limit(-fall_converged_3, 0.14022085f);
     const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
     const float by_ax_converged_3 = hall_position_three_limit(then_1_converged_3 -
         (1.5812683f * limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
@@ -841,14 +841,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ax_converged_3 = by_ax_converged_3 * f11_polynomial(f10_argument_5);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
-    const float converged_part_84 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_85 = converged_part_84 * converged_part_3;
-    const float converged_part_86 = phasors_1_sine_converged_3 * (converged_part +
-        (converged_part_84 * (converged_part_2 + converged_part_85)));
+    const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_82 = converged_part_81 * converged_part_3;
+    const float converged_part_83 = phasors_1_sine_converged_3 * (converged_part +
+        (converged_part_81 * (converged_part_2 + converged_part_82)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) -
-        (turns_3_sine_converged_3 * measured_2) - converged_part_86;
+        (turns_3_sine_converged_3 * measured_2) - converged_part_83;
     const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_80) - (row_2_converged_3 * moves_3_converged_2))) :
+        ((gradient_2_converged_3 * converged_part_78) - (row_2_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
     const float by_ay_converged_3 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) -
         (1.5812683f * limited_3_sine_converged_3);
@@ -857,12 +857,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ay_converged_3 = by_ay_converged_3 * f11_polynomial(f10_argument_6);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
-    const float converged_part_87 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_88 = converged_part_87 * converged_part_3;
-    const float converged_part_89 = phasors_2_sine_converged_3 * (converged_part +
-        (converged_part_87 * (converged_part_2 + converged_part_88)));
+    const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_85 = converged_part_84 * converged_part_3;
+    const float converged_part_86 = phasors_2_sine_converged_3 * (converged_part +
+        (converged_part_84 * (converged_part_2 + converged_part_85)));
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) +
-        (turns_3_sine_converged_3 * measured_1) - converged_part_89;
+        (turns_3_sine_converged_3 * measured_1) - converged_part_86;
     const float by_bx_converged_3 = hall_position_three_limit(then_1_converged_3 -
         (0.0858702f * limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
     const float f12_argument_5 = by_bx_converged_3 * by_bx_converged_3;
@@ -870,12 +870,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_bx_converged_3 = by_bx_converged_3 * f13_polynomial(f12_argument_5);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
-    const float converged_part_90 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_91 = converged_part_90 * converged_part_11;
-    const float converged_part_92 = phasors_3_sine_converged_3 * (converged_part_9 +
-        (converged_part_90 * (converged_part_10 + converged_part_91)));
+    const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_88 = converged_part_87 * converged_part_11;
+    const float converged_part_89 = phasors_3_sine_converged_3 * (converged_part_9 +
+        (converged_part_87 * (converged_part_10 + converged_part_88)));
     const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) -
-        (turns_3_sine_converged_3 * measured_4) - converged_part_92;
+        (turns_3_sine_converged_3 * measured_4) - converged_part_89;
     const float by_converged_3 = hall_position_three_limit(then_2_converged_3 +
         (0.08168141f * limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
     const float f12_argument_6 = by_converged_3 * by_converged_3;
@@ -883,12 +883,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_3 = by_converged_3 * f13_polynomial(f12_argument_6);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
-    const float converged_part_93 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_94 = converged_part_93 * converged_part_11;
-    const float converged_part_95 = phasors_4_sine_converged_3 * (converged_part_9 +
-        (converged_part_93 * (converged_part_10 + converged_part_94)));
+    const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_91 = converged_part_90 * converged_part_11;
+    const float converged_part_92 = phasors_4_sine_converged_3 * (converged_part_9 +
+        (converged_part_90 * (converged_part_10 + converged_part_91)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) +
-        (turns_3_sine_converged_3 * measured_3) - converged_part_95;
+        (turns_3_sine_converged_3 * measured_3) - converged_part_92;
     const float by_cx_converged_3 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) +
         (1.6650441f * limited_3_sine_converged_3);
     const float f16_argument_3 = by_cx_converged_3 * by_cx_converged_3;
@@ -896,12 +896,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cx_converged_3 = by_cx_converged_3 * f17_polynomial(f16_argument_3);
     const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_cx_converged_3) +
         (start_cosine_cx * by_sine_cx_converged_3);
-    const float converged_part_96 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
-    const float converged_part_97 = converged_part_96 * converged_part_19;
-    const float converged_part_98 = phasors_5_sine_converged_3 * (converged_part_17 +
-        (converged_part_96 * (converged_part_18 + converged_part_97)));
+    const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
+    const float converged_part_94 = converged_part_93 * converged_part_19;
+    const float converged_part_95 = phasors_5_sine_converged_3 * (converged_part_17 +
+        (converged_part_93 * (converged_part_18 + converged_part_94)));
     const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) -
-        (turns_3_sine_converged_3 * measured_6) - converged_part_98;
+        (turns_3_sine_converged_3 * measured_6) - converged_part_95;
     const float by_cy_converged_3 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) +
         (1.6671385f * limited_3_sine_converged_3);
     const float f16_argument_4 = by_cy_converged_3 * by_cy_converged_3;
@@ -909,101 +909,101 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cy_converged_3 = by_cy_converged_3 * f17_polynomial(f16_argument_4);
     const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_cy_converged_3) +
         (start_cosine_cy * by_sine_cy_converged_3);
-    const float converged_part_99 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
-    const float converged_part_100 = converged_part_99 * converged_part_19;
-    const float converged_part_101 = phasors_6_sine_converged_3 * (converged_part_17 +
-        (converged_part_99 * (converged_part_18 + converged_part_100)));
+    const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
+    const float converged_part_97 = converged_part_96 * converged_part_19;
+    const float converged_part_98 = phasors_6_sine_converged_3 * (converged_part_17 +
+        (converged_part_96 * (converged_part_18 + converged_part_97)));
     const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) +
-        (turns_3_sine_converged_3 * measured_5) - converged_part_101;
+        (turns_3_sine_converged_3 * measured_5) - converged_part_98;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
         residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
         (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_82) + 1e-08f);
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_80) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
         (ax_part_full * by_sine_ax_converged_3)) * (converged_part +
-        (converged_part_84 * (converged_part_2_scaled + (5.0f * converged_part_85))));
+        (converged_part_81 * (converged_part_2_scaled + (5.0f * converged_part_82))));
     const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) -
-        (1.5833627f * turns_3_cosine_converged_3))) + converged_part_89;
+        (1.5833627f * turns_3_cosine_converged_3))) + converged_part_86;
     const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
         (ay_part_full * by_sine_ay_converged_3)) * (converged_part +
-        (converged_part_87 * (converged_part_2_scaled + (5.0f * converged_part_88))));
-    const float converged_part_102 = converged_part_86 -
+        (converged_part_84 * (converged_part_2_scaled + (5.0f * converged_part_85))));
+    const float converged_part_99 = converged_part_83 -
         (rows_2_2_converged_4 * ((-1.5812683f * turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
     const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
         (bx_part_full * by_sine_bx_converged_3)) * (converged_part_9 +
-        (converged_part_90 * (converged_part_10_scaled + (5.0f * converged_part_91))));
+        (converged_part_87 * (converged_part_10_scaled + (5.0f * converged_part_88))));
     const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) -
-        (0.08168141f * turns_3_cosine_converged_3))) + converged_part_95;
+        (0.08168141f * turns_3_cosine_converged_3))) + converged_part_92;
     const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
         (by_part_full * by_sine_converged_3)) * (converged_part_9 +
-        (converged_part_93 * (converged_part_10_scaled + (5.0f * converged_part_94))));
-    const float converged_part_103 = converged_part_92 - (rows_4_2_converged_4 *
+        (converged_part_90 * (converged_part_10_scaled + (5.0f * converged_part_91))));
+    const float converged_part_100 = converged_part_89 - (rows_4_2_converged_4 *
         ((-0.0858702f * turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
     const float rows_5_1_converged_4 = ((start_cosine_cx * by_cosine_cx_converged_3) -
         (cx_part_full * by_sine_cx_converged_3)) * (converged_part_17 +
-        (converged_part_96 * (converged_part_18_scaled + (5.0f * converged_part_97))));
+        (converged_part_93 * (converged_part_18_scaled + (5.0f * converged_part_94))));
     const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) -
-        (1.6671385f * turns_3_sine_converged_3))) + converged_part_101;
+        (1.6671385f * turns_3_sine_converged_3))) + converged_part_98;
     const float rows_6_2_converged_4 = ((start_cosine_cy * by_cosine_cy_converged_3) -
         (cy_part_full * by_sine_cy_converged_3)) * (converged_part_17 +
-        (converged_part_99 * (converged_part_18_scaled + (5.0f * converged_part_100))));
-    const float converged_part_104 = converged_part_98 -
+        (converged_part_96 * (converged_part_18_scaled + (5.0f * converged_part_97))));
+    const float converged_part_101 = converged_part_95 -
         (rows_6_2_converged_4 * ((1.6671385f * turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
         (rows_3_3_converged_4 * rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
-    const float converged_part_105 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
+    const float converged_part_102 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
         (rows_3_1_converged_4 * rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_105, 4693.3496f);
+    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_102, 4693.3496f);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
         (rows_3_1_converged_4 * residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) -
         (0.00992376f * then_1_converged_3);
-    const float converged_part_106 = (converged_part_102 * rows_2_2_converged_4) +
-        (converged_part_103 * rows_4_2_converged_4) + (converged_part_104 * rows_6_2_converged_4);
-    const float converged_part_107 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
+    const float converged_part_103 = (converged_part_99 * rows_2_2_converged_4) +
+        (converged_part_100 * rows_4_2_converged_4) + (converged_part_101 * rows_6_2_converged_4);
+    const float converged_part_104 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
         (rows_4_2_converged_4 * rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_106 * converged_part_107), 4693.3496f);
+    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_103 * converged_part_104), 4693.3496f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
         (rows_4_2_converged_4 * residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) -
         (0.00992376f * then_2_converged_3);
     const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) -
-        (converged_part_102 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
-        (converged_part_103 * residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) -
-        (converged_part_104 * residuals_6_converged_4) - (0.87438375f * then_3_converged_3) -
+        (converged_part_99 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
+        (converged_part_100 * residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) -
+        (converged_part_101 * residuals_6_converged_4) - (0.87438375f * then_3_converged_3) -
         (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4);
-    const float converged_part_108 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-        (converged_part_102 * converged_part_102) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-        (converged_part_103 * converged_part_103) + (rows_5_3_converged_4 * rows_5_3_converged_4) +
-        (converged_part_104 * converged_part_104) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) +
-        (row_2_converged_4 * converged_part_106), 0.87438375f);
+    const float converged_part_105 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
+        (converged_part_99 * converged_part_99) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+        (converged_part_100 * converged_part_100) + (rows_5_3_converged_4 * rows_5_3_converged_4) +
+        (converged_part_101 * converged_part_101) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) +
+        (row_2_converged_4 * converged_part_103), 0.87438375f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_part_109 = cost_converged_3;
+    float converged_part_106 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_part_109 = converged_part_82;
+        converged_part_106 = converged_part_80;
     }
     const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ?
-        (then_3_converged_3 + (forward_3_converged_3 / converged_part_108)) :
+        (then_3_converged_3 + (forward_3_converged_3 / converged_part_105)) :
         (0.5f * (then_3_converged_3 + other_3_converged_3)), 0.14022085f);
     const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
     const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
-    const float converged_part_110 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
-    const float turns_3_cosine_converged_4 = heading_cosine - converged_part_110;
+    const float fall_converged_4 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
     const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
         (heading_sine * half_converged_4_squared);
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_105) - (row_1_converged_4 * moves_3_converged_3))) :
+        ((gradient_1_converged_4 * converged_part_102) - (row_1_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float limited_3_cosine_converged_4 = hall_position_three_limit(-converged_part_110, 0.14022085f);
+    const float limited_3_cosine_converged_4 = hall_position_three_limit(-fall_converged_4, 0.14022085f);
     const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
     const float by_ax_converged_4 = hall_position_three_limit(then_1_converged_4 -
         (1.5812683f * limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
@@ -1012,14 +1012,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ax_converged_4 = by_ax_converged_4 * f11_polynomial(f10_argument_7);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
-    const float converged_part_111 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_112 = converged_part_111 * converged_part_3;
-    const float converged_part_113 = phasors_1_sine_converged_4 * (converged_part +
-        (converged_part_111 * (converged_part_2 + converged_part_112)));
+    const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_108 = converged_part_107 * converged_part_3;
+    const float converged_part_109 = phasors_1_sine_converged_4 * (converged_part +
+        (converged_part_107 * (converged_part_2 + converged_part_108)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) -
-        (turns_3_sine_converged_4 * measured_2) - converged_part_113;
+        (turns_3_sine_converged_4 * measured_2) - converged_part_109;
     const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_107) - (row_2_converged_4 * moves_3_converged_3))) :
+        ((gradient_2_converged_4 * converged_part_104) - (row_2_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
     const float by_ay_converged_4 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) -
         (1.5812683f * limited_3_sine_converged_4);
@@ -1028,12 +1028,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_ay_converged_4 = by_ay_converged_4 * f11_polynomial(f10_argument_8);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
-    const float converged_part_114 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_115 = converged_part_114 * converged_part_3;
-    const float converged_part_116 = phasors_2_sine_converged_4 * (converged_part +
-        (converged_part_114 * (converged_part_2 + converged_part_115)));
+    const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_111 = converged_part_110 * converged_part_3;
+    const float converged_part_112 = phasors_2_sine_converged_4 * (converged_part +
+        (converged_part_110 * (converged_part_2 + converged_part_111)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) +
-        (turns_3_sine_converged_4 * measured_1) - converged_part_116;
+        (turns_3_sine_converged_4 * measured_1) - converged_part_112;
     const float by_bx_converged_4 = hall_position_three_limit(then_1_converged_4 -
         (0.0858702f * limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
     const float f12_argument_7 = by_bx_converged_4 * by_bx_converged_4;
@@ -1041,12 +1041,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_bx_converged_4 = by_bx_converged_4 * f13_polynomial(f12_argument_7);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
-    const float converged_part_117 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_118 = converged_part_117 * converged_part_11;
-    const float converged_part_119 = phasors_3_sine_converged_4 * (converged_part_9 +
-        (converged_part_117 * (converged_part_10 + converged_part_118)));
+    const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_114 = converged_part_113 * converged_part_11;
+    const float converged_part_115 = phasors_3_sine_converged_4 * (converged_part_9 +
+        (converged_part_113 * (converged_part_10 + converged_part_114)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) -
-        (turns_3_sine_converged_4 * measured_4) - converged_part_119;
+        (turns_3_sine_converged_4 * measured_4) - converged_part_115;
     const float by_converged_4 = hall_position_three_limit(then_2_converged_4 +
         (0.08168141f * limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
     const float f12_argument_8 = by_converged_4 * by_converged_4;
@@ -1054,12 +1054,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_converged_4 = by_converged_4 * f13_polynomial(f12_argument_8);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
-    const float converged_part_120 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_121 = converged_part_120 * converged_part_11;
-    const float converged_part_122 = phasors_4_sine_converged_4 * (converged_part_9 +
-        (converged_part_120 * (converged_part_10 + converged_part_121)));
+    const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_117 = converged_part_116 * converged_part_11;
+    const float converged_part_118 = phasors_4_sine_converged_4 * (converged_part_9 +
+        (converged_part_116 * (converged_part_10 + converged_part_117)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) +
-        (turns_3_sine_converged_4 * measured_3) - converged_part_122;
+        (turns_3_sine_converged_4 * measured_3) - converged_part_118;
     const float by_cx_converged_4 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) +
         (1.6650441f * limited_3_sine_converged_4);
     const float f16_argument_5 = by_cx_converged_4 * by_cx_converged_4;
@@ -1067,12 +1067,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cx_converged_4 = by_cx_converged_4 * f17_polynomial(f16_argument_5);
     const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_cx_converged_4) +
         (start_cosine_cx * by_sine_cx_converged_4);
-    const float converged_part_123 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
-    const float converged_part_124 = converged_part_123 * converged_part_19;
-    const float converged_part_125 = phasors_5_sine_converged_4 * (converged_part_17 +
-        (converged_part_123 * (converged_part_18 + converged_part_124)));
+    const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
+    const float converged_part_120 = converged_part_119 * converged_part_19;
+    const float converged_part_121 = phasors_5_sine_converged_4 * (converged_part_17 +
+        (converged_part_119 * (converged_part_18 + converged_part_120)));
     const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) -
-        (turns_3_sine_converged_4 * measured_6) - converged_part_125;
+        (turns_3_sine_converged_4 * measured_6) - converged_part_121;
     const float by_cy_converged_4 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) +
         (1.6671385f * limited_3_sine_converged_4);
     const float f16_argument_6 = by_cy_converged_4 * by_cy_converged_4;
@@ -1080,12 +1080,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_sine_cy_converged_4 = by_cy_converged_4 * f17_polynomial(f16_argument_6);
     const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_cy_converged_4) +
         (start_cosine_cy * by_sine_cy_converged_4);
-    const float converged_part_126 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
-    const float converged_part_127 = converged_part_126 * converged_part_19;
-    const float converged_part_128 = phasors_6_sine_converged_4 * (converged_part_17 +
-        (converged_part_126 * (converged_part_18 + converged_part_127)));
+    const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
+    const float converged_part_123 = converged_part_122 * converged_part_19;
+    const float converged_part_124 = phasors_6_sine_converged_4 * (converged_part_17 +
+        (converged_part_122 * (converged_part_18 + converged_part_123)));
     const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) +
-        (turns_3_sine_converged_4 * measured_5) - converged_part_128;
+        (turns_3_sine_converged_4 * measured_5) - converged_part_124;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) +
@@ -1099,67 +1099,67 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (then_1_converged_4_squared + then_2_converged_4_squared + (3.524405f * then_3_converged_4_squared));
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_part_109) + 1e-08f);
+        ((1.000002f * converged_part_106) + 1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
         (ax_part_full * by_sine_ax_converged_4)) * (converged_part +
-        (converged_part_111 * (converged_part_2_scaled + (5.0f * converged_part_112))));
+        (converged_part_107 * (converged_part_2_scaled + (5.0f * converged_part_108))));
     const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
         (bx_part_full * by_sine_bx_converged_4)) * (converged_part_9 +
-        (converged_part_117 * (converged_part_10_scaled + (5.0f * converged_part_118))));
+        (converged_part_113 * (converged_part_10_scaled + (5.0f * converged_part_114))));
     const float rows_5_1_converged_5 = ((start_cosine_cx * by_cosine_cx_converged_4) -
         (cx_part_full * by_sine_cx_converged_4)) * (converged_part_17 +
-        (converged_part_123 * (converged_part_18_scaled + (5.0f * converged_part_124))));
+        (converged_part_119 * (converged_part_18_scaled + (5.0f * converged_part_120))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
         (rows_3_1_converged_5 * residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) -
         (0.00992376f * then_1_converged_4);
     const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
         (rows_3_1_converged_5 * rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
-    const float converged_part_129 = gradient_1_converged_5 * inverse_1;
+    const float converged_part_125 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
         (ay_part_full * by_sine_ay_converged_4)) * (converged_part +
-        (converged_part_114 * (converged_part_2_scaled + (5.0f * converged_part_115))));
+        (converged_part_110 * (converged_part_2_scaled + (5.0f * converged_part_111))));
     const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
         (by_part_full * by_sine_converged_4)) * (converged_part_9 +
-        (converged_part_120 * (converged_part_10_scaled + (5.0f * converged_part_121))));
+        (converged_part_116 * (converged_part_10_scaled + (5.0f * converged_part_117))));
     const float rows_6_2_converged_5 = ((start_cosine_cy * by_cosine_cy_converged_4) -
         (cy_part_full * by_sine_cy_converged_4)) * (converged_part_17 +
-        (converged_part_126 * (converged_part_18_scaled + (5.0f * converged_part_127))));
+        (converged_part_122 * (converged_part_18_scaled + (5.0f * converged_part_123))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
         (rows_4_2_converged_5 * residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) -
         (0.00992376f * then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
         (rows_4_2_converged_5 * rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
-    const float converged_part_130 = gradient_2_converged_5 * inverse_2;
+    const float converged_part_126 = gradient_2_converged_5 * inverse_2;
     const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) -
-        (1.5833627f * turns_3_cosine_converged_4))) + converged_part_116;
-    const float converged_part_131 = converged_part_113 -
+        (1.5833627f * turns_3_cosine_converged_4))) + converged_part_112;
+    const float converged_part_127 = converged_part_109 -
         (rows_2_2_converged_5 * ((-1.5812683f * turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) -
-        (0.08168141f * turns_3_cosine_converged_4))) + converged_part_122;
-    const float converged_part_132 = converged_part_119 - (rows_4_2_converged_5 *
+        (0.08168141f * turns_3_cosine_converged_4))) + converged_part_118;
+    const float converged_part_128 = converged_part_115 - (rows_4_2_converged_5 *
         ((-0.0858702f * turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
     const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) -
-        (1.6671385f * turns_3_sine_converged_4))) + converged_part_128;
-    const float converged_part_133 = converged_part_125 -
+        (1.6671385f * turns_3_sine_converged_4))) + converged_part_124;
+    const float converged_part_129 = converged_part_121 -
         (rows_6_2_converged_5 * ((1.6671385f * turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
         (rows_3_3_converged_5 * rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
     const float x_converged = hall_position_three_limit(left_3_1_converged_5 * inverse_1, 4693.3496f);
-    const float converged_part_134 = (converged_part_131 * rows_2_2_converged_5) +
-        (converged_part_132 * rows_4_2_converged_5) + (converged_part_133 * rows_6_2_converged_5);
-    const float y_converged = hall_position_three_limit(-(converged_part_134 * inverse_2), 4693.3496f);
+    const float converged_part_130 = (converged_part_127 * rows_2_2_converged_5) +
+        (converged_part_128 * rows_4_2_converged_5) + (converged_part_129 * rows_6_2_converged_5);
+    const float y_converged = hall_position_three_limit(-(converged_part_130 * inverse_2), 4693.3496f);
     const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (converged_part_131 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_part_132 * residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) -
-        (converged_part_133 * residuals_6_converged_5) - (0.87438375f * then_3_converged_4) -
+        (converged_part_127 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_128 * residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) -
+        (converged_part_129 * residuals_6_converged_5) - (0.87438375f * then_3_converged_4) -
         (x_converged * gradient_1_converged_5) - (y_converged * gradient_2_converged_5);
-    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_131 *
-        converged_part_131) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_132 * converged_part_132)
-        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_133 * converged_part_133) + 0.87438375f -
-        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_134), 0.87438375f);
+    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_127 *
+        converged_part_127) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_128 * converged_part_128)
+        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_129 * converged_part_129) + 0.87438375f -
+        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_130), 0.87438375f);
     const float step_converged = forward_3_converged_4 / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_129) +
-        (gradient_2_converged_5 * converged_part_130) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_125) +
+        (gradient_2_converged_5 * converged_part_126) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
     float at_3;
     float at_1;
     float at_2;
@@ -1167,8 +1167,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float untried_3 = hall_position_three_limit(then_3_converged_4 + step_converged, 0.14022085f);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_129 - (x_converged * moves_3_X)), 0.5f);
-        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_130 - (y_converged * moves_3_X)), 0.5f);
+        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_125 - (x_converged * moves_3_X)), 0.5f);
+        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_126 - (y_converged * moves_3_X)), 0.5f);
     } else {
         if (better_converged_4) {
             at_3 = then_3_converged_4;
@@ -1203,11 +1203,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         estimator_motion_y_part = 0.5f * at_2;
         estimator_motion_yaw_part = 0.1f * at_3;
     }
-    const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < X_part;
-    float angle_x = X_part;
+    const float moved_x = prediction_phase_x + by_phase_x;
+    const bool turns_x_X = pi < moved_x;
+    float angle_x = moved_x;
     if (turns_x_X) {
-        angle_x = X_part - two_pi;
+        angle_x = moved_x - two_pi;
     }
     float pose_phase_x = angle_x;
     float turns_x_X_2 = -1.0f;
@@ -1224,11 +1224,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sine_X = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
     const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x) - lever_cosine;
-    const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < Y_part;
-    float angle_y = Y_part;
+    const float moved_y = prediction_phase_y + by_phase_y;
+    const bool turns_y_Y = pi < moved_y;
+    float angle_y = moved_y;
     if (turns_y_Y) {
-        angle_y = Y_part - two_pi;
+        angle_y = moved_y - two_pi;
     }
     float pose_phase_y = angle_y;
     float turns_y_Y_2 = -1.0f;
@@ -1271,7 +1271,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->lock_lost = (float)estimator_lock_lost;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
-    const bool estimator_yaw_last_good_test = !integrity_residual_fault;
+    const bool faultless = !integrity_residual_fault;
     if (restart) {
         const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
@@ -1297,7 +1297,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
-        if (converged && estimator_yaw_last_good_test) {
+        if (converged && faultless) {
             state->estimator_searching = 0u;
         }
         state->estimator_ambiguity_resolved = hall_position_three_flag(resolved_valid);
@@ -1313,22 +1313,22 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 ((squares_1 < squares_2) ? 2.0f : 1.0f));
         }
     }
-    if (resolved_valid && estimator_yaw_last_good_test) {
+    if (resolved_valid && faultless) {
         state->estimator_yaw_last_good = yaw;
     }
     state->estimator_pitch_x = hall_position_three_limit(pose_pitch_x, 8.0f);
     state->estimator_pitch_y = hall_position_three_limit(pose_pitch_y, 8.0f);
-    float estimator_motion_x_part_2 = 0.0f;
-    float estimator_motion_y_part_2 = 0.0f;
-    float estimator_motion_yaw_part_2 = 0.0f;
+    float continued_motion_x = 0.0f;
+    float continued_motion_y = 0.0f;
+    float continued_motion_yaw = 0.0f;
     if (estimator_searching == 0u) {
-        estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
-        estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
-        estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;
+        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
+        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
+        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
     }
-    state->estimator_motion_x = hall_position_three_limit(estimator_motion_x_part_2, 0.5f);
-    state->estimator_motion_y = hall_position_three_limit(estimator_motion_y_part_2, 0.5f);
-    state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, 0.14022085f);
+    state->estimator_motion_x = hall_position_three_limit(continued_motion_x, 0.5f);
+    state->estimator_motion_y = hall_position_three_limit(continued_motion_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_three_limit(continued_motion_yaw, 0.14022085f);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;

@@ -147,7 +147,8 @@ def _chord(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
         turn = phasor.of(value)
         return Phasor(turn.cosine - start.cosine, turn.sine - start.sine)
     sine, half = ca.sin(u.rate * by), sqrt(2) * ca.sin(u.rate * by / 2)
-    return start.times(Phasor(-(half**2), sine))
+    fall = start.cosine * half**2 + start.sine * sine
+    return Phasor(-fall, start.cosine * sine - start.sine * half**2)
 
 
 def _move(start: Phasor, chord: Phasor, u: Unknown, value: ca.SX) -> Phasor:

@@ -171,7 +171,8 @@ def advance(
     pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
     limit, counted = valid_yaw_limit(problem.array, tuning), ca.SX(1)
     for a in AXES:
-        phase, turns = restarts.wrap(prediction[f"phase_{a}"] + by[f"phase_{a}"])
+        moved = prediction[f"phase_{a}"] + by[f"phase_{a}"]
+        phase, turns = restarts.wrap(moved)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
     size = ca.fabs(pose["yaw"])
@@ -179,7 +180,8 @@ def advance(
     next, restart = _search(solution, integrity, x, problem)
     unambiguous = ca.logic_and(integrity.unambiguous, inside)
     resolved = ca.logic_or(unambiguous, ca.logic_and(x["ambiguity_resolved"], ca.logic_not(integrity.damped)))
-    reliable = ca.logic_and(resolved, ca.logic_not(fault))
+    faultless = ca.logic_not(fault)
+    reliable = ca.logic_and(resolved, faultless)
     # An ambiguous estimate may track a wrong curve for a while, at yaws that the body does not have.
     outside = ca.logic_or(ca.logic_not(counted), size > ca.if_else(resolved, limit, 2 * limit))
     lost = ca.logic_and(x["acquired"], ca.logic_or(restart, outside))
@@ -193,7 +195,8 @@ def advance(
     if tuning.velocity_gain:
         gains = (tuning.velocity_gain, tuning.velocity_gain, tuning.velocity_gain / tuning.yaw_damping_ratio)
         motions = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
-        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
+        continued = {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
+        next |= continued
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 
