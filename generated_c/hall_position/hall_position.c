@@ -1,11 +1,9 @@
 /* hall_position. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#if defined(HALL_POSITION_DIAGNOSTICS)
-#include <stddef.h>
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -89,18 +87,25 @@ static inline float f5_polynomial(float t)
     return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* f6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
+/* f6_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+static inline float f6_polynomial(float t)
+{
+    return 0.5f + (t * (0.04166665f + (t * 0.004172491f)));
+}
+
+/* f7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
  * 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f6_polynomial(float t)
+static inline float f7_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.001388265f + (t * 2.4109138e-05f)))))));
 }
 
-/* f7_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
+/* f8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
  * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f7_polynomial(float t)
+static inline float f8_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
@@ -114,20 +119,9 @@ void hall_position_init(hall_position_state_t *state)
     };
 }
 
-#if defined(HALL_POSITION_DIAGNOSTICS)
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
-{
-    return hall_position_step_diagnosed(state, in, out, NULL);
-}
-
-uint32_t hall_position_step_diagnosed(hall_position_state_t *state, const hall_position_input_t *in,
-    hall_position_output_t *out, hall_position_diagnostics_t *diagnostics)
-#else
-uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
-#endif
 {
     static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
-    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -137,12 +131,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
-#if defined(HALL_POSITION_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
-    }
-#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u, &faults);
@@ -191,11 +179,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = hall_position_limit(8.0f *
-        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine)))), 2.002f);
+    const float ax_part_doubled = 8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
     const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = hall_position_limit(ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax))),
-        1.001f);
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
@@ -205,11 +194,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = hall_position_limit(8.0f *
-        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine)))), 2.002f);
+    const float ay_part_doubled = 8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = hall_position_limit(ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay))),
-        1.001f);
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_3 = limited_bx * limited_bx;
@@ -217,11 +207,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float bx_part_sine = 8.0f * f3_3;
     const float bx_part_cosine = ax_part_cosine_polynomial(f3_argument_3);
     const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
-    const float bx_part_doubled = hall_position_limit(8.0f *
-        (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine)))), 2.002f);
+    const float bx_part_doubled = 8.0f *
+        (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
     const float sines_2_bx = 8.0f * f3_3_times_bx_part_cosine;
-    const float bx_part_full = hall_position_limit(bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx))),
-        1.001f);
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
+    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
     const float f3_argument_4 = limited_by * limited_by;
@@ -229,11 +220,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_part_sine = 8.0f * f3_4;
     const float by_part_cosine = ax_part_cosine_polynomial(f3_argument_4);
     const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
-    const float by_part_doubled = hall_position_limit(8.0f *
-        (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine)))), 2.002f);
+    const float by_part_doubled = 8.0f *
+        (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
     const float sines_2_by = 8.0f * f3_4_times_by_part_cosine;
-    const float by_part_full = hall_position_limit(by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by))),
-        1.001f);
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
+    /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float estimator_field_3_scaled = 3.0f * estimator_field_3;
@@ -293,22 +285,21 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_part_5 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
         (converged_part_10 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
         (row_2_converged * gradient_2_converged)) / converged_part_14, 0.10100254f);
-    const float half_converged = root_2 * sinf(0.5f * then_3_converged);
-    const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
-    const float fall_converged = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float half_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
+    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged = heading_cosine - fall_converged;
-    const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
+    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) -
         (row_1_converged * then_3_converged), 0.5f);
     const float converged_part_15 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
     const float converged_part_16 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
     const float by_ax_converged = then_1_converged - converged_part_15 + converged_part_16;
-    const float f6_argument = by_ax_converged * by_ax_converged;
-    const float by_cosine_ax_converged = f6_polynomial(f6_argument);
-    const float by_sine_ax_converged = by_ax_converged * f7_polynomial(f6_argument);
+    const float f7_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f7_polynomial(f7_argument);
+    const float by_sine_ax_converged = by_ax_converged * f8_polynomial(f7_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
     const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
@@ -320,9 +311,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) -
         (row_2_converged * then_3_converged), 0.5f);
     const float by_ay_converged = then_2_converged - converged_part_15 - converged_part_16;
-    const float f6_argument_2 = by_ay_converged * by_ay_converged;
-    const float by_cosine_ay_converged = f6_polynomial(f6_argument_2);
-    const float by_sine_ay_converged = by_ay_converged * f7_polynomial(f6_argument_2);
+    const float f7_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f7_polynomial(f7_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f8_polynomial(f7_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
     const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
@@ -332,9 +323,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
         (turns_3_sine_converged * V_ax_held) - converged_part_22;
     const float by_bx_converged = then_1_converged + converged_part_15 - converged_part_16;
-    const float f6_argument_3 = by_bx_converged * by_bx_converged;
-    const float by_cosine_bx_converged = f6_polynomial(f6_argument_3);
-    const float by_sine_bx_converged = by_bx_converged * f7_polynomial(f6_argument_3);
+    const float f7_argument_3 = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f7_polynomial(f7_argument_3);
+    const float by_sine_bx_converged = by_bx_converged * f8_polynomial(f7_argument_3);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
     const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
@@ -344,9 +335,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
         (turns_3_sine_converged * V_by_held) - converged_part_25;
     const float by_converged = then_2_converged + converged_part_15 + converged_part_16;
-    const float f6_argument_4 = by_converged * by_converged;
-    const float by_cosine_converged = f6_polynomial(f6_argument_4);
-    const float by_sine_converged = by_converged * f7_polynomial(f6_argument_4);
+    const float f7_argument_4 = by_converged * by_converged;
+    const float by_cosine_converged = f7_polynomial(f7_argument_4);
+    const float by_sine_converged = by_converged * f8_polynomial(f7_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
     const float converged_part_27 = converged_part_26 * estimator_field_5;
@@ -416,14 +407,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
         gradient_2_converged_2)) / converged_part_36)) : (0.5f * (then_3_converged + other_3_converged));
     const float then_3_converged_2 = hall_position_limit(converged_part_38, 0.10100254f);
-    const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
-    const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
-    const float fall_converged_2 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float half_converged_2 = then_3_converged_2 * f6_polynomial(then_3_converged_2_squared);
+    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
-    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
-        (heading_sine * half_converged_2_squared);
+    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_limit((better_converged) ?
@@ -433,9 +422,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_part_40 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
     const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
         0.97596323f);
-    const float f6_argument_5 = by_ax_converged_2 * by_ax_converged_2;
-    const float by_cosine_ax_converged_2 = f6_polynomial(f6_argument_5);
-    const float by_sine_ax_converged_2 = by_ax_converged_2 * f7_polynomial(f6_argument_5);
+    const float f7_argument_5 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f7_polynomial(f7_argument_5);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f8_polynomial(f7_argument_5);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
@@ -449,9 +438,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
     const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
         0.97596323f);
-    const float f6_argument_6 = by_ay_converged_2 * by_ay_converged_2;
-    const float by_cosine_ay_converged_2 = f6_polynomial(f6_argument_6);
-    const float by_sine_ay_converged_2 = by_ay_converged_2 * f7_polynomial(f6_argument_6);
+    const float f7_argument_6 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f7_polynomial(f7_argument_6);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f8_polynomial(f7_argument_6);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
@@ -462,9 +451,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_2 * V_ax_held) - converged_part_46;
     const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
         0.97596323f);
-    const float f6_argument_7 = by_bx_converged_2 * by_bx_converged_2;
-    const float by_cosine_bx_converged_2 = f6_polynomial(f6_argument_7);
-    const float by_sine_bx_converged_2 = by_bx_converged_2 * f7_polynomial(f6_argument_7);
+    const float f7_argument_7 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f7_polynomial(f7_argument_7);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f8_polynomial(f7_argument_7);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
@@ -475,9 +464,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_2 * V_by_held) - converged_part_49;
     const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
         0.97596323f);
-    const float f6_argument_8 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f6_polynomial(f6_argument_8);
-    const float by_sine_converged_2 = by_converged_2 * f7_polynomial(f6_argument_8);
+    const float f7_argument_8 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f7_polynomial(f7_argument_8);
+    const float by_sine_converged_2 = by_converged_2 * f8_polynomial(f7_argument_8);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
     const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
@@ -546,14 +535,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
         gradient_2_converged_3)) / converged_part_60)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
     const float then_3_converged_3 = hall_position_limit(converged_part_62, 0.10100254f);
-    const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
-    const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
-    const float fall_converged_3 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float half_converged_3 = then_3_converged_3 * f6_polynomial(then_3_converged_3_squared);
+    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
-    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
-        (heading_sine * half_converged_3_squared);
+    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
@@ -563,9 +550,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_part_64 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
     const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
         0.97596323f);
-    const float f6_argument_9 = by_ax_converged_3 * by_ax_converged_3;
-    const float by_cosine_ax_converged_3 = f6_polynomial(f6_argument_9);
-    const float by_sine_ax_converged_3 = by_ax_converged_3 * f7_polynomial(f6_argument_9);
+    const float f7_argument_9 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f7_polynomial(f7_argument_9);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f8_polynomial(f7_argument_9);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
@@ -579,9 +566,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
     const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
         0.97596323f);
-    const float f6_argument_10 = by_ay_converged_3 * by_ay_converged_3;
-    const float by_cosine_ay_converged_3 = f6_polynomial(f6_argument_10);
-    const float by_sine_ay_converged_3 = by_ay_converged_3 * f7_polynomial(f6_argument_10);
+    const float f7_argument_10 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f7_polynomial(f7_argument_10);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f8_polynomial(f7_argument_10);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
@@ -592,9 +579,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_3 * V_ax_held) - converged_part_70;
     const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
         0.97596323f);
-    const float f6_argument_11 = by_bx_converged_3 * by_bx_converged_3;
-    const float by_cosine_bx_converged_3 = f6_polynomial(f6_argument_11);
-    const float by_sine_bx_converged_3 = by_bx_converged_3 * f7_polynomial(f6_argument_11);
+    const float f7_argument_11 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f7_polynomial(f7_argument_11);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f8_polynomial(f7_argument_11);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
@@ -605,9 +592,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_3 * V_by_held) - converged_part_73;
     const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
         0.97596323f);
-    const float f6_argument_12 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f6_polynomial(f6_argument_12);
-    const float by_sine_converged_3 = by_converged_3 * f7_polynomial(f6_argument_12);
+    const float f7_argument_12 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f7_polynomial(f7_argument_12);
+    const float by_sine_converged_3 = by_converged_3 * f8_polynomial(f7_argument_12);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
     const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
@@ -676,14 +663,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
         gradient_2_converged_4)) / converged_part_84)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
     const float then_3_converged_4 = hall_position_limit(converged_part_86, 0.10100254f);
-    const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
-    const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
-    const float fall_converged_4 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float half_converged_4 = then_3_converged_4 * f6_polynomial(then_3_converged_4_squared);
+    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
-    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
-        (heading_sine * half_converged_4_squared);
+    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
@@ -693,9 +678,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_part_88 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
     const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
         0.97596323f);
-    const float f6_argument_13 = by_ax_converged_4 * by_ax_converged_4;
-    const float by_cosine_ax_converged_4 = f6_polynomial(f6_argument_13);
-    const float by_sine_ax_converged_4 = by_ax_converged_4 * f7_polynomial(f6_argument_13);
+    const float f7_argument_13 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f7_polynomial(f7_argument_13);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f8_polynomial(f7_argument_13);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
@@ -709,9 +694,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
     const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
         0.97596323f);
-    const float f6_argument_14 = by_ay_converged_4 * by_ay_converged_4;
-    const float by_cosine_ay_converged_4 = f6_polynomial(f6_argument_14);
-    const float by_sine_ay_converged_4 = by_ay_converged_4 * f7_polynomial(f6_argument_14);
+    const float f7_argument_14 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f7_polynomial(f7_argument_14);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f8_polynomial(f7_argument_14);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
@@ -722,9 +707,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_4 * V_ax_held) - converged_part_94;
     const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
         0.97596323f);
-    const float f6_argument_15 = by_bx_converged_4 * by_bx_converged_4;
-    const float by_cosine_bx_converged_4 = f6_polynomial(f6_argument_15);
-    const float by_sine_bx_converged_4 = by_bx_converged_4 * f7_polynomial(f6_argument_15);
+    const float f7_argument_15 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f7_polynomial(f7_argument_15);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f8_polynomial(f7_argument_15);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
@@ -735,9 +720,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_4 * V_by_held) - converged_part_97;
     const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
         0.97596323f);
-    const float f6_argument_16 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f6_polynomial(f6_argument_16);
-    const float by_sine_converged_4 = by_converged_4 * f7_polynomial(f6_argument_16);
+    const float f7_argument_16 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f7_polynomial(f7_argument_16);
+    const float by_sine_converged_4 = by_converged_4 * f8_polynomial(f7_argument_16);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
     const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
@@ -967,26 +952,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
-#if defined(HALL_POSITION_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->saturated |= (fabsf(ax_part_doubled) >= 2.002f) ? 0x00000001u : 0u;
-        diagnostics->saturated |= (fabsf(ax_part_full) >= 1.001f) ? 0x00000002u : 0u;
-        diagnostics->saturated |= (fabsf(ay_part_doubled) >= 2.002f) ? 0x00000004u : 0u;
-        diagnostics->saturated |= (fabsf(ay_part_full) >= 1.001f) ? 0x00000008u : 0u;
-        diagnostics->saturated |= (fabsf(bx_part_doubled) >= 2.002f) ? 0x00000010u : 0u;
-        diagnostics->saturated |= (fabsf(bx_part_full) >= 1.001f) ? 0x00000020u : 0u;
-        diagnostics->saturated |= (fabsf(by_part_doubled) >= 2.002f) ? 0x00000040u : 0u;
-        diagnostics->saturated |= (fabsf(by_part_full) >= 1.001f) ? 0x00000080u : 0u;
-    }
-#endif
 
-#if defined(HALL_POSITION_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->faults = faults;
-        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = faults;
-        }
-    }
-#endif
     return faults;
 }

@@ -1,11 +1,9 @@
 /* hall_position_three. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position_three.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-#include <stddef.h>
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -126,73 +124,80 @@ static inline float f9_polynomial(float t)
     return 1.0f + (t * (-0.16666663f + (t * 0.008327514f)));
 }
 
-/* f10_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
+/* f10_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)),
+ * -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
+static inline float f10_polynomial(float t)
+{
+    return 0.5f + (t * (0.041666593f + (t * 0.004178401f)));
+}
+
+/* f11_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
  * 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f10_polynomial(float t)
+static inline float f11_polynomial(float t)
 {
     return 1.0f + (t * (-0.5f + (t * (0.0416666f + (t * (-0.0013885538f + (t * 2.4265188e-05f)))))));
 }
 
-/* f11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
+/* f12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
  * -0.140220856, 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f11_polynomial(float t)
+static inline float f12_polynomial(float t)
 {
     return 1.0f + (t * (-0.1666663f + (t * (0.008330877f + (t * -0.00019370353f)))));
 }
 
-/* f12_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+/* f13_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
  * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
  * most 6e-08. */
-static inline float f12_polynomial(float t)
+static inline float f13_polynomial(float t)
 {
     return 1.0f + (t * (-0.4999999f + (t * (0.041664638f + (t * -0.0013759605f)))));
 }
 
-/* f13_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+/* f14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
  * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f13_polynomial(float t)
+static inline float f14_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * (0.008333108f + (t * -0.00019697788f)))));
 }
 
-/* f14_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
  * 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f14_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
-}
-
-/* f15_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
- * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at
- * most 1.2e-07. */
 static inline float f15_polynomial(float t)
 {
+    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
+}
+
+/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at
+ * most 1.2e-07. */
+static inline float f16_polynomial(float t)
+{
     return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
 }
 
-/* f16_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
  * 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at most
  * 1.3e-07. */
-static inline float f16_polynomial(float t)
+static inline float f17_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
 }
 
-/* f17_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
  * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f17_polynomial(float t)
+static inline float f18_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
 }
 
-/* f18_polynomial; x = ((((...) || (...)) && (!estimator_searching)) ? 0 : (converged ? clamp((...), -0.140220856,
+/* f19_polynomial; x = ((((...) || (...)) && (!estimator_searching)) ? 0 : (converged ? clamp((...), -0.140220856,
  * 0.140220856) : ((...) ? (...) : (...)))) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 6e-08. */
-static inline float f18_polynomial(float t)
+static inline float f19_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999976f + (t * 0.041628234f)));
 }
@@ -206,21 +211,9 @@ void hall_position_three_init(hall_position_three_state_t *state)
     };
 }
 
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
 {
-    return hall_position_three_step_diagnosed(state, in, out, NULL);
-}
-
-uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
-#else
-uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out)
-#endif
-{
-    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -230,12 +223,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
-    }
-#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
@@ -299,11 +286,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ax_part_sine = 8.0f * f3;
     const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
-    const float ax_part_doubled = hall_position_three_limit(8.0f *
-        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine)))), 2.002f);
+    const float ax_part_doubled = 8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
     const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
-    const float ax_part_full = hall_position_three_limit(ax_part_doubled * (1.0f -
-        (0.125f * (sines_2_ax * sines_2_ax))), 1.001f);
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float heading_cosine_scaled = 1.5833627f * heading_cosine;
@@ -315,11 +303,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ay_part_sine = 8.0f * f3_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
-    const float ay_part_doubled = hall_position_three_limit(8.0f *
-        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine)))), 2.002f);
+    const float ay_part_doubled = 8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
-    const float ay_part_full = hall_position_three_limit(ay_part_doubled * (1.0f -
-        (0.125f * (sines_2_ay * sines_2_ay))), 1.001f);
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
     const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
         heading_sine_scaled_3, 3.7601066f);
@@ -327,9 +316,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float f5 = limited_bx * f5_polynomial(f5_argument);
     const float bx_part_sine = 4.0f * f5;
     const float bx_part_cosine = bx_part_cosine_polynomial(f5_argument);
-    const float bx_part_doubled = hall_position_three_limit(4.0f * (f5 * bx_part_cosine), 2.002f);
-    const float bx_part_full = hall_position_three_limit(bx_part_doubled * (1.0f -
-        (0.125f * (bx_part_sine * bx_part_sine))), 1.001f);
+    const float bx_part_doubled = 4.0f * (f5 * bx_part_cosine);
+    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
+    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float heading_cosine_scaled_2 = 0.08168141f * heading_cosine;
     const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
     const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
@@ -338,9 +328,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float f5_2 = limited_by * f5_polynomial(f5_argument_2);
     const float by_part_sine = 4.0f * f5_2;
     const float by_part_cosine = bx_part_cosine_polynomial(f5_argument_2);
-    const float by_part_doubled = hall_position_three_limit(4.0f * (f5_2 * by_part_cosine), 2.002f);
-    const float by_part_full = hall_position_three_limit(by_part_doubled * (1.0f -
-        (0.125f * (by_part_sine * by_part_sine))), 1.001f);
+    const float by_part_doubled = 4.0f * (f5_2 * by_part_cosine);
+    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
+    /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float heading_cosine_scaled_3 = 1.6671385f * heading_cosine;
     const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
     const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
@@ -350,11 +341,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cx_part_sine = 8.0f * f7;
     const float cx_part_cosine = cx_part_cosine_polynomial(f7_argument);
     const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
-    const float cx_part_doubled = hall_position_three_limit(8.0f *
-        (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine)))), 2.002f);
+    const float cx_part_doubled = 8.0f *
+        (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+    /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
     const float sines_2_cx = 8.0f * f7_times_cx_part_cosine;
-    const float cx_part_full = hall_position_three_limit(cx_part_doubled * (1.0f -
-        (0.125f * (sines_2_cx * sines_2_cx))), 1.001f);
+    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
+    /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float heading_cosine_scaled_4 = 1.6650441f * heading_cosine;
     const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
     const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
@@ -364,11 +356,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cy_part_sine = 8.0f * f7_2;
     const float cy_part_cosine = cx_part_cosine_polynomial(f7_argument_2);
     const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
-    const float cy_part_doubled = hall_position_three_limit(8.0f *
-        (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine)))), 2.002f);
+    const float cy_part_doubled = 8.0f *
+        (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+    /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
     const float sines_2_cy = 8.0f * f7_2_times_cy_part_cosine;
-    const float cy_part_full = hall_position_three_limit(cy_part_doubled * (1.0f -
-        (0.125f * (sines_2_cy * sines_2_cy))), 1.001f);
+    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
+    /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
     const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
@@ -478,13 +471,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (converged_part_16 * residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) -
         (converged_part_24 * residuals_6_converged) - (row_1_converged * gradient_1_converged) -
         (row_2_converged * gradient_2_converged)) / converged_part_28, 0.14022085f);
-    const float half_converged = root_2 * sinf(0.5f * then_3_converged);
-    const float half_converged_squared = half_converged * half_converged;
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * f9_polynomial(then_3_converged_squared);
-    const float fall_converged = (heading_cosine * half_converged_squared) + (heading_sine * sine_converged);
+    const float half_converged = then_3_converged * f10_polynomial(then_3_converged_squared);
+    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged = heading_cosine - fall_converged;
-    const float chords_3_sine_converged = (heading_cosine * sine_converged) - (heading_sine * half_converged_squared);
+    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
         (row_1_converged * then_3_converged), 0.5f);
@@ -492,9 +484,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
     const float by_ax_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) -
         (1.5833627f * limited_3_sine_converged);
-    const float f10_argument = by_ax_converged * by_ax_converged;
-    const float by_cosine_ax_converged = f10_polynomial(f10_argument);
-    const float by_sine_ax_converged = by_ax_converged * f11_polynomial(f10_argument);
+    const float f11_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f11_polynomial(f11_argument);
+    const float by_sine_ax_converged = by_ax_converged * f12_polynomial(f11_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
     const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
@@ -507,9 +499,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (row_2_converged * then_3_converged), 0.5f);
     const float by_ay_converged = then_2_converged + (1.5833627f * limited_3_cosine_converged) -
         (1.5812683f * limited_3_sine_converged);
-    const float f10_argument_2 = by_ay_converged * by_ay_converged;
-    const float by_cosine_ay_converged = f10_polynomial(f10_argument_2);
-    const float by_sine_ay_converged = by_ay_converged * f11_polynomial(f10_argument_2);
+    const float f11_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f11_polynomial(f11_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f12_polynomial(f11_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
     const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
@@ -520,9 +512,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged * measured_1) - converged_part_34;
     const float by_bx_converged = then_1_converged - (0.0858702f * limited_3_cosine_converged) -
         (0.08168141f * limited_3_sine_converged);
-    const float f12_argument = by_bx_converged * by_bx_converged;
-    const float by_cosine_bx_converged = f12_polynomial(f12_argument);
-    const float by_sine_bx_converged = by_bx_converged * f13_polynomial(f12_argument);
+    const float f13_argument = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f13_polynomial(f13_argument);
+    const float by_sine_bx_converged = by_bx_converged * f14_polynomial(f13_argument);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
     const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
@@ -533,9 +525,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged * measured_4) - converged_part_37;
     const float by_converged = then_2_converged + (0.08168141f * limited_3_cosine_converged) -
         (0.0858702f * limited_3_sine_converged);
-    const float f12_argument_2 = by_converged * by_converged;
-    const float by_cosine_converged = f12_polynomial(f12_argument_2);
-    const float by_sine_converged = by_converged * f13_polynomial(f12_argument_2);
+    const float f13_argument_2 = by_converged * by_converged;
+    const float by_cosine_converged = f13_polynomial(f13_argument_2);
+    const float by_sine_converged = by_converged * f14_polynomial(f13_argument_2);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
     const float converged_part_39 = converged_part_38 * converged_part_11;
@@ -545,9 +537,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged * measured_3) - converged_part_40;
     const float by_cx_converged = then_1_converged + (1.6671385f * limited_3_cosine_converged) +
         (1.6650441f * limited_3_sine_converged);
-    const float f14_argument = by_cx_converged * by_cx_converged;
-    const float by_cosine_cx_converged = f14_polynomial(f14_argument);
-    const float by_sine_cx_converged = by_cx_converged * f15_polynomial(f14_argument);
+    const float f15_argument = by_cx_converged * by_cx_converged;
+    const float by_cosine_cx_converged = f15_polynomial(f15_argument);
+    const float by_sine_cx_converged = by_cx_converged * f16_polynomial(f15_argument);
     const float phasors_5_sine_converged = (cx_part_full * by_cosine_cx_converged) +
         (start_cosine_cx * by_sine_cx_converged);
     const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
@@ -558,9 +550,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged * measured_6) - converged_part_43;
     const float by_cy_converged = then_2_converged - (1.6650441f * limited_3_cosine_converged) +
         (1.6671385f * limited_3_sine_converged);
-    const float f14_argument_2 = by_cy_converged * by_cy_converged;
-    const float by_cosine_cy_converged = f14_polynomial(f14_argument_2);
-    const float by_sine_cy_converged = by_cy_converged * f15_polynomial(f14_argument_2);
+    const float f15_argument_2 = by_cy_converged * by_cy_converged;
+    const float by_cosine_cy_converged = f15_polynomial(f15_argument_2);
+    const float by_sine_cy_converged = by_cy_converged * f16_polynomial(f15_argument_2);
     const float phasors_6_sine_converged = (cy_part_full * by_cosine_cy_converged) +
         (start_cosine_cy * by_sine_cy_converged);
     const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
@@ -648,14 +640,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     }
     const float then_3_converged_2 = hall_position_three_limit((better_converged) ? (then_3_converged +
         (forward_3_converged / converged_part_53)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
-    const float half_converged_2 = root_2 * sinf(0.5f * then_3_converged_2);
-    const float half_converged_2_squared = half_converged_2 * half_converged_2;
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
-    const float fall_converged_2 = (heading_cosine * half_converged_2_squared) + (heading_sine * sine_converged_2);
+    const float half_converged_2 = then_3_converged_2 * f10_polynomial(then_3_converged_2_squared);
+    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
-    const float chords_3_sine_converged_2 = (heading_cosine * sine_converged_2) -
-        (heading_sine * half_converged_2_squared);
+    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
     const float then_1_converged_2 = hall_position_three_limit((better_converged) ?
@@ -665,9 +655,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
     const float by_ax_converged_2 = hall_position_three_limit(then_1_converged_2 -
         (1.5812683f * limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
-    const float f10_argument_3 = by_ax_converged_2 * by_ax_converged_2;
-    const float by_cosine_ax_converged_2 = f10_polynomial(f10_argument_3);
-    const float by_sine_ax_converged_2 = by_ax_converged_2 * f11_polynomial(f10_argument_3);
+    const float f11_argument_3 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f11_polynomial(f11_argument_3);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f12_polynomial(f11_argument_3);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
@@ -681,9 +671,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
     const float by_ay_converged_2 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) -
         (1.5812683f * limited_3_sine_converged_2);
-    const float f10_argument_4 = by_ay_converged_2 * by_ay_converged_2;
-    const float by_cosine_ay_converged_2 = f10_polynomial(f10_argument_4);
-    const float by_sine_ay_converged_2 = by_ay_converged_2 * f11_polynomial(f10_argument_4);
+    const float f11_argument_4 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f11_polynomial(f11_argument_4);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f12_polynomial(f11_argument_4);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
@@ -694,9 +684,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_2 * measured_1) - converged_part_60;
     const float by_bx_converged_2 = hall_position_three_limit(then_1_converged_2 -
         (0.0858702f * limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
-    const float f12_argument_3 = by_bx_converged_2 * by_bx_converged_2;
-    const float by_cosine_bx_converged_2 = f12_polynomial(f12_argument_3);
-    const float by_sine_bx_converged_2 = by_bx_converged_2 * f13_polynomial(f12_argument_3);
+    const float f13_argument_3 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f13_polynomial(f13_argument_3);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f14_polynomial(f13_argument_3);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
@@ -707,9 +697,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_2 * measured_4) - converged_part_63;
     const float by_converged_2 = hall_position_three_limit(then_2_converged_2 +
         (0.08168141f * limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
-    const float f12_argument_4 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f12_polynomial(f12_argument_4);
-    const float by_sine_converged_2 = by_converged_2 * f13_polynomial(f12_argument_4);
+    const float f13_argument_4 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f13_polynomial(f13_argument_4);
+    const float by_sine_converged_2 = by_converged_2 * f14_polynomial(f13_argument_4);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
     const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
@@ -720,9 +710,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_2 * measured_3) - converged_part_66;
     const float by_cx_converged_2 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) +
         (1.6650441f * limited_3_sine_converged_2);
-    const float f16_argument = by_cx_converged_2 * by_cx_converged_2;
-    const float by_cosine_cx_converged_2 = f16_polynomial(f16_argument);
-    const float by_sine_cx_converged_2 = by_cx_converged_2 * f17_polynomial(f16_argument);
+    const float f17_argument = by_cx_converged_2 * by_cx_converged_2;
+    const float by_cosine_cx_converged_2 = f17_polynomial(f17_argument);
+    const float by_sine_cx_converged_2 = by_cx_converged_2 * f18_polynomial(f17_argument);
     const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_cx_converged_2) +
         (start_cosine_cx * by_sine_cx_converged_2);
     const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
@@ -733,9 +723,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_2 * measured_6) - converged_part_69;
     const float by_cy_converged_2 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) +
         (1.6671385f * limited_3_sine_converged_2);
-    const float f16_argument_2 = by_cy_converged_2 * by_cy_converged_2;
-    const float by_cosine_cy_converged_2 = f16_polynomial(f16_argument_2);
-    const float by_sine_cy_converged_2 = by_cy_converged_2 * f17_polynomial(f16_argument_2);
+    const float f17_argument_2 = by_cy_converged_2 * by_cy_converged_2;
+    const float by_cosine_cy_converged_2 = f17_polynomial(f17_argument_2);
+    const float by_sine_cy_converged_2 = by_cy_converged_2 * f18_polynomial(f17_argument_2);
     const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_cy_converged_2) +
         (start_cosine_cy * by_sine_cy_converged_2);
     const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
@@ -819,14 +809,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ?
         (then_3_converged_2 + (forward_3_converged_2 / converged_part_79)) :
         (0.5f * (then_3_converged_2 + other_3_converged_2)), 0.14022085f);
-    const float half_converged_3 = root_2 * sinf(0.5f * then_3_converged_3);
-    const float half_converged_3_squared = half_converged_3 * half_converged_3;
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
-    const float fall_converged_3 = (heading_cosine * half_converged_3_squared) + (heading_sine * sine_converged_3);
+    const float half_converged_3 = then_3_converged_3 * f10_polynomial(then_3_converged_3_squared);
+    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
-    const float chords_3_sine_converged_3 = (heading_cosine * sine_converged_3) -
-        (heading_sine * half_converged_3_squared);
+    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
@@ -836,9 +824,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
     const float by_ax_converged_3 = hall_position_three_limit(then_1_converged_3 -
         (1.5812683f * limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
-    const float f10_argument_5 = by_ax_converged_3 * by_ax_converged_3;
-    const float by_cosine_ax_converged_3 = f10_polynomial(f10_argument_5);
-    const float by_sine_ax_converged_3 = by_ax_converged_3 * f11_polynomial(f10_argument_5);
+    const float f11_argument_5 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f11_polynomial(f11_argument_5);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f12_polynomial(f11_argument_5);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
@@ -852,9 +840,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
     const float by_ay_converged_3 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) -
         (1.5812683f * limited_3_sine_converged_3);
-    const float f10_argument_6 = by_ay_converged_3 * by_ay_converged_3;
-    const float by_cosine_ay_converged_3 = f10_polynomial(f10_argument_6);
-    const float by_sine_ay_converged_3 = by_ay_converged_3 * f11_polynomial(f10_argument_6);
+    const float f11_argument_6 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f11_polynomial(f11_argument_6);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f12_polynomial(f11_argument_6);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
@@ -865,9 +853,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_3 * measured_1) - converged_part_86;
     const float by_bx_converged_3 = hall_position_three_limit(then_1_converged_3 -
         (0.0858702f * limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
-    const float f12_argument_5 = by_bx_converged_3 * by_bx_converged_3;
-    const float by_cosine_bx_converged_3 = f12_polynomial(f12_argument_5);
-    const float by_sine_bx_converged_3 = by_bx_converged_3 * f13_polynomial(f12_argument_5);
+    const float f13_argument_5 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f13_polynomial(f13_argument_5);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f14_polynomial(f13_argument_5);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
@@ -878,9 +866,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_3 * measured_4) - converged_part_89;
     const float by_converged_3 = hall_position_three_limit(then_2_converged_3 +
         (0.08168141f * limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
-    const float f12_argument_6 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f12_polynomial(f12_argument_6);
-    const float by_sine_converged_3 = by_converged_3 * f13_polynomial(f12_argument_6);
+    const float f13_argument_6 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f13_polynomial(f13_argument_6);
+    const float by_sine_converged_3 = by_converged_3 * f14_polynomial(f13_argument_6);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
     const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
@@ -891,9 +879,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_3 * measured_3) - converged_part_92;
     const float by_cx_converged_3 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) +
         (1.6650441f * limited_3_sine_converged_3);
-    const float f16_argument_3 = by_cx_converged_3 * by_cx_converged_3;
-    const float by_cosine_cx_converged_3 = f16_polynomial(f16_argument_3);
-    const float by_sine_cx_converged_3 = by_cx_converged_3 * f17_polynomial(f16_argument_3);
+    const float f17_argument_3 = by_cx_converged_3 * by_cx_converged_3;
+    const float by_cosine_cx_converged_3 = f17_polynomial(f17_argument_3);
+    const float by_sine_cx_converged_3 = by_cx_converged_3 * f18_polynomial(f17_argument_3);
     const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_cx_converged_3) +
         (start_cosine_cx * by_sine_cx_converged_3);
     const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
@@ -904,9 +892,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_3 * measured_6) - converged_part_95;
     const float by_cy_converged_3 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) +
         (1.6671385f * limited_3_sine_converged_3);
-    const float f16_argument_4 = by_cy_converged_3 * by_cy_converged_3;
-    const float by_cosine_cy_converged_3 = f16_polynomial(f16_argument_4);
-    const float by_sine_cy_converged_3 = by_cy_converged_3 * f17_polynomial(f16_argument_4);
+    const float f17_argument_4 = by_cy_converged_3 * by_cy_converged_3;
+    const float by_cosine_cy_converged_3 = f17_polynomial(f17_argument_4);
+    const float by_sine_cy_converged_3 = by_cy_converged_3 * f18_polynomial(f17_argument_4);
     const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_cy_converged_3) +
         (start_cosine_cy * by_sine_cy_converged_3);
     const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
@@ -990,14 +978,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ?
         (then_3_converged_3 + (forward_3_converged_3 / converged_part_105)) :
         (0.5f * (then_3_converged_3 + other_3_converged_3)), 0.14022085f);
-    const float half_converged_4 = root_2 * sinf(0.5f * then_3_converged_4);
-    const float half_converged_4_squared = half_converged_4 * half_converged_4;
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
-    const float fall_converged_4 = (heading_cosine * half_converged_4_squared) + (heading_sine * sine_converged_4);
+    const float half_converged_4 = then_3_converged_4 * f10_polynomial(then_3_converged_4_squared);
+    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
-    const float chords_3_sine_converged_4 = (heading_cosine * sine_converged_4) -
-        (heading_sine * half_converged_4_squared);
+    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
@@ -1007,9 +993,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
     const float by_ax_converged_4 = hall_position_three_limit(then_1_converged_4 -
         (1.5812683f * limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
-    const float f10_argument_7 = by_ax_converged_4 * by_ax_converged_4;
-    const float by_cosine_ax_converged_4 = f10_polynomial(f10_argument_7);
-    const float by_sine_ax_converged_4 = by_ax_converged_4 * f11_polynomial(f10_argument_7);
+    const float f11_argument_7 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f11_polynomial(f11_argument_7);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f12_polynomial(f11_argument_7);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
@@ -1023,9 +1009,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
     const float by_ay_converged_4 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) -
         (1.5812683f * limited_3_sine_converged_4);
-    const float f10_argument_8 = by_ay_converged_4 * by_ay_converged_4;
-    const float by_cosine_ay_converged_4 = f10_polynomial(f10_argument_8);
-    const float by_sine_ay_converged_4 = by_ay_converged_4 * f11_polynomial(f10_argument_8);
+    const float f11_argument_8 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f11_polynomial(f11_argument_8);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f12_polynomial(f11_argument_8);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
@@ -1036,9 +1022,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_4 * measured_1) - converged_part_112;
     const float by_bx_converged_4 = hall_position_three_limit(then_1_converged_4 -
         (0.0858702f * limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
-    const float f12_argument_7 = by_bx_converged_4 * by_bx_converged_4;
-    const float by_cosine_bx_converged_4 = f12_polynomial(f12_argument_7);
-    const float by_sine_bx_converged_4 = by_bx_converged_4 * f13_polynomial(f12_argument_7);
+    const float f13_argument_7 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f13_polynomial(f13_argument_7);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f14_polynomial(f13_argument_7);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
@@ -1049,9 +1035,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_4 * measured_4) - converged_part_115;
     const float by_converged_4 = hall_position_three_limit(then_2_converged_4 +
         (0.08168141f * limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
-    const float f12_argument_8 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f12_polynomial(f12_argument_8);
-    const float by_sine_converged_4 = by_converged_4 * f13_polynomial(f12_argument_8);
+    const float f13_argument_8 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f13_polynomial(f13_argument_8);
+    const float by_sine_converged_4 = by_converged_4 * f14_polynomial(f13_argument_8);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
     const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
@@ -1062,9 +1048,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_4 * measured_3) - converged_part_118;
     const float by_cx_converged_4 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) +
         (1.6650441f * limited_3_sine_converged_4);
-    const float f16_argument_5 = by_cx_converged_4 * by_cx_converged_4;
-    const float by_cosine_cx_converged_4 = f16_polynomial(f16_argument_5);
-    const float by_sine_cx_converged_4 = by_cx_converged_4 * f17_polynomial(f16_argument_5);
+    const float f17_argument_5 = by_cx_converged_4 * by_cx_converged_4;
+    const float by_cosine_cx_converged_4 = f17_polynomial(f17_argument_5);
+    const float by_sine_cx_converged_4 = by_cx_converged_4 * f18_polynomial(f17_argument_5);
     const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_cx_converged_4) +
         (start_cosine_cx * by_sine_cx_converged_4);
     const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
@@ -1075,9 +1061,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (turns_3_sine_converged_4 * measured_6) - converged_part_121;
     const float by_cy_converged_4 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) +
         (1.6671385f * limited_3_sine_converged_4);
-    const float f16_argument_6 = by_cy_converged_4 * by_cy_converged_4;
-    const float by_cosine_cy_converged_4 = f16_polynomial(f16_argument_6);
-    const float by_sine_cy_converged_4 = by_cy_converged_4 * f17_polynomial(f16_argument_6);
+    const float f17_argument_6 = by_cy_converged_4 * by_cy_converged_4;
+    const float by_cosine_cy_converged_4 = f17_polynomial(f17_argument_6);
+    const float by_sine_cy_converged_4 = by_cy_converged_4 * f18_polynomial(f17_argument_6);
     const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_cy_converged_4) +
         (start_cosine_cy * by_sine_cy_converged_4);
     const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
@@ -1217,9 +1203,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
     const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
-    const float f18_argument = yaw_X * yaw_X;
-    const float by_cosine_X = f18_polynomial(f18_argument);
-    const float by_sine_X = yaw_X * f9_polynomial(f18_argument);
+    const float f19_argument = yaw_X * yaw_X;
+    const float by_cosine_X = f19_polynomial(f19_argument);
+    const float by_sine_X = yaw_X * f9_polynomial(f19_argument);
     const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * by_sine_X);
     const float sine_X = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
     const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
@@ -1346,30 +1332,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->damped = damped ? 1.0f : 0.0f;
     out->valid = valid ? 1.0f : 0.0f;
     out->excluded_sensor = (float)estimator_excluded_sensor;
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->saturated |= (fabsf(ax_part_doubled) >= 2.002f) ? 0x00000001u : 0u;
-        diagnostics->saturated |= (fabsf(ax_part_full) >= 1.001f) ? 0x00000002u : 0u;
-        diagnostics->saturated |= (fabsf(ay_part_doubled) >= 2.002f) ? 0x00000004u : 0u;
-        diagnostics->saturated |= (fabsf(ay_part_full) >= 1.001f) ? 0x00000008u : 0u;
-        diagnostics->saturated |= (fabsf(bx_part_doubled) >= 2.002f) ? 0x00000010u : 0u;
-        diagnostics->saturated |= (fabsf(bx_part_full) >= 1.001f) ? 0x00000020u : 0u;
-        diagnostics->saturated |= (fabsf(by_part_doubled) >= 2.002f) ? 0x00000040u : 0u;
-        diagnostics->saturated |= (fabsf(by_part_full) >= 1.001f) ? 0x00000080u : 0u;
-        diagnostics->saturated |= (fabsf(cx_part_doubled) >= 2.002f) ? 0x00000100u : 0u;
-        diagnostics->saturated |= (fabsf(cx_part_full) >= 1.001f) ? 0x00000200u : 0u;
-        diagnostics->saturated |= (fabsf(cy_part_doubled) >= 2.002f) ? 0x00000400u : 0u;
-        diagnostics->saturated |= (fabsf(cy_part_full) >= 1.001f) ? 0x00000800u : 0u;
-    }
-#endif
 
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->faults = faults;
-        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = faults;
-        }
-    }
-#endif
     return faults;
 }

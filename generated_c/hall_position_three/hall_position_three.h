@@ -18,9 +18,6 @@
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
- * With HALL_POSITION_THREE_DIAGNOSTICS defined, for the .c as well, hall_position_three_step_diagnosed also says which
- * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
- *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */
@@ -111,23 +108,6 @@ void hall_position_three_init(hall_position_three_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in, hall_position_three_output_t *out);
-
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 ax_part_doubled, 1 ax_part_full, 2
- * ay_part_doubled, 3 ay_part_full, 4 bx_part_doubled, 5 bx_part_full, 6 by_part_doubled, 7 by_part_full, 8
- * cx_part_doubled, 9 cx_part_full, 10 cy_part_doubled, 11 cy_part_full. */
-typedef struct {
-    uint32_t samples;                   /* steps that had this struct */
-    uint32_t faults;                    /* fault word of the last step */
-    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
-    uint32_t saturated;                 /* signals at their limits in the last step */
-} hall_position_three_diagnostics_t;
-
-/* The step; `diagnostics` may be null. */
-uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics);
-#endif
 
 #ifdef __cplusplus
 }

@@ -8,7 +8,6 @@ whose sine and cosine are polynomials of low degree.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
 
 import casadi as ca
 
@@ -142,13 +141,13 @@ def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
 
 
 def _chord(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
-    """Return how far a phasor moves; of a rotation, by 1 - cos b = 2 sin^2(b / 2), without a difference of cosines."""
+    """Return how far a phasor moves; of a rotation, 1 - cos b = sin b tan(b / 2) without a difference of cosines."""
     if u.angle:
         turn = phasor.of(value)
         return Phasor(turn.cosine - start.cosine, turn.sine - start.sine)
-    sine, half = ca.sin(u.rate * by), sqrt(2) * ca.sin(u.rate * by / 2)
-    fall = start.cosine * half**2 + start.sine * sine
-    return Phasor(-fall, start.cosine * sine - start.sine * half**2)
+    sine, half = ca.sin(u.rate * by), ca.tan(u.rate * by / 2)
+    fall = sine * (half * start.cosine + start.sine)
+    return Phasor(-fall, sine * (start.cosine - half * start.sine))
 
 
 def _move(start: Phasor, chord: Phasor, u: Unknown, value: ca.SX) -> Phasor:

@@ -34,8 +34,8 @@ class Iteration:
     """How the cost is minimised: corrections a sample, with the Jacobian of each trial or that of the first (`held`).
 
     With the `descent_check` the result has no higher cost than the prediction; a correction that raises the cost is
-    halved. The result has converged when the next correction is below `convergence` standard deviations. Each correction
-    is multiplied by `scale`.
+    halved. The result has converged when the next correction is below `convergence` standard deviations. `scale`
+    multiplies each correction.
 
     Raises ModelError for a value out of its range.
     """
