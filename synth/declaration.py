@@ -250,6 +250,7 @@ class Stage:
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
     header_notes      sentences of the C's header: the papers of equation numbers, where the machine is at init
+    warning           what a reader must know first: the first line of header, manifest and report
     """
 
     controller: Controller
@@ -277,6 +278,7 @@ class Stage:
     faults: FaultCampaign = field(default_factory=FaultCampaign)
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
+    warning: str = ""
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

@@ -69,7 +69,9 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
     block, notes = _with_measured_safe_output(stage), [*_call_order(stage), *stage.header_notes]
-    files = write.emit(block, scalar, {"design": gains_document}, error=error, header_notes=notes)
+    files = write.emit(
+        block, scalar, {"design": gains_document}, error=error, header_notes=notes, warning=stage.warning
+    )
     controller = host.load(files.files, files.manifest)
     record_inputs = stage.recording or record
     inputs = dict(record_inputs(rigs.of_stage(stage, controller)))

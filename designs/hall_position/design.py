@@ -26,13 +26,19 @@ CONTROLLER, THREE = config.controller(), config.block(config.THREE)
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
-    header_notes=[config.UNPROTECTED, EQUATIONS],
+    warning=config.UNPROTECTED,
+    header_notes=[config.preconditions(config.NAME), EQUATIONS],
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: stimuli.recording(config.NAME, rig.controller.scalar),
     gains=partial(config.gains, config.NAME),
     companions=[
-        Companion(THREE, stimuli.vectors_of_three, partial(config.gains, config.THREE), [EQUATIONS]),
+        Companion(
+            THREE,
+            stimuli.vectors_of_three,
+            partial(config.gains, config.THREE),
+            [config.preconditions(config.THREE), EQUATIONS],
+        ),
         Companion(four.block(), four.vectors, four.gains, [four.PRECONDITIONS]),
     ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),

@@ -20,7 +20,7 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 ABOUT = (
-    f"{config.UNPROTECTED} "
+    f"{config.NAME}: {config.UNPROTECTED} "
     "Absolute position over a Halbach magnet matrix from the voltages of two-axis Hall sensors, after Kawato and Kim: "
     "the field, its model, the estimator and its accuracy over the pitch. This page was computed from the magnets' "
     "geometry; every figure on it was measured on the shipped C, or on the model that the C was derived from."

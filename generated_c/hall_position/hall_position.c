@@ -1,4 +1,5 @@
 /* hall_position. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position.h"
 #include <float.h>
 #include <math.h>
@@ -9,6 +10,11 @@
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
+
+static inline float hall_position_max(float a, float b)
+{
+    return (a > b) ? a : b;
+}
 
 /* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float hall_position_limit(float x, float high)
@@ -51,75 +57,57 @@ static inline float f1_polynomial(float t)
     return 0.25f + (t * (-0.0026041644f + (t * (8.136728e-06f + (t * -1.1898613e-08f)))));
 }
 
-/* yaw_fraction_cosine; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at
- * most 1.4e-07. */
-static inline float yaw_fraction_cosine_polynomial(float t)
+/* yaw_part_cosine; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at most
+ * 1.4e-07. */
+static inline float yaw_part_cosine_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.031249868f + (t * (0.00016270365f + (t * -3.3090393e-07f)))));
 }
 
-/* f3_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) *
- * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in
- * -8.35398197 .. 8.35398293, t = x^2; relative error at most 1.5e-07. */
+/* f3_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
+ * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f3_polynomial(float t)
 {
-    return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
+    return 0.125f + (t * (-0.00032552038f + (t * (2.5425797e-07f + (t * -9.268511e-11f)))));
 }
 
-/* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2)
- * * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in
- * -8.35398197 .. 8.35398293, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_polynomial(float t)
+/* ax_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
+ * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2; relative error at
+ * most 1.1e-07. */
+static inline float ax_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
+    return 1.0f + (t * (-0.0078125f + (t * (1.0172516e-05f + (t * (-5.2972737e-09f + (t * 1.4511657e-12f)))))));
 }
 
-/* f5_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -8.35398293 .. 8.35398197, t = x^2; relative error at most 1.5e-07. */
+/* f5_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
+    return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2)
- * * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -8.35398293 .. 8.35398197, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_2_polynomial(float t)
+/* f6_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+static inline float f6_polynomial(float t)
 {
-    return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
+    return 0.5f + (t * (0.04166665f + (t * 0.004172491f)));
 }
 
-/* yaw_change_sine / x; x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 +
- * (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative
- * error at most 2.1e-07. */
-static inline float yaw_change_sine_polynomial(float t)
+/* f7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
+ * 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at most
+ * 1.3e-07. */
+static inline float f7_polynomial(float t)
 {
-    return 0.9999999f + (t * -0.16658026f);
+    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.001388265f + (t * 2.4109138e-05f)))))));
 }
 
-/* half_yaw_change_sine / x; x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) /
- * (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t =
- * x^2; relative error at most 1.1e-07. */
-static inline float half_yaw_change_sine_polynomial(float t)
+/* f8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
+ * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
+ * most 1.2e-07. */
+static inline float f8_polynomial(float t)
 {
-    return 0.70710677f + (t * -0.029459648f);
-}
-
-/* f9_polynomial; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((...)
- * - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in -0.999171257 ..
- * 0.999171257, t = x^2; relative error at most 1.4e-07. */
-static inline float f9_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666426f + (t * (-0.0013882433f + (t * 2.409394e-05f)))))));
-}
-
-/* f10_polynomial / x; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.999171257 .. 0.999171257, t = x^2; relative error at most 1.2e-07. */
-static inline float f10_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666614f + (t * (0.008330209f + (t * -0.00019311193f)))));
+    return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
 
 void hall_position_init(hall_position_state_t *state)
@@ -133,46 +121,15 @@ void hall_position_init(hall_position_state_t *state)
 
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 {
-    /* rad; w times the place of sensor a from the centre, along x, also arm_ax, also arm_ay, also arm_bx, also
-     * arm_by */
-    static const float arm = -2.3561945f;
-    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
-    static const float yaw_damping = 2.7546635f;                /* V^2; damping (5 radius)^2 */
-    static const float max_yaw_step = 0.10100254f;              /* rad; moves no sensor by more than 0.5 rad of phase */
-    static const float squared_yaw_arm = 277.5826f;             /* 1; (5 radius)^2 */
-    static const float cost_factor = 1.000002f;                 /* 1; rise of the cost that rounding may cause */
-    static const float cost_slack = 1e-08f; /* V^2; rise of the cost that rounding may cause, also converged_decrease */
-    static const float squared_residual_limit = 0.01f;          /* V^2; above: a residual fault */
-    static const float squared_radius = 11.103305f;             /* 1; radius^2 */
-    static const float squared_gate = 0.0009069143f;            /* rad^2; innovation_gate^2 */
-    /* rad; of a pose that is not yet unambiguous, also yaw_window */
-    static const float ambiguous_yaw_limit = 0.08726646f;
+    static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const float metre_per_rad = 0.008085071f;            /* m/rad; 1 / w */
-    static const float pitch = 0.0508f;                         /* m; pitch of the magnet matrix */
-    static const float undamped_yaw = 0.11018653f;              /* V^2; damping radius^2 */
-    static const float deviation_over_w = 8.085071e-06f;        /* V m/rad; deviation / w */
-    static const float deviation = 0.001f;                      /* V; standard deviation of a voltage */
-    static const float least_square = 1e-30f;                   /* V^2; keeps the argument of a root positive */
-    static const float damped_weight = 15.115238f;              /* 1/V^2; above: the pose is damped */
-    static const float unambiguous_weight = 0.403073f;          /* 1/V^2; at most: the pose is unambiguous */
-    static const float yaw_limit = 0.04363323f;                 /* rad; largest yaw that is valid */
-    static const float start_step_x = 1.5401491f;               /* rad; from one start of the search to the next */
-    static const float start_step_y = 2.702773f;                /* rad; from one start of the search to the next */
-    static const float yaw_gain = 0.1f;                         /* 1; of a correction, in the motion */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_3 = 3.60456f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_0 = 2.24906f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_2 = 10.81368f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_4 = -14.41824f;
 
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
@@ -200,647 +157,663 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
 
     /* estimator: GLSDC, Fig. 9
-     *     yaw_fraction_sine = 4 * sin(0.25 * (yaw + motion_yaw))
-     *     yaw_fraction_cosine = cos(0.25 * (yaw + motion_yaw))
-     *     phase_fraction_cosine = cos(0.125 * (phase_y + motion_y + -arm * limit(limit(4 * (sin(0.25 * (yaw +
-     *         motion_yaw)) * yaw_fraction_cosine), 2) * (1 - 0.125 * yaw_fraction_sine^2), 1) + -arm * (1 -
-     *         0.5 * limit(4 * (sin(0.25 * (yaw + motion_yaw)) * yaw_fraction_cosine), 2)^2))) */
+     *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
+     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw)) */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
     const float f1_argument = prediction_yaw * prediction_yaw;
     const float f1 = prediction_yaw * f1_polynomial(f1_argument);
-    const float yaw_fraction_sine = 4.0f * f1;
-    const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
+    const float yaw_part_sine = 4.0f * f1;
+    const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_phase_fraction_sine = hall_position_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_sine = hall_position_limit(s_phase_fraction_sine * (1.0f -
-        (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
-    const float arm_times_heading_sine = -arm * heading_sine;
-    const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
-    const float arm_times_heading_cosine = -arm * heading_cosine;
-    const float x_phase_fraction_sine = arm_times_heading_sine - arm_times_heading_cosine;
-    const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
-    const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
-    const float f3 = at_1_phase_fraction_sine * f3_polynomial(f3_argument);
-    const float phase_fraction_sine = 8.0f * f3;
-    const float phase_fraction_cosine = phase_fraction_cosine_polynomial(f3_argument);
+    const float s_yaw = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
+    const float ax_part_sine_part = three_quarters_pi * heading_cosine;
+    const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
+    const float ax_part_sine_part_2 = three_quarters_pi * heading_sine;
+    const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_part + ax_part_sine_part_2,
+        6.973755f);
+    const float f3_argument = limited_ax * limited_ax;
+    const float f3 = limited_ax * f3_polynomial(f3_argument);
+    const float ax_part_sine = 8.0f * f3;
+    const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
+    const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
+    const float ax_part_doubled = 8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
+    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float y_phase_fraction_sine = (arm * heading_sine) - arm_times_heading_cosine;
-    const float at_2_phase_fraction_sine = prediction_phase_y + y_phase_fraction_sine;
-    const float f3_argument_2 = at_2_phase_fraction_sine * at_2_phase_fraction_sine;
-    const float f3_2 = at_2_phase_fraction_sine * f3_polynomial(f3_argument_2);
-    const float phase_fraction_sine_2 = 8.0f * f3_2;
-    const float phase_fraction_cosine_2 = phase_fraction_cosine_polynomial(f3_argument_2);
-    const float x_phase_fraction_sine_2 = arm_times_heading_cosine - arm_times_heading_sine;
-    const float at_1_phase_fraction_sine_2 = prediction_phase_x + x_phase_fraction_sine_2;
-    const float f5_argument = at_1_phase_fraction_sine_2 * at_1_phase_fraction_sine_2;
-    const float f5 = at_1_phase_fraction_sine_2 * f5_polynomial(f5_argument);
-    const float phase_fraction_sine_3 = 8.0f * f5;
-    const float phase_fraction_cosine_3 = phase_fraction_cosine_2_polynomial(f5_argument);
-    const float y_phase_fraction_sine_2 = arm_times_heading_sine + arm_times_heading_cosine;
-    const float at_2_phase_fraction_sine_2 = prediction_phase_y + y_phase_fraction_sine_2;
-    const float f5_argument_2 = at_2_phase_fraction_sine_2 * at_2_phase_fraction_sine_2;
-    const float f5_2 = at_2_phase_fraction_sine_2 * f5_polynomial(f5_argument_2);
-    const float phase_fraction_sine_4 = 8.0f * f5_2;
-    const float phase_fraction_cosine_4 = phase_fraction_cosine_2_polynomial(f5_argument_2);
-    const float volts_cosine_cost_0 = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held);
-    const float cost_0_part = f3 * phase_fraction_cosine;
-    const float s_cost_0 = hall_position_limit(8.0f *
-        (cost_0_part * (1.0f - (0.03125f * (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
-    const float sines_2_cost_0 = 8.0f * cost_0_part;
-    const float x_sine_cost_0 = hall_position_limit(s_cost_0 * (1.0f - (0.125f * (sines_2_cost_0 * sines_2_cost_0))),
-        1.0f);
-    const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
-    const float B_1_cost_0 = x_sine_cost_0 * (estimator_field_1 +
-        (x_sine_cost_0_squared * (estimator_field_3 + (x_sine_cost_0_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_0 = volts_cosine_cost_0 - B_1_cost_0;
-    const float volts_cosine_cost_0_2 = (heading_cosine * V_bx_held) - (heading_sine * V_by_held);
-    const float cost_0_part_2 = f5 * phase_fraction_cosine_3;
-    const float s_cost_0_2 = hall_position_limit(8.0f *
-        (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
-    const float sines_2_cost_0_2 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0_2 = hall_position_limit(s_cost_0_2 * (1.0f -
-        (0.125f * (sines_2_cost_0_2 * sines_2_cost_0_2))), 1.0f);
-    const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (estimator_field_1 +
-        (x_sine_cost_0_2_squared * (estimator_field_3 + (x_sine_cost_0_2_squared * estimator_field_5))));
-    const float by_axis_1_2_e_cost_0 = volts_cosine_cost_0_2 - B_1_cost_0_2;
-    const float volts_sine_cost_0 = (heading_sine * V_ax_held) + (heading_cosine * V_ay_held);
-    const float cost_0_part_3 = f3_2 * phase_fraction_cosine_2;
-    const float s_cost_0_3 = hall_position_limit(8.0f *
-        (cost_0_part_3 * (1.0f - (0.03125f * (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
-    const float sines_2_cost_0_3 = 8.0f * cost_0_part_3;
-    const float p_sine_cost_0 = hall_position_limit(s_cost_0_3 * (1.0f -
-        (0.125f * (sines_2_cost_0_3 * sines_2_cost_0_3))), 1.0f);
-    const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (estimator_field_1 +
-        (q_cost_0 * (estimator_field_3 + (q_cost_0 * estimator_field_5))));
-    const float by_axis_2_1_e_cost_0 = volts_sine_cost_0 - B_2_cost_0;
-    const float volts_sine_cost_0_2 = (heading_sine * V_bx_held) + (heading_cosine * V_by_held);
-    const float cost_0_part_4 = f5_2 * phase_fraction_cosine_4;
-    const float s_cost_0_4 = hall_position_limit(8.0f *
-        (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
-    const float sines_2_cost_0_4 = 8.0f * cost_0_part_4;
-    const float p_sine_cost_0_2 = hall_position_limit(s_cost_0_4 * (1.0f -
-        (0.125f * (sines_2_cost_0_4 * sines_2_cost_0_4))), 1.0f);
-    const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (estimator_field_1 +
-        (q_cost_0_2 * (estimator_field_3 + (q_cost_0_2 * estimator_field_5))));
-    const float by_axis_2_2_e_cost_0 = volts_sine_cost_0_2 - B_2_cost_0_2;
-    const float cost_0 = (by_axis_1_1_e_cost_0 * by_axis_1_1_e_cost_0) + (by_axis_1_2_e_cost_0 * by_axis_1_2_e_cost_0) +
-        (by_axis_2_1_e_cost_0 * by_axis_2_1_e_cost_0) + (by_axis_2_2_e_cost_0 * by_axis_2_2_e_cost_0);
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0 * s_cost_0));
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (estimator_slope_0 +
-        (x_sine_cost_0_squared * (estimator_slope_2 + (x_sine_cost_0_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
-    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (estimator_slope_0 +
-        (x_sine_cost_0_2_squared * (estimator_slope_2 + (x_sine_cost_0_2_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float across_yaw_change_sine = (yaw_change_sine_part * yaw_change_sine_part_4) -
-        (yaw_change_sine_part_3 * yaw_change_sine_part_2);
-    const float yaw_change_sine_part_5 = 1.0f /
-        (damping + ((yaw_change_sine_part * yaw_change_sine_part) + (yaw_change_sine_part_3 * yaw_change_sine_part_3)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
-    const float yaw_change_sine_part_6 = p_cosine_yaw_change_sine * (estimator_slope_0 +
-        (q_cost_0 * (estimator_slope_2 + (q_cost_0 * estimator_slope_4))));
-    const float yaw_change_sine_part_7 = (yaw_change_sine_part_6 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
-    const float yaw_change_sine_part_8 = p_cosine_yaw_change_sine_2 * (estimator_slope_0 +
-        (q_cost_0_2 * (estimator_slope_2 + (q_cost_0_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_9 = (yaw_change_sine_part_8 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float across_yaw_change_sine_2 = (yaw_change_sine_part_6 * yaw_change_sine_part_9) -
-        (yaw_change_sine_part_8 * yaw_change_sine_part_7);
-    const float yaw_change_sine_part_10 = 1.0f / (damping +
-        ((yaw_change_sine_part_6 * yaw_change_sine_part_6) + (yaw_change_sine_part_8 * yaw_change_sine_part_8)));
-    const float right_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * by_axis_1_1_e_cost_0) +
-        (yaw_change_sine_part_4 * by_axis_1_2_e_cost_0))) + (across_yaw_change_sine * ((yaw_change_sine_part *
-        by_axis_1_2_e_cost_0) - (yaw_change_sine_part_3 * by_axis_1_1_e_cost_0)))) * yaw_change_sine_part_5) +
-        (((damping * ((yaw_change_sine_part_7 * by_axis_2_1_e_cost_0) + (yaw_change_sine_part_9 *
-        by_axis_2_2_e_cost_0))) + (across_yaw_change_sine_2 * ((yaw_change_sine_part_6 * by_axis_2_2_e_cost_0) -
-        (yaw_change_sine_part_8 * by_axis_2_1_e_cost_0)))) * yaw_change_sine_part_10);
-    const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_4 * yaw_change_sine_part_4))) + (across_yaw_change_sine * across_yaw_change_sine)) *
-        yaw_change_sine_part_5) + (((damping * ((yaw_change_sine_part_7 * yaw_change_sine_part_7) +
-        (yaw_change_sine_part_9 * yaw_change_sine_part_9))) + (across_yaw_change_sine_2 * across_yaw_change_sine_2)) *
-        yaw_change_sine_part_10);
-    const float then_3_yaw_change_sine = hall_position_limit(right_yaw_change_sine /
-        (yaw_damping + data_yaw_change_sine), max_yaw_step);
-    const float yaw_change_sine_part_11 = then_3_yaw_change_sine * then_3_yaw_change_sine;
-    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_11);
-    const float half_yaw_change_sine = then_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_11);
-    const float versine_cost_1 = half_yaw_change_sine * half_yaw_change_sine;
-    const float rotation_cosine_cost_1 = 1.0f - versine_cost_1;
-    const float then_1_cost_1 = hall_position_limit(((yaw_change_sine_part * by_axis_1_1_e_cost_0) +
-        (yaw_change_sine_part_3 * by_axis_1_2_e_cost_0) - (((yaw_change_sine_part * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_4)) * then_3_yaw_change_sine)) * yaw_change_sine_part_5, 0.5f);
-    const float cost_1_part = (x_phase_fraction_sine * versine_cost_1) + (y_phase_fraction_sine * yaw_change_sine);
-    const float angle_cost_1 = then_1_cost_1 - cost_1_part;
-    const float f9_argument = angle_cost_1 * angle_cost_1;
-    const float by_cosine_cost_1 = f9_polynomial(f9_argument);
-    const float by_sine_cost_1 = angle_cost_1 * f10_polynomial(f9_argument);
-    const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
-    const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (estimator_field_1 +
-        (phases_1_sine_cost_1_squared * (estimator_field_3 + (phases_1_sine_cost_1_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) -
-        (volts_sine_cost_0 * yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) +
-        (y_phase_fraction_sine_2 * yaw_change_sine);
-    const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
-    const float f9_argument_2 = angle_cost_1_2 * angle_cost_1_2;
-    const float by_cosine_cost_1_2 = f9_polynomial(f9_argument_2);
-    const float by_sine_cost_1_2 = angle_cost_1_2 * f10_polynomial(f9_argument_2);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_1_2);
-    const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (estimator_field_1 +
-        (cost_1_part_3 * (estimator_field_3 + (cost_1_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) -
-        (volts_sine_cost_0_2 * yaw_change_sine) - B_1_cost_1_2;
-    const float then_2_cost_1 = hall_position_limit(((yaw_change_sine_part_6 * by_axis_2_1_e_cost_0) +
-        (yaw_change_sine_part_8 * by_axis_2_2_e_cost_0) - (((yaw_change_sine_part_6 * yaw_change_sine_part_7) +
-        (yaw_change_sine_part_8 * yaw_change_sine_part_9)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
-    const float dy_cost_1 = (x_phase_fraction_sine * yaw_change_sine) - (y_phase_fraction_sine * versine_cost_1);
-    const float angle_cost_1_3 = then_2_cost_1 + dy_cost_1;
-    const float f9_argument_3 = angle_cost_1_3 * angle_cost_1_3;
-    const float by_cosine_cost_1_3 = f9_polynomial(f9_argument_3);
-    const float by_sine_cost_1_3 = angle_cost_1_3 * f10_polynomial(f9_argument_3);
-    const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_3) + (p_cosine_yaw_change_sine * by_sine_cost_1_3);
-    const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (estimator_field_1 +
-        (q_cost_1 * (estimator_field_3 + (q_cost_1 * estimator_field_5))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) +
-        (volts_cosine_cost_0 * yaw_change_sine) - B_2_cost_1;
-    const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
-    const float angle_cost_1_4 = then_2_cost_1 + dy_cost_1_2;
-    const float f9_argument_4 = angle_cost_1_4 * angle_cost_1_4;
-    const float by_cosine_cost_1_4 = f9_polynomial(f9_argument_4);
-    const float by_sine_cost_1_4 = angle_cost_1_4 * f10_polynomial(f9_argument_4);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_4) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_1_4);
-    const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (estimator_field_1 +
-        (q_cost_1_2 * (estimator_field_3 + (q_cost_1_2 * estimator_field_5))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) +
-        (volts_cosine_cost_0_2 * yaw_change_sine) - B_2_cost_1_2;
-    const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
-        (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) + (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) +
-        (damping * ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) +
-        (squared_yaw_arm * yaw_change_sine_part_11)));
-    const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_12 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) -
-        (x_sine_cost_0 * by_sine_cost_1)) * (estimator_slope_0 +
-        (phases_1_sine_cost_1_squared * (estimator_slope_2 + (phases_1_sine_cost_1_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_13 = B_2_cost_1 - (yaw_change_sine_part_12 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_14 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) -
-        (x_sine_cost_0_2 * by_sine_cost_1_2)) * (estimator_slope_0 +
-        (cost_1_part_3 * (estimator_slope_2 + (cost_1_part_3 * estimator_slope_4))));
-    const float yaw_change_sine_part_15 = B_2_cost_1_2 -
-        (yaw_change_sine_part_14 * (y_phase_fraction_sine_2 + dy_cost_1_2));
-    const float yaw_change_sine_part_16 = (yaw_change_sine_part_12 * yaw_change_sine_part_13) +
-        (yaw_change_sine_part_14 * yaw_change_sine_part_15);
-    const float across_yaw_change_sine_3 = (yaw_change_sine_part_12 * yaw_change_sine_part_15) -
-        (yaw_change_sine_part_14 * yaw_change_sine_part_13);
-    const float yaw_change_sine_part_17 = 1.0f / (damping +
-        ((yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_14 * yaw_change_sine_part_14)));
-    const float yaw_change_sine_part_18 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_3) - (p_sine_cost_0 *
-        by_sine_cost_1_3)) * (estimator_slope_0 + (q_cost_1 * (estimator_slope_2 + (q_cost_1 * estimator_slope_4))));
-    const float yaw_change_sine_part_19 = (yaw_change_sine_part_18 * (x_phase_fraction_sine - cost_1_part)) -
-        B_1_cost_1;
-    const float yaw_change_sine_part_20 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_4) -
-        (p_sine_cost_0_2 * by_sine_cost_1_4)) * (estimator_slope_0 +
-        (q_cost_1_2 * (estimator_slope_2 + (q_cost_1_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_21 = (yaw_change_sine_part_20 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
-        B_1_cost_1_2;
-    const float yaw_change_sine_part_22 = (yaw_change_sine_part_18 * yaw_change_sine_part_19) +
-        (yaw_change_sine_part_20 * yaw_change_sine_part_21);
-    const float across_yaw_change_sine_4 = (yaw_change_sine_part_18 * yaw_change_sine_part_21) -
-        (yaw_change_sine_part_20 * yaw_change_sine_part_19);
-    const float yaw_change_sine_part_23 = 1.0f / (damping +
-        ((yaw_change_sine_part_18 * yaw_change_sine_part_18) + (yaw_change_sine_part_20 * yaw_change_sine_part_20)));
-    const float yaw_change_sine_part_24 = (((damping * ((yaw_change_sine_part_13 * by_axis_1_1_e_cost_1) +
-        (yaw_change_sine_part_15 * by_axis_1_2_e_cost_1) + (then_1_cost_1 * yaw_change_sine_part_16))) +
-        (across_yaw_change_sine_3 * ((yaw_change_sine_part_12 * by_axis_1_2_e_cost_1) -
-        (yaw_change_sine_part_14 * by_axis_1_1_e_cost_1)))) * yaw_change_sine_part_17) + (((damping *
-        ((yaw_change_sine_part_19 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_21 * by_axis_2_2_e_cost_1) +
-        (then_2_cost_1 * yaw_change_sine_part_22))) + (across_yaw_change_sine_4 * ((yaw_change_sine_part_18 *
-        by_axis_2_2_e_cost_1) - (yaw_change_sine_part_20 * by_axis_2_1_e_cost_1)))) * yaw_change_sine_part_23);
-    const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_13 * yaw_change_sine_part_13) +
-        (yaw_change_sine_part_15 * yaw_change_sine_part_15))) + (across_yaw_change_sine_3 * across_yaw_change_sine_3)) *
-        yaw_change_sine_part_17) + (((damping * ((yaw_change_sine_part_19 * yaw_change_sine_part_19) +
-        (yaw_change_sine_part_21 * yaw_change_sine_part_21))) + (across_yaw_change_sine_4 * across_yaw_change_sine_4)) *
-        yaw_change_sine_part_23);
-    float other_3_yaw_change_sine = then_3_yaw_change_sine;
-    float other_1_cost_2 = then_1_cost_1;
-    float other_2_cost_2 = then_2_cost_1;
-    float yaw_change_sine_part_25 = cost_1;
-    if (!better_yaw_change_sine) {
-        other_3_yaw_change_sine = 0.0f;
-        other_1_cost_2 = 0.0f;
-        other_2_cost_2 = 0.0f;
-        yaw_change_sine_part_25 = cost_0;
+    const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
+        6.973755f);
+    const float f3_argument_2 = limited_ay * limited_ay;
+    const float f3_2 = limited_ay * f3_polynomial(f3_argument_2);
+    const float ay_part_sine = 8.0f * f3_2;
+    const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
+    const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
+    const float ay_part_doubled = 8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
+    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
+    const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
+        6.973755f);
+    const float f3_argument_3 = limited_bx * limited_bx;
+    const float f3_3 = limited_bx * f3_polynomial(f3_argument_3);
+    const float bx_part_sine = 8.0f * f3_3;
+    const float bx_part_cosine = ax_part_cosine_polynomial(f3_argument_3);
+    const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
+    const float bx_part_doubled = 8.0f *
+        (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
+    const float sines_2_bx = 8.0f * f3_3_times_bx_part_cosine;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
+    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
+    const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
+        6.973755f);
+    const float f3_argument_4 = limited_by * limited_by;
+    const float f3_4 = limited_by * f3_polynomial(f3_argument_4);
+    const float by_part_sine = 8.0f * f3_4;
+    const float by_part_cosine = ax_part_cosine_polynomial(f3_argument_4);
+    const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
+    const float by_part_doubled = 8.0f *
+        (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
+    const float sines_2_by = 8.0f * f3_4_times_by_part_cosine;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
+    /*@ admit -1.001f <= by_part_full <= 1.001f; */
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float ax_part_full_squared = ax_part_full * ax_part_full;
+    const float estimator_field_3_scaled = 3.0f * estimator_field_3;
+    const float converged_part = ax_part_full_squared * estimator_field_5;
+    const float rows_1_1_converged = start_cosine_ax * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part))));
+    const float ay_part_full_squared = ay_part_full * ay_part_full;
+    const float converged_part_2 = ay_part_full_squared * estimator_field_5;
+    const float converged_part_3 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + converged_part_2)));
+    const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_part + ax_part_sine_part_2)) +
+        converged_part_3;
+    const float converged_part_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + converged_part)));
+    const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_part_4;
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_2))));
+    const float converged_part_5 = converged_part_4 - (rows_2_2_converged * (ax_part_sine_part_2 - ax_part_sine_part));
+    const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_part_3;
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float bx_part_full_squared = bx_part_full * bx_part_full;
+    const float converged_part_6 = bx_part_full_squared * estimator_field_5;
+    const float rows_3_1_converged = start_cosine_bx * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_6))));
+    const float by_part_full_squared = by_part_full * by_part_full;
+    const float converged_part_7 = by_part_full_squared * estimator_field_5;
+    const float converged_part_8 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + converged_part_7)));
+    const float rows_3_3_converged = (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
+        ax_part_sine_part_2)) + converged_part_8;
+    const float converged_part_9 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + converged_part_6)));
+    const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_part_9;
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_7))));
+    const float converged_part_10 = converged_part_9 - (rows_4_2_converged * (ax_part_sine_part - ax_part_sine_part_2));
+    const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_part_8;
+    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
+        (rows_3_3_converged * rows_3_1_converged);
+    const float converged_part_11 = 1.0f /
+        ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + 0.00992376f);
+    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_part_11, 8330.405f);
+    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
+        (rows_3_1_converged * residuals_3_converged);
+    const float converged_part_12 = (converged_part_5 * rows_2_2_converged) + (converged_part_10 * rows_4_2_converged);
+    const float converged_part_13 = 1.0f /
+        ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + 0.00992376f);
+    const float row_2_converged = hall_position_limit(-(converged_part_12 * converged_part_13), 8330.405f);
+    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
+        (rows_4_2_converged * residuals_4_converged);
+    const float converged_part_14 = hall_position_max((rows_1_3_converged * rows_1_3_converged) + (converged_part_5 *
+        converged_part_5) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_10 * converged_part_10) +
+        2.7546635f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_12), 2.7546635f);
+    const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
+        (converged_part_5 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (converged_part_10 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
+        (row_2_converged * gradient_2_converged)) / converged_part_14, 0.10100254f);
+    const float then_3_converged_squared = then_3_converged * then_3_converged;
+    const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
+    const float half_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
+    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged = heading_cosine - fall_converged;
+    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
+    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
+    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) -
+        (row_1_converged * then_3_converged), 0.5f);
+    const float converged_part_15 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
+    const float converged_part_16 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
+    const float by_ax_converged = then_1_converged - converged_part_15 + converged_part_16;
+    const float f7_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f7_polynomial(f7_argument);
+    const float by_sine_ax_converged = by_ax_converged * f8_polynomial(f7_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
+        (start_cosine_ax * by_sine_ax_converged);
+    const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_18 = converged_part_17 * estimator_field_5;
+    const float converged_part_19 = phasors_1_sine_converged * (estimator_field_1 +
+        (converged_part_17 * (estimator_field_3 + converged_part_18)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
+        (turns_3_sine_converged * V_ay_held) - converged_part_19;
+    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) -
+        (row_2_converged * then_3_converged), 0.5f);
+    const float by_ay_converged = then_2_converged - converged_part_15 - converged_part_16;
+    const float f7_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f7_polynomial(f7_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f8_polynomial(f7_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
+        (start_cosine_ay * by_sine_ay_converged);
+    const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_21 = converged_part_20 * estimator_field_5;
+    const float converged_part_22 = phasors_2_sine_converged * (estimator_field_1 +
+        (converged_part_20 * (estimator_field_3 + converged_part_21)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
+        (turns_3_sine_converged * V_ax_held) - converged_part_22;
+    const float by_bx_converged = then_1_converged + converged_part_15 - converged_part_16;
+    const float f7_argument_3 = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f7_polynomial(f7_argument_3);
+    const float by_sine_bx_converged = by_bx_converged * f8_polynomial(f7_argument_3);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
+        (start_cosine_bx * by_sine_bx_converged);
+    const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_24 = converged_part_23 * estimator_field_5;
+    const float converged_part_25 = phasors_3_sine_converged * (estimator_field_1 +
+        (converged_part_23 * (estimator_field_3 + converged_part_24)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
+        (turns_3_sine_converged * V_by_held) - converged_part_25;
+    const float by_converged = then_2_converged + converged_part_15 + converged_part_16;
+    const float f7_argument_4 = by_converged * by_converged;
+    const float by_cosine_converged = f7_polynomial(f7_argument_4);
+    const float by_sine_converged = by_converged * f8_polynomial(f7_argument_4);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
+    const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_27 = converged_part_26 * estimator_field_5;
+    const float converged_part_28 = phasors_4_sine_converged * (estimator_field_1 +
+        (converged_part_26 * (estimator_field_3 + converged_part_27)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
+        (turns_3_sine_converged * V_bx_held) - converged_part_28;
+    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
+        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
+        (residuals_4_converged_2 * residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
+        (0.00992376f * (then_2_converged * then_2_converged)) + (2.7546635f * then_3_converged_squared));
+    const float squares_converged = (residuals_1_converged * residuals_1_converged) +
+        (residuals_2_converged * residuals_2_converged) + (residuals_3_converged * residuals_3_converged) +
+        (residuals_4_converged * residuals_4_converged);
+    const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
+    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
+        (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
+        (converged_part_17 * (estimator_field_3_scaled + (5.0f * converged_part_18))));
+    const float converged_part_29 = three_quarters_pi * turns_3_cosine_converged;
+    const float converged_part_30 = three_quarters_pi * turns_3_sine_converged;
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_29 + converged_part_30)) +
+        converged_part_22;
+    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
+        (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
+        (converged_part_20 * (estimator_field_3_scaled + (5.0f * converged_part_21))));
+    const float converged_part_31 = converged_part_19 -
+        (rows_2_2_converged_2 * (converged_part_30 - converged_part_29));
+    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
+        (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
+        (converged_part_23 * (estimator_field_3_scaled + (5.0f * converged_part_24))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
+        converged_part_30)) + converged_part_28;
+    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
+        (estimator_field_1 + (converged_part_26 * (estimator_field_3_scaled + (5.0f * converged_part_27))));
+    const float converged_part_32 = converged_part_25 -
+        (rows_4_2_converged_2 * (converged_part_29 - converged_part_30));
+    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
+        (rows_3_3_converged_2 * rows_3_1_converged_2);
+    const float converged_part_33 = 1.0f /
+        ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 * rows_3_1_converged_2) + 0.00992376f);
+    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_33, 8330.405f);
+    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
+        (rows_3_1_converged_2 * residuals_3_converged_2) - (0.00992376f * then_1_converged);
+    const float converged_part_34 = (converged_part_31 * rows_2_2_converged_2) +
+        (converged_part_32 * rows_4_2_converged_2);
+    const float converged_part_35 = 1.0f /
+        ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 * rows_4_2_converged_2) + 0.00992376f);
+    const float row_2_converged_2 = hall_position_limit(-(converged_part_34 * converged_part_35), 8330.405f);
+    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
+        (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
+    const float converged_part_36 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_31
+        * converged_part_31) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_32 * converged_part_32) +
+        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_34), 2.7546635f);
+    float other_3_converged = then_3_converged;
+    float other_1_converged = then_1_converged;
+    float other_2_converged = then_2_converged;
+    float converged_part_37 = cost_converged;
+    if (!better_converged) {
+        other_3_converged = 0.0f;
+        other_1_converged = 0.0f;
+        other_2_converged = 0.0f;
+        converged_part_37 = squares_converged;
     }
-    const float then_3_yaw_change_sine_2 = hall_position_limit((better_yaw_change_sine) ? (then_3_yaw_change_sine +
-        ((yaw_change_sine_part_24 - (yaw_damping * then_3_yaw_change_sine)) / (yaw_damping + data_yaw_change_sine_2))) :
-        (0.5f * (then_3_yaw_change_sine + other_3_yaw_change_sine)), max_yaw_step);
-    const float yaw_change_sine_part_26 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
-    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_26);
-    const float half_yaw_change_sine_2 = then_3_yaw_change_sine_2 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_26);
-    const float versine_cost_2 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
-    const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
-    const float yaw_change_cost_2 = then_3_yaw_change_sine_2 - then_3_yaw_change_sine;
-    const float then_1_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_1_cost_1 +
-        (((yaw_change_sine_part_12 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_14 * by_axis_1_2_e_cost_1) -
-        (damping * then_1_cost_1) - (yaw_change_sine_part_16 * yaw_change_cost_2)) * yaw_change_sine_part_17)) :
-        (0.5f * (then_1_cost_1 + other_1_cost_2)), 0.5f);
-    const float cost_2_part = (x_phase_fraction_sine * versine_cost_2) + (y_phase_fraction_sine * yaw_change_sine_2);
-    const float angle_cost_2 = then_1_cost_2 - cost_2_part;
-    const float f9_argument_5 = angle_cost_2 * angle_cost_2;
-    const float by_cosine_cost_2 = f9_polynomial(f9_argument_5);
-    const float by_sine_cost_2 = angle_cost_2 * f10_polynomial(f9_argument_5);
-    const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
-    const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (estimator_field_1 +
-        (phases_1_sine_cost_2_squared * (estimator_field_3 + (phases_1_sine_cost_2_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) -
-        (volts_sine_cost_0 * yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_2);
-    const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
-    const float f9_argument_6 = angle_cost_2_2 * angle_cost_2_2;
-    const float by_cosine_cost_2_2 = f9_polynomial(f9_argument_6);
-    const float by_sine_cost_2_2 = angle_cost_2_2 * f10_polynomial(f9_argument_6);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_2_2);
-    const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (estimator_field_1 +
-        (cost_2_part_3 * (estimator_field_3 + (cost_2_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) -
-        (volts_sine_cost_0_2 * yaw_change_sine_2) - B_1_cost_2_2;
-    const float then_2_cost_2 = hall_position_limit((better_yaw_change_sine) ? (then_2_cost_1 +
-        (((yaw_change_sine_part_18 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_20 * by_axis_2_2_e_cost_1) -
-        (damping * then_2_cost_1) - (yaw_change_sine_part_22 * yaw_change_cost_2)) * yaw_change_sine_part_23)) :
-        (0.5f * (then_2_cost_1 + other_2_cost_2)), 0.5f);
-    const float dy_cost_2 = (x_phase_fraction_sine * yaw_change_sine_2) - (y_phase_fraction_sine * versine_cost_2);
-    const float angle_cost_2_3 = then_2_cost_2 + dy_cost_2;
-    const float f9_argument_7 = angle_cost_2_3 * angle_cost_2_3;
-    const float by_cosine_cost_2_3 = f9_polynomial(f9_argument_7);
-    const float by_sine_cost_2_3 = angle_cost_2_3 * f10_polynomial(f9_argument_7);
-    const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_3) + (p_cosine_yaw_change_sine * by_sine_cost_2_3);
-    const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (estimator_field_1 +
-        (q_cost_2 * (estimator_field_3 + (q_cost_2 * estimator_field_5))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) +
-        (volts_cosine_cost_0 * yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) -
-        (y_phase_fraction_sine_2 * versine_cost_2);
-    const float angle_cost_2_4 = then_2_cost_2 + dy_cost_2_2;
-    const float f9_argument_8 = angle_cost_2_4 * angle_cost_2_4;
-    const float by_cosine_cost_2_4 = f9_polynomial(f9_argument_8);
-    const float by_sine_cost_2_4 = angle_cost_2_4 * f10_polynomial(f9_argument_8);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_4) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_2_4);
-    const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (estimator_field_1 +
-        (q_cost_2_2 * (estimator_field_3 + (q_cost_2_2 * estimator_field_5))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_2) - B_2_cost_2_2;
-    const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
-        (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) + (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) +
-        (damping * ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) +
-        (squared_yaw_arm * yaw_change_sine_part_26)));
-    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_25) + cost_slack);
-    const float yaw_change_sine_part_27 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) -
-        (x_sine_cost_0 * by_sine_cost_2)) * (estimator_slope_0 +
-        (phases_1_sine_cost_2_squared * (estimator_slope_2 + (phases_1_sine_cost_2_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_28 = B_2_cost_2 - (yaw_change_sine_part_27 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_29 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) -
-        (x_sine_cost_0_2 * by_sine_cost_2_2)) * (estimator_slope_0 +
-        (cost_2_part_3 * (estimator_slope_2 + (cost_2_part_3 * estimator_slope_4))));
-    const float yaw_change_sine_part_30 = B_2_cost_2_2 -
-        (yaw_change_sine_part_29 * (y_phase_fraction_sine_2 + dy_cost_2_2));
-    const float yaw_change_sine_part_31 = (yaw_change_sine_part_27 * yaw_change_sine_part_28) +
-        (yaw_change_sine_part_29 * yaw_change_sine_part_30);
-    const float across_yaw_change_sine_5 = (yaw_change_sine_part_27 * yaw_change_sine_part_30) -
-        (yaw_change_sine_part_29 * yaw_change_sine_part_28);
-    const float yaw_change_sine_part_32 = 1.0f / (damping +
-        ((yaw_change_sine_part_27 * yaw_change_sine_part_27) + (yaw_change_sine_part_29 * yaw_change_sine_part_29)));
-    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_3) - (p_sine_cost_0 *
-        by_sine_cost_2_3)) * (estimator_slope_0 + (q_cost_2 * (estimator_slope_2 + (q_cost_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_2_part)) -
-        B_1_cost_2;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_4) -
-        (p_sine_cost_0_2 * by_sine_cost_2_4)) * (estimator_slope_0 +
-        (q_cost_2_2 * (estimator_slope_2 + (q_cost_2_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
-        B_1_cost_2_2;
-    const float yaw_change_sine_part_37 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_36);
-    const float across_yaw_change_sine_6 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) -
-        (yaw_change_sine_part_35 * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_38 = 1.0f / (damping +
-        ((yaw_change_sine_part_33 * yaw_change_sine_part_33) + (yaw_change_sine_part_35 * yaw_change_sine_part_35)));
-    const float yaw_change_sine_part_39 = (((damping * ((yaw_change_sine_part_28 * by_axis_1_1_e_cost_2) +
-        (yaw_change_sine_part_30 * by_axis_1_2_e_cost_2) + (then_1_cost_2 * yaw_change_sine_part_31))) +
-        (across_yaw_change_sine_5 * ((yaw_change_sine_part_27 * by_axis_1_2_e_cost_2) -
-        (yaw_change_sine_part_29 * by_axis_1_1_e_cost_2)))) * yaw_change_sine_part_32) + (((damping *
-        ((yaw_change_sine_part_34 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_36 * by_axis_2_2_e_cost_2) +
-        (then_2_cost_2 * yaw_change_sine_part_37))) + (across_yaw_change_sine_6 * ((yaw_change_sine_part_33 *
-        by_axis_2_2_e_cost_2) - (yaw_change_sine_part_35 * by_axis_2_1_e_cost_2)))) * yaw_change_sine_part_38);
-    const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_28 * yaw_change_sine_part_28) +
-        (yaw_change_sine_part_30 * yaw_change_sine_part_30))) + (across_yaw_change_sine_5 * across_yaw_change_sine_5)) *
-        yaw_change_sine_part_32) + (((damping * ((yaw_change_sine_part_34 * yaw_change_sine_part_34) +
-        (yaw_change_sine_part_36 * yaw_change_sine_part_36))) + (across_yaw_change_sine_6 * across_yaw_change_sine_6)) *
-        yaw_change_sine_part_38);
-    float other_3_yaw_change_sine_2 = then_3_yaw_change_sine_2;
-    float other_1_cost_3 = then_1_cost_2;
-    float other_2_cost_3 = then_2_cost_2;
-    float yaw_change_sine_part_40 = cost_2;
-    if (!better_yaw_change_sine_2) {
-        other_3_yaw_change_sine_2 = other_3_yaw_change_sine;
-        other_1_cost_3 = other_1_cost_2;
-        other_2_cost_3 = other_2_cost_2;
-        yaw_change_sine_part_40 = yaw_change_sine_part_25;
+    const float converged_part_38 = (better_converged) ? (then_3_converged +
+        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_31 * residuals_2_converged_2) +
+        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_32 * residuals_4_converged_2) -
+        (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
+        gradient_2_converged_2)) / converged_part_36)) : (0.5f * (then_3_converged + other_3_converged));
+    const float then_3_converged_2 = hall_position_limit(converged_part_38, 0.10100254f);
+    const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
+    const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
+    const float half_converged_2 = then_3_converged_2 * f6_polynomial(then_3_converged_2_squared);
+    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
+    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
+    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
+    const float moves_3_converged = then_3_converged_2 - then_3_converged;
+    const float then_1_converged_2 = hall_position_limit((better_converged) ?
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_33) - (row_1_converged_2 * moves_3_converged))) :
+        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
+    const float converged_part_39 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
+    const float converged_part_40 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
+    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
+        0.97596323f);
+    const float f7_argument_5 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f7_polynomial(f7_argument_5);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f8_polynomial(f7_argument_5);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
+        (start_cosine_ax * by_sine_ax_converged_2);
+    const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_42 = converged_part_41 * estimator_field_5;
+    const float converged_part_43 = phasors_1_sine_converged_2 * (estimator_field_1 +
+        (converged_part_41 * (estimator_field_3 + converged_part_42)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
+        (turns_3_sine_converged_2 * V_ay_held) - converged_part_43;
+    const float then_2_converged_2 = hall_position_limit((better_converged) ?
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_35) - (row_2_converged_2 * moves_3_converged))) :
+        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
+    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
+        0.97596323f);
+    const float f7_argument_6 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f7_polynomial(f7_argument_6);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f8_polynomial(f7_argument_6);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
+        (start_cosine_ay * by_sine_ay_converged_2);
+    const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_45 = converged_part_44 * estimator_field_5;
+    const float converged_part_46 = phasors_2_sine_converged_2 * (estimator_field_1 +
+        (converged_part_44 * (estimator_field_3 + converged_part_45)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
+        (turns_3_sine_converged_2 * V_ax_held) - converged_part_46;
+    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
+        0.97596323f);
+    const float f7_argument_7 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f7_polynomial(f7_argument_7);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f8_polynomial(f7_argument_7);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
+        (start_cosine_bx * by_sine_bx_converged_2);
+    const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_48 = converged_part_47 * estimator_field_5;
+    const float converged_part_49 = phasors_3_sine_converged_2 * (estimator_field_1 +
+        (converged_part_47 * (estimator_field_3 + converged_part_48)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
+        (turns_3_sine_converged_2 * V_by_held) - converged_part_49;
+    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
+        0.97596323f);
+    const float f7_argument_8 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f7_polynomial(f7_argument_8);
+    const float by_sine_converged_2 = by_converged_2 * f8_polynomial(f7_argument_8);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
+        (start_cosine_by * by_sine_converged_2);
+    const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_51 = converged_part_50 * estimator_field_5;
+    const float converged_part_52 = phasors_4_sine_converged_2 * (estimator_field_1 +
+        (converged_part_50 * (estimator_field_3 + converged_part_51)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
+        (turns_3_sine_converged_2 * V_bx_held) - converged_part_52;
+    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
+        residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
+        residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
+        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_37) + 1e-08f);
+    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
+        (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
+        (converged_part_41 * (estimator_field_3_scaled + (5.0f * converged_part_42))));
+    const float converged_part_53 = three_quarters_pi * turns_3_cosine_converged_2;
+    const float converged_part_54 = three_quarters_pi * turns_3_sine_converged_2;
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_53 + converged_part_54)) +
+        converged_part_46;
+    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
+        (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
+        (converged_part_44 * (estimator_field_3_scaled + (5.0f * converged_part_45))));
+    const float converged_part_55 = converged_part_43 -
+        (rows_2_2_converged_3 * (converged_part_54 - converged_part_53));
+    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
+        (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
+        (converged_part_47 * (estimator_field_3_scaled + (5.0f * converged_part_48))));
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
+        converged_part_54)) + converged_part_52;
+    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
+        (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
+        (converged_part_50 * (estimator_field_3_scaled + (5.0f * converged_part_51))));
+    const float converged_part_56 = converged_part_49 -
+        (rows_4_2_converged_3 * (converged_part_53 - converged_part_54));
+    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
+        (rows_3_3_converged_3 * rows_3_1_converged_3);
+    const float converged_part_57 = 1.0f /
+        ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 * rows_3_1_converged_3) + 0.00992376f);
+    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_57, 8330.405f);
+    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
+        (rows_3_1_converged_3 * residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
+    const float converged_part_58 = (converged_part_55 * rows_2_2_converged_3) +
+        (converged_part_56 * rows_4_2_converged_3);
+    const float converged_part_59 = 1.0f /
+        ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 * rows_4_2_converged_3) + 0.00992376f);
+    const float row_2_converged_3 = hall_position_limit(-(converged_part_58 * converged_part_59), 8330.405f);
+    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
+        (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
+    const float converged_part_60 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_55
+        * converged_part_55) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_56 * converged_part_56) +
+        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_58), 2.7546635f);
+    float other_3_converged_2 = then_3_converged_2;
+    float other_1_converged_2 = then_1_converged_2;
+    float other_2_converged_2 = then_2_converged_2;
+    float converged_part_61 = cost_converged_2;
+    if (!better_converged_2) {
+        other_3_converged_2 = other_3_converged;
+        other_1_converged_2 = other_1_converged;
+        other_2_converged_2 = other_2_converged;
+        converged_part_61 = converged_part_37;
     }
-    const float then_3_yaw_change_sine_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_3_yaw_change_sine_2 +
-        ((yaw_change_sine_part_39 - (yaw_damping * then_3_yaw_change_sine_2)) / (yaw_damping +
-        data_yaw_change_sine_3))) : (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
-    const float yaw_change_sine_part_41 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
-    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_41);
-    const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_41);
-    const float versine_cost_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
-    const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
-    const float yaw_change_cost_3 = then_3_yaw_change_sine_3 - then_3_yaw_change_sine_2;
-    const float then_1_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_1_cost_2 +
-        (((yaw_change_sine_part_27 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_29 * by_axis_1_2_e_cost_2) -
-        (damping * then_1_cost_2) - (yaw_change_sine_part_31 * yaw_change_cost_3)) * yaw_change_sine_part_32)) :
-        (0.5f * (then_1_cost_2 + other_1_cost_3)), 0.5f);
-    const float cost_3_part = (x_phase_fraction_sine * versine_cost_3) + (y_phase_fraction_sine * yaw_change_sine_3);
-    const float angle_cost_3 = then_1_cost_3 - cost_3_part;
-    const float f9_argument_9 = angle_cost_3 * angle_cost_3;
-    const float by_cosine_cost_3 = f9_polynomial(f9_argument_9);
-    const float by_sine_cost_3 = angle_cost_3 * f10_polynomial(f9_argument_9);
-    const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
-    const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (estimator_field_1 +
-        (phases_1_sine_cost_3_squared * (estimator_field_3 + (phases_1_sine_cost_3_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) -
-        (volts_sine_cost_0 * yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_3);
-    const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
-    const float f9_argument_10 = angle_cost_3_2 * angle_cost_3_2;
-    const float by_cosine_cost_3_2 = f9_polynomial(f9_argument_10);
-    const float by_sine_cost_3_2 = angle_cost_3_2 * f10_polynomial(f9_argument_10);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_3_2);
-    const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (estimator_field_1 +
-        (cost_3_part_3 * (estimator_field_3 + (cost_3_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) -
-        (volts_sine_cost_0_2 * yaw_change_sine_3) - B_1_cost_3_2;
-    const float then_2_cost_3 = hall_position_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
-        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_2) -
-        (damping * then_2_cost_2) - (yaw_change_sine_part_37 * yaw_change_cost_3)) * yaw_change_sine_part_38)) :
-        (0.5f * (then_2_cost_2 + other_2_cost_3)), 0.5f);
-    const float dy_cost_3 = (x_phase_fraction_sine * yaw_change_sine_3) - (y_phase_fraction_sine * versine_cost_3);
-    const float angle_cost_3_3 = then_2_cost_3 + dy_cost_3;
-    const float f9_argument_11 = angle_cost_3_3 * angle_cost_3_3;
-    const float by_cosine_cost_3_3 = f9_polynomial(f9_argument_11);
-    const float by_sine_cost_3_3 = angle_cost_3_3 * f10_polynomial(f9_argument_11);
-    const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_3) + (p_cosine_yaw_change_sine * by_sine_cost_3_3);
-    const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (estimator_field_1 +
-        (q_cost_3 * (estimator_field_3 + (q_cost_3 * estimator_field_5))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) +
-        (volts_cosine_cost_0 * yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) -
-        (y_phase_fraction_sine_2 * versine_cost_3);
-    const float angle_cost_3_4 = then_2_cost_3 + dy_cost_3_2;
-    const float f9_argument_12 = angle_cost_3_4 * angle_cost_3_4;
-    const float by_cosine_cost_3_4 = f9_polynomial(f9_argument_12);
-    const float by_sine_cost_3_4 = angle_cost_3_4 * f10_polynomial(f9_argument_12);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_4) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_3_4);
-    const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (estimator_field_1 +
-        (q_cost_3_2 * (estimator_field_3 + (q_cost_3_2 * estimator_field_5))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_3) - B_2_cost_3_2;
-    const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
-        (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) + (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) +
-        (damping * ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) +
-        (squared_yaw_arm * yaw_change_sine_part_41)));
-    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_40) + cost_slack);
-    const float yaw_change_sine_part_42 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) -
-        (x_sine_cost_0 * by_sine_cost_3)) * (estimator_slope_0 +
-        (phases_1_sine_cost_3_squared * (estimator_slope_2 + (phases_1_sine_cost_3_squared * estimator_slope_4))));
-    const float yaw_change_sine_part_43 = B_2_cost_3 - (yaw_change_sine_part_42 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_44 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) -
-        (x_sine_cost_0_2 * by_sine_cost_3_2)) * (estimator_slope_0 +
-        (cost_3_part_3 * (estimator_slope_2 + (cost_3_part_3 * estimator_slope_4))));
-    const float yaw_change_sine_part_45 = B_2_cost_3_2 -
-        (yaw_change_sine_part_44 * (y_phase_fraction_sine_2 + dy_cost_3_2));
-    const float yaw_change_sine_part_46 = (yaw_change_sine_part_42 * yaw_change_sine_part_43) +
-        (yaw_change_sine_part_44 * yaw_change_sine_part_45);
-    const float across_yaw_change_sine_7 = (yaw_change_sine_part_42 * yaw_change_sine_part_45) -
-        (yaw_change_sine_part_44 * yaw_change_sine_part_43);
-    const float yaw_change_sine_part_47 = 1.0f / (damping +
-        ((yaw_change_sine_part_42 * yaw_change_sine_part_42) + (yaw_change_sine_part_44 * yaw_change_sine_part_44)));
-    const float yaw_change_sine_part_48 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_3) - (p_sine_cost_0 *
-        by_sine_cost_3_3)) * (estimator_slope_0 + (q_cost_3 * (estimator_slope_2 + (q_cost_3 * estimator_slope_4))));
-    const float yaw_change_sine_part_49 = (yaw_change_sine_part_48 * (x_phase_fraction_sine - cost_3_part)) -
-        B_1_cost_3;
-    const float yaw_change_sine_part_50 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_4) -
-        (p_sine_cost_0_2 * by_sine_cost_3_4)) * (estimator_slope_0 +
-        (q_cost_3_2 * (estimator_slope_2 + (q_cost_3_2 * estimator_slope_4))));
-    const float yaw_change_sine_part_51 = (yaw_change_sine_part_50 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
-        B_1_cost_3_2;
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_48 * yaw_change_sine_part_49) +
-        (yaw_change_sine_part_50 * yaw_change_sine_part_51);
-    const float across_yaw_change_sine_8 = (yaw_change_sine_part_48 * yaw_change_sine_part_51) -
-        (yaw_change_sine_part_50 * yaw_change_sine_part_49);
-    const float yaw_change_sine_part_53 = 1.0f / (damping +
-        ((yaw_change_sine_part_48 * yaw_change_sine_part_48) + (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
-    const float yaw_change_sine_part_54 = (((damping * ((yaw_change_sine_part_43 * by_axis_1_1_e_cost_3) +
-        (yaw_change_sine_part_45 * by_axis_1_2_e_cost_3) + (then_1_cost_3 * yaw_change_sine_part_46))) +
-        (across_yaw_change_sine_7 * ((yaw_change_sine_part_42 * by_axis_1_2_e_cost_3) -
-        (yaw_change_sine_part_44 * by_axis_1_1_e_cost_3)))) * yaw_change_sine_part_47) + (((damping *
-        ((yaw_change_sine_part_49 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_51 * by_axis_2_2_e_cost_3) +
-        (then_2_cost_3 * yaw_change_sine_part_52))) + (across_yaw_change_sine_8 * ((yaw_change_sine_part_48 *
-        by_axis_2_2_e_cost_3) - (yaw_change_sine_part_50 * by_axis_2_1_e_cost_3)))) * yaw_change_sine_part_53);
-    const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_43 * yaw_change_sine_part_43) +
-        (yaw_change_sine_part_45 * yaw_change_sine_part_45))) + (across_yaw_change_sine_7 * across_yaw_change_sine_7)) *
-        yaw_change_sine_part_47) + (((damping * ((yaw_change_sine_part_49 * yaw_change_sine_part_49) +
-        (yaw_change_sine_part_51 * yaw_change_sine_part_51))) + (across_yaw_change_sine_8 * across_yaw_change_sine_8)) *
-        yaw_change_sine_part_53);
-    float other_3_yaw_change_sine_3 = then_3_yaw_change_sine_3;
-    float other_1_cost_4 = then_1_cost_3;
-    float other_2_cost_4 = then_2_cost_3;
-    float converged_part = cost_3;
-    if (!better_yaw_change_sine_3) {
-        other_3_yaw_change_sine_3 = other_3_yaw_change_sine_2;
-        other_1_cost_4 = other_1_cost_3;
-        other_2_cost_4 = other_2_cost_3;
-        converged_part = yaw_change_sine_part_40;
+    const float converged_part_62 = (better_converged_2) ? (then_3_converged_2 +
+        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_55 * residuals_2_converged_3) +
+        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_56 * residuals_4_converged_3) -
+        (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
+        gradient_2_converged_3)) / converged_part_60)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
+    const float then_3_converged_3 = hall_position_limit(converged_part_62, 0.10100254f);
+    const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
+    const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
+    const float half_converged_3 = then_3_converged_3 * f6_polynomial(then_3_converged_3_squared);
+    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
+    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
+    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
+    const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
+    const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
+        ((gradient_1_converged_3 * converged_part_57) - (row_1_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
+    const float converged_part_63 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
+    const float converged_part_64 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
+    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
+        0.97596323f);
+    const float f7_argument_9 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f7_polynomial(f7_argument_9);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f8_polynomial(f7_argument_9);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
+        (start_cosine_ax * by_sine_ax_converged_3);
+    const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_66 = converged_part_65 * estimator_field_5;
+    const float converged_part_67 = phasors_1_sine_converged_3 * (estimator_field_1 +
+        (converged_part_65 * (estimator_field_3 + converged_part_66)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
+        (turns_3_sine_converged_3 * V_ay_held) - converged_part_67;
+    const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
+        ((gradient_2_converged_3 * converged_part_59) - (row_2_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
+        0.97596323f);
+    const float f7_argument_10 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f7_polynomial(f7_argument_10);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f8_polynomial(f7_argument_10);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
+        (start_cosine_ay * by_sine_ay_converged_3);
+    const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_69 = converged_part_68 * estimator_field_5;
+    const float converged_part_70 = phasors_2_sine_converged_3 * (estimator_field_1 +
+        (converged_part_68 * (estimator_field_3 + converged_part_69)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
+        (turns_3_sine_converged_3 * V_ax_held) - converged_part_70;
+    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
+        0.97596323f);
+    const float f7_argument_11 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f7_polynomial(f7_argument_11);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f8_polynomial(f7_argument_11);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
+        (start_cosine_bx * by_sine_bx_converged_3);
+    const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_72 = converged_part_71 * estimator_field_5;
+    const float converged_part_73 = phasors_3_sine_converged_3 * (estimator_field_1 +
+        (converged_part_71 * (estimator_field_3 + converged_part_72)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
+        (turns_3_sine_converged_3 * V_by_held) - converged_part_73;
+    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
+        0.97596323f);
+    const float f7_argument_12 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f7_polynomial(f7_argument_12);
+    const float by_sine_converged_3 = by_converged_3 * f8_polynomial(f7_argument_12);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
+        (start_cosine_by * by_sine_converged_3);
+    const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_75 = converged_part_74 * estimator_field_5;
+    const float converged_part_76 = phasors_4_sine_converged_3 * (estimator_field_1 +
+        (converged_part_74 * (estimator_field_3 + converged_part_75)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
+        (turns_3_sine_converged_3 * V_bx_held) - converged_part_76;
+    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
+        residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
+        residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
+        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_61) + 1e-08f);
+    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
+        (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
+        (converged_part_65 * (estimator_field_3_scaled + (5.0f * converged_part_66))));
+    const float converged_part_77 = three_quarters_pi * turns_3_cosine_converged_3;
+    const float converged_part_78 = three_quarters_pi * turns_3_sine_converged_3;
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_77 + converged_part_78)) +
+        converged_part_70;
+    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
+        (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
+        (converged_part_68 * (estimator_field_3_scaled + (5.0f * converged_part_69))));
+    const float converged_part_79 = converged_part_67 -
+        (rows_2_2_converged_4 * (converged_part_78 - converged_part_77));
+    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
+        (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
+        (converged_part_71 * (estimator_field_3_scaled + (5.0f * converged_part_72))));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
+        converged_part_78)) + converged_part_76;
+    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
+        (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
+        (converged_part_74 * (estimator_field_3_scaled + (5.0f * converged_part_75))));
+    const float converged_part_80 = converged_part_73 -
+        (rows_4_2_converged_4 * (converged_part_77 - converged_part_78));
+    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
+        (rows_3_3_converged_4 * rows_3_1_converged_4);
+    const float converged_part_81 = 1.0f /
+        ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 * rows_3_1_converged_4) + 0.00992376f);
+    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_81, 8330.405f);
+    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
+        (rows_3_1_converged_4 * residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
+    const float converged_part_82 = (converged_part_79 * rows_2_2_converged_4) +
+        (converged_part_80 * rows_4_2_converged_4);
+    const float converged_part_83 = 1.0f /
+        ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 * rows_4_2_converged_4) + 0.00992376f);
+    const float row_2_converged_4 = hall_position_limit(-(converged_part_82 * converged_part_83), 8330.405f);
+    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
+        (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
+    const float converged_part_84 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_79
+        * converged_part_79) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_80 * converged_part_80) +
+        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_82), 2.7546635f);
+    float other_3_converged_3 = then_3_converged_3;
+    float other_1_converged_3 = then_1_converged_3;
+    float other_2_converged_3 = then_2_converged_3;
+    float converged_part_85 = cost_converged_3;
+    if (!better_converged_3) {
+        other_3_converged_3 = other_3_converged_2;
+        other_1_converged_3 = other_1_converged_2;
+        other_2_converged_3 = other_2_converged_2;
+        converged_part_85 = converged_part_61;
     }
-    const float at_3_yaw_change_sine = hall_position_limit((better_yaw_change_sine_3) ? (then_3_yaw_change_sine_3 +
-        ((yaw_change_sine_part_54 - (yaw_damping * then_3_yaw_change_sine_3)) / (yaw_damping +
-        data_yaw_change_sine_4))) : (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
-    const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
-    const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
-    const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
-    const float versine_cost_4 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
-    const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
-    const float yaw_change_cost_4 = at_3_yaw_change_sine - then_3_yaw_change_sine_3;
-    const float at_1_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_1_cost_3 +
-        (((yaw_change_sine_part_42 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_44 * by_axis_1_2_e_cost_3) -
-        (damping * then_1_cost_3) - (yaw_change_sine_part_46 * yaw_change_cost_4)) * yaw_change_sine_part_47)) :
-        (0.5f * (then_1_cost_3 + other_1_cost_4)), 0.5f);
-    const float cost_4_part = (x_phase_fraction_sine * versine_cost_4) + (y_phase_fraction_sine * yaw_change_sine_4);
-    const float angle_cost_4 = at_1_cost_4 - cost_4_part;
-    const float f9_argument_13 = angle_cost_4 * angle_cost_4;
-    const float by_cosine_cost_4 = f9_polynomial(f9_argument_13);
-    const float by_sine_cost_4 = angle_cost_4 * f10_polynomial(f9_argument_13);
-    const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
-    const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (estimator_field_1 +
-        (phases_1_sine_cost_4_squared * (estimator_field_3 + (phases_1_sine_cost_4_squared * estimator_field_5))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) -
-        (volts_sine_cost_0 * yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_4);
-    const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
-    const float f9_argument_14 = angle_cost_4_2 * angle_cost_4_2;
-    const float by_cosine_cost_4_2 = f9_polynomial(f9_argument_14);
-    const float by_sine_cost_4_2 = angle_cost_4_2 * f10_polynomial(f9_argument_14);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_4_2);
-    const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (estimator_field_1 +
-        (cost_4_part_3 * (estimator_field_3 + (cost_4_part_3 * estimator_field_5))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) -
-        (volts_sine_cost_0_2 * yaw_change_sine_4) - B_1_cost_4_2;
-    const float at_2_cost_4 = hall_position_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
-        (((yaw_change_sine_part_48 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_50 * by_axis_2_2_e_cost_3) -
-        (damping * then_2_cost_3) - (yaw_change_sine_part_52 * yaw_change_cost_4)) * yaw_change_sine_part_53)) :
-        (0.5f * (then_2_cost_3 + other_2_cost_4)), 0.5f);
-    const float dy_cost_4 = (x_phase_fraction_sine * yaw_change_sine_4) - (y_phase_fraction_sine * versine_cost_4);
-    const float angle_cost_4_3 = at_2_cost_4 + dy_cost_4;
-    const float f9_argument_15 = angle_cost_4_3 * angle_cost_4_3;
-    const float by_cosine_cost_4_3 = f9_polynomial(f9_argument_15);
-    const float by_sine_cost_4_3 = angle_cost_4_3 * f10_polynomial(f9_argument_15);
-    const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_3) + (p_cosine_yaw_change_sine * by_sine_cost_4_3);
-    const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (estimator_field_1 +
-        (q_cost_4 * (estimator_field_3 + (q_cost_4 * estimator_field_5))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) +
-        (volts_cosine_cost_0 * yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) -
-        (y_phase_fraction_sine_2 * versine_cost_4);
-    const float angle_cost_4_4 = at_2_cost_4 + dy_cost_4_2;
-    const float f9_argument_16 = angle_cost_4_4 * angle_cost_4_4;
-    const float by_cosine_cost_4_4 = f9_polynomial(f9_argument_16);
-    const float by_sine_cost_4_4 = angle_cost_4_4 * f10_polynomial(f9_argument_16);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_4) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_4_4);
-    const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (estimator_field_1 +
-        (q_cost_4_2 * (estimator_field_3 + (q_cost_4_2 * estimator_field_5))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_4) - B_2_cost_4_2;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_e_cost_4 * by_axis_1_2_e_cost_4) + (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4);
-    const float cost_4_part_4 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
-    const float cost_4 = squares_cost_4 +
-        (damping * (cost_4_part_4 + (squared_yaw_arm * at_3_yaw_change_sine_squared)));
+    const float converged_part_86 = (better_converged_3) ? (then_3_converged_3 +
+        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_79 * residuals_2_converged_4) +
+        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_80 * residuals_4_converged_4) -
+        (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
+        gradient_2_converged_4)) / converged_part_84)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
+    const float then_3_converged_4 = hall_position_limit(converged_part_86, 0.10100254f);
+    const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
+    const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
+    const float half_converged_4 = then_3_converged_4 * f6_polynomial(then_3_converged_4_squared);
+    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
+    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
+    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
+    const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
+    const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
+        ((gradient_1_converged_4 * converged_part_81) - (row_1_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
+    const float converged_part_87 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
+    const float converged_part_88 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
+    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
+        0.97596323f);
+    const float f7_argument_13 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f7_polynomial(f7_argument_13);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f8_polynomial(f7_argument_13);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
+        (start_cosine_ax * by_sine_ax_converged_4);
+    const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_90 = converged_part_89 * estimator_field_5;
+    const float converged_part_91 = phasors_1_sine_converged_4 * (estimator_field_1 +
+        (converged_part_89 * (estimator_field_3 + converged_part_90)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
+        (turns_3_sine_converged_4 * V_ay_held) - converged_part_91;
+    const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
+        ((gradient_2_converged_4 * converged_part_83) - (row_2_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
+    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
+        0.97596323f);
+    const float f7_argument_14 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f7_polynomial(f7_argument_14);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f8_polynomial(f7_argument_14);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
+        (start_cosine_ay * by_sine_ay_converged_4);
+    const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_93 = converged_part_92 * estimator_field_5;
+    const float converged_part_94 = phasors_2_sine_converged_4 * (estimator_field_1 +
+        (converged_part_92 * (estimator_field_3 + converged_part_93)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
+        (turns_3_sine_converged_4 * V_ax_held) - converged_part_94;
+    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
+        0.97596323f);
+    const float f7_argument_15 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f7_polynomial(f7_argument_15);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f8_polynomial(f7_argument_15);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
+        (start_cosine_bx * by_sine_bx_converged_4);
+    const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_96 = converged_part_95 * estimator_field_5;
+    const float converged_part_97 = phasors_3_sine_converged_4 * (estimator_field_1 +
+        (converged_part_95 * (estimator_field_3 + converged_part_96)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
+        (turns_3_sine_converged_4 * V_by_held) - converged_part_97;
+    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
+        0.97596323f);
+    const float f7_argument_16 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f7_polynomial(f7_argument_16);
+    const float by_sine_converged_4 = by_converged_4 * f8_polynomial(f7_argument_16);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
+        (start_cosine_by * by_sine_converged_4);
+    const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_99 = converged_part_98 * estimator_field_5;
+    const float converged_part_100 = phasors_4_sine_converged_4 * (estimator_field_1 +
+        (converged_part_98 * (estimator_field_3 + converged_part_99)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
+        (turns_3_sine_converged_4 * V_bx_held) - converged_part_100;
+    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
+        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
+        (residuals_4_converged_5 * residuals_4_converged_5);
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
-    const bool gate_exceeded = squared_gate < (cost_4_part_4 + (squared_radius * at_3_yaw_change_sine_squared));
+    const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
+    const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
+    const bool gate_exceeded = 0.0009069143f <
+        (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f * then_3_converged_4_squared));
     const uint32_t estimator_searching = state->estimator_searching;
-    const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) -
-        (x_sine_cost_0 * by_sine_cost_4)) * (estimator_slope_0 +
-        (phases_1_sine_cost_4_squared * (estimator_slope_2 + (phases_1_sine_cost_4_squared * estimator_slope_4))));
-    const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) -
-        (x_sine_cost_0_2 * by_sine_cost_4_2)) * (estimator_slope_0 +
-        (cost_4_part_3 * (estimator_slope_2 + (cost_4_part_3 * estimator_slope_4))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 -
-        (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 + dy_cost_4_2));
-    const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_h_converged);
-    const float across_converged = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) -
-        (by_axis_1_2_g_converged * by_axis_1_1_h_converged);
-    const float axes_1_inverse = 1.0f / (damping +
-        ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) + (by_axis_1_2_g_converged * by_axis_1_2_g_converged)));
-    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_3) - (p_sine_cost_0 *
-        by_sine_cost_4_3)) * (estimator_slope_0 + (q_cost_4 * (estimator_slope_2 + (q_cost_4 * estimator_slope_4))));
-    const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
-        B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_4) -
-        (p_sine_cost_0_2 * by_sine_cost_4_4)) * (estimator_slope_0 +
-        (q_cost_4_2 * (estimator_slope_2 + (q_cost_4_2 * estimator_slope_4))));
-    const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
-        B_1_cost_4_2;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_h_converged);
-    const float across_converged_2 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) -
-        (by_axis_2_2_g_converged * by_axis_2_1_h_converged);
-    const float n_inverse = 1.0f / (damping +
-        ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) + (by_axis_2_2_g_converged * by_axis_2_2_g_converged)));
-    const float converged_part_2 = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (at_1_cost_4 * axes_1_coupling_converged))) +
-        (across_converged * ((by_axis_1_1_g_converged * by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged *
-        by_axis_1_1_e_cost_4)))) * axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_h_converged * by_axis_2_2_e_cost_4) + (at_2_cost_4 * n_coupling))) + (across_converged_2 *
-        ((by_axis_2_1_g_converged * by_axis_2_2_e_cost_4) - (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4)))) *
-        n_inverse);
-    const float right_converged = converged_part_2 - (yaw_damping * at_3_yaw_change_sine);
-    const float data_converged = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_h_converged * by_axis_1_2_h_converged))) + (across_converged * across_converged)) *
-        axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) +
-        (by_axis_2_2_h_converged * by_axis_2_2_h_converged))) + (across_converged_2 * across_converged_2)) * n_inverse);
-    const float converged_part_3 = 1.0f / (yaw_damping + data_converged);
-    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_g_converged * by_axis_1_2_e_cost_4) - (damping * at_1_cost_4);
-    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_g_converged * by_axis_2_2_e_cost_4) - (damping * at_2_cost_4);
-    const bool converged = better_converged && (((right_converged * right_converged * converged_part_3) +
-        (axes_1_slope_converged * axes_1_slope_converged * axes_1_inverse) + (n_slope * n_slope * n_inverse)) <=
-        cost_slack);
-    float at_3_X;
-    float at_1_X;
-    float at_2_Y;
+    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
+        (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
+        ((1.000002f * converged_part_85) + 1e-08f);
+    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
+        (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
+        (converged_part_89 * (estimator_field_3_scaled + (5.0f * converged_part_90))));
+    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
+        (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
+        (converged_part_95 * (estimator_field_3_scaled + (5.0f * converged_part_96))));
+    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
+        (rows_3_1_converged_5 * residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
+    const float inverse_1 = 1.0f /
+        ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 * rows_3_1_converged_5) + 0.00992376f);
+    const float converged_part_101 = gradient_1_converged_5 * inverse_1;
+    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
+        (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
+        (converged_part_92 * (estimator_field_3_scaled + (5.0f * converged_part_93))));
+    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
+        (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
+        (converged_part_98 * (estimator_field_3_scaled + (5.0f * converged_part_99))));
+    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
+        (rows_4_2_converged_5 * residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
+    const float inverse_2 = 1.0f /
+        ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 * rows_4_2_converged_5) + 0.00992376f);
+    const float converged_part_102 = gradient_2_converged_5 * inverse_2;
+    const float converged_part_103 = three_quarters_pi * turns_3_cosine_converged_4;
+    const float converged_part_104 = three_quarters_pi * turns_3_sine_converged_4;
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_103 + converged_part_104)) +
+        converged_part_94;
+    const float converged_part_105 = converged_part_91 -
+        (rows_2_2_converged_5 * (converged_part_104 - converged_part_103));
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
+        converged_part_104)) + converged_part_100;
+    const float converged_part_106 = converged_part_97 -
+        (rows_4_2_converged_5 * (converged_part_103 - converged_part_104));
+    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
+        (rows_3_3_converged_5 * rows_3_1_converged_5);
+    const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
+    const float converged_part_107 = (converged_part_105 * rows_2_2_converged_5) +
+        (converged_part_106 * rows_4_2_converged_5);
+    const float by_yaw_Y = hall_position_limit(-(converged_part_107 * inverse_2), 8330.405f);
+    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
+        (converged_part_105 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_106 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
+        (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
+    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_105 *
+        converged_part_105) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_106 * converged_part_106)
+        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_107), 2.7546635f);
+    const float step_converged = forward_3_converged / pivot;
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_101) +
+        (gradient_2_converged_5 * converged_part_102) + (forward_3_converged * step_converged)) <= 1e-08f);
+    float at_3;
+    float at_1;
+    float at_2;
     if (converged) {
-        const float untried_3 = hall_position_limit(at_3_yaw_change_sine + (right_converged * converged_part_3),
-            max_yaw_step);
-        at_3_X = untried_3;
-        const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
-        at_1_X = hall_position_limit(at_1_cost_4 +
-            ((axes_1_slope_converged - (axes_1_coupling_converged * yaw_change_X)) * axes_1_inverse), 0.5f);
-        at_2_Y = hall_position_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
+        const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, 0.10100254f);
+        at_3 = untried_3;
+        const float moves_3_X = untried_3 - then_3_converged_4;
+        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_101 - (by_yaw_X * moves_3_X)), 0.5f);
+        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_102 - (by_yaw_Y * moves_3_X)), 0.5f);
     } else {
-        if (better_converged) {
-            at_3_X = at_3_yaw_change_sine;
-            at_1_X = at_1_cost_4;
-            at_2_Y = at_2_cost_4;
+        if (better_converged_4) {
+            at_3 = then_3_converged_4;
+            at_1 = then_1_converged_4;
+            at_2 = then_2_converged_4;
         } else {
-            at_3_X = other_3_yaw_change_sine_3;
-            at_1_X = other_1_cost_4;
-            at_2_Y = other_2_cost_4;
+            at_3 = other_3_converged_3;
+            at_1 = other_1_converged_3;
+            at_2 = other_2_converged_3;
         }
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
-    const bool in_window = fabsf(prediction_yaw + at_3_X - estimator_yaw_last_good) <= ambiguous_yaw_limit;
-    const bool integrity_residual_fault = (squared_residual_limit < squares_cost_4) ||
+    const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
+    const bool integrity_residual_fault = (0.01f < squares_converged_2) ||
         ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
     float by_phase_x = 0.0f;
@@ -850,18 +823,18 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float estimator_motion_y_part = 0.0f;
     float estimator_motion_yaw_part = 0.0f;
     if (!(integrity_residual_fault && tracking)) {
-        by_phase_x = at_1_X;
-        by_phase_y = at_2_Y;
-        yaw_2 = at_3_X;
-        estimator_motion_x_part = 0.5f * at_1_X;
-        estimator_motion_y_part = 0.5f * at_2_Y;
-        estimator_motion_yaw_part = yaw_gain * at_3_X;
+        by_phase_x = at_1;
+        by_phase_y = at_2;
+        yaw_2 = at_3;
+        estimator_motion_x_part = 0.5f * at_1;
+        estimator_motion_y_part = 0.5f * at_2;
+        estimator_motion_yaw_part = 0.1f * at_3;
     }
-    const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < X_part;
-    float angle_x = X_part;
+    const float moved_x = prediction_phase_x + by_phase_x;
+    const bool turns_x_X = pi < moved_x;
+    float angle_x = moved_x;
     if (turns_x_X) {
-        angle_x = X_part - two_pi;
+        angle_x = moved_x - two_pi;
     }
     float pose_phase_x = angle_x;
     float turns_x_X_2 = -1.0f;
@@ -871,12 +844,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
     const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
-    const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x);
-    const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < Y_part;
-    float angle_y = Y_part;
+    const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x);
+    const float moved_y = prediction_phase_y + by_phase_y;
+    const bool turns_y_Y = pi < moved_y;
+    float angle_y = moved_y;
     if (turns_y_Y) {
-        angle_y = Y_part - two_pi;
+        angle_y = moved_y - two_pi;
     }
     float pose_phase_y = angle_y;
     float turns_y_Y_2 = -1.0f;
@@ -886,51 +859,48 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
     const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
-    const float Y = (metre_per_rad * pose_phase_y) + (pitch * pose_pitch_y);
+    const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
-    float angle_yaw = prediction_yaw_plus_yaw_2;
+    float angle = prediction_yaw_plus_yaw_2;
     if (pi < prediction_yaw_plus_yaw_2) {
-        angle_yaw = prediction_yaw_plus_yaw_2 - two_pi;
+        angle = prediction_yaw_plus_yaw_2 - two_pi;
     }
-    float yaw = angle_yaw;
-    if (angle_yaw < -pi) {
-        yaw = angle_yaw + two_pi;
+    float yaw = angle;
+    if (angle < -pi) {
+        yaw = angle + two_pi;
     }
-    const float by_yaw_X = axes_1_coupling_converged * axes_1_inverse;
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
-    const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
-    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X_squared * yaw_deviation_X));
+    const float yaw_variance = 1.0f / (pivot + -2.644477f);
+    const float deviation_X = 8.085071e-06f * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance));
     out->deviation_X = deviation_X;
-    const float by_yaw_Y = n_coupling * n_inverse;
     const float by_yaw_Y_squared = by_yaw_Y * by_yaw_Y;
-    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y_squared * yaw_deviation_X));
+    const float deviation_Y = 8.085071e-06f * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance));
     out->deviation_Y = deviation_Y;
-    const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
+    const float deviation_yaw = 0.001f * sqrtf(yaw_variance);
     out->deviation_yaw = deviation_yaw;
-    const float residual = sqrtf(least_square + squares_cost_4);
+    const float residual = sqrtf(1e-30f + squares_converged_2);
     out->residual = residual;
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_deviation_X) +
-        (axes_1_inverse + n_inverse);
-    const bool damped = damped_weight < weight;
+    const float weight = ((11.103305f + by_yaw_X_squared + by_yaw_Y_squared) * yaw_variance) + inverse_1 + inverse_2;
+    const bool damped = 15.115238f < weight;
     out->damped = damped ? 1.0f : 0.0f;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
     const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
     const float size = fabsf(yaw);
-    const bool inside = counted && (size <= yaw_limit);
-    const bool resolved = (integrity_good && in_window && tracking && (weight <= unambiguous_weight) && complete &&
-        inside) || ((estimator_ambiguity_resolved != 0u) && !damped);
+    const bool inside = counted && (size <= 0.04363323f);
+    const bool resolved = (integrity_good && in_window && tracking && (weight <= 0.403073f) && complete && inside) ||
+        ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
     const bool valid = integrity_good && resolved && (estimator_lock_lost == 0u) && inside && complete;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
-    const bool estimator_yaw_last_good_test = !integrity_residual_fault;
+    const bool faultless = !integrity_residual_fault;
     if (restart) {
-        const float start_x = state->estimator_start_x + -start_step_x;
+        const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
@@ -938,7 +908,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             state->estimator_phase_x = start_x;
             state->estimator_start_x = start_x;
         }
-        const float start_y = state->estimator_start_y + -start_step_y;
+        const float start_y = state->estimator_start_y + -2.702773f;
         if (start_y < -pi) {
             state->estimator_phase_y = start_y + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
@@ -953,33 +923,33 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
-        if (converged && estimator_yaw_last_good_test) {
+        if (converged && faultless) {
             state->estimator_searching = 0u;
         }
         state->estimator_ambiguity_resolved = hall_position_flag(resolved);
     }
-    if (resolved && estimator_yaw_last_good_test) {
+    if (resolved && faultless) {
         state->estimator_yaw_last_good = yaw;
     }
     state->estimator_pitch_x = hall_position_limit(pose_pitch_x, 8.0f);
     state->estimator_pitch_y = hall_position_limit(pose_pitch_y, 8.0f);
-    float estimator_motion_x_part_2 = 0.0f;
-    float estimator_motion_y_part_2 = 0.0f;
-    float estimator_motion_yaw_part_2 = 0.0f;
+    float continued_motion_x = 0.0f;
+    float continued_motion_y = 0.0f;
+    float continued_motion_yaw = 0.0f;
     if (estimator_searching == 0u) {
-        estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
-        estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
-        estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;
+        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
+        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
+        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
     }
-    state->estimator_motion_x = hall_position_limit(estimator_motion_x_part_2, 0.5f);
-    state->estimator_motion_y = hall_position_limit(estimator_motion_y_part_2, 0.5f);
-    state->estimator_motion_yaw = hall_position_limit(estimator_motion_yaw_part_2, max_yaw_step);
+    state->estimator_motion_x = hall_position_limit(continued_motion_x, 0.5f);
+    state->estimator_motion_y = hall_position_limit(continued_motion_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, 0.10100254f);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
-        (restart || !counted || (((resolved) ? yaw_limit : ambiguous_yaw_limit) < size))));
+    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) ||
+        ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 

@@ -68,10 +68,10 @@ static inline float f3_polynomial(float t)
 
 /* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
  * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) in -2.95293951 .. 3.5246768, t = x^2; relative error at most
- * 2e-07. */
+ * 1.1e-07. */
 static inline float ax_part_cosine_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.031249814f + (t * (0.00016268597f + (t * -3.296361e-07f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.00016276025f + (t * (-3.390221e-07f + (t * 3.7130776e-10f)))))));
 }
 
 /* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
@@ -84,10 +84,10 @@ static inline float f5_polynomial(float t)
 
 /* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
  * (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
- * 2.3e-07. */
+ * 1.2e-07. */
 static inline float ay_part_cosine_polynomial(float t)
 {
-    return 0.9999999f + (t * (-0.031249747f + (t * (0.00016267128f + (t * -3.2880223e-07f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.39012e-07f + (t * 3.7075404e-10f)))))));
 }
 
 /* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
@@ -172,10 +172,10 @@ static inline float dx_part_cosine_polynomial(float t)
 
 /* f17_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
  * (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
- * 2.4e-07. */
+ * 1.2e-07. */
 static inline float f17_polynomial(float t)
 {
-    return 0.124999985f + (t * (-0.00032550405f + (t * 2.51782e-07f)));
+    return 0.125f + (t * (-0.0003255208f + (t * (2.5430614e-07f + (t * -9.3915965e-11f)))));
 }
 
 /* dy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
@@ -194,10 +194,10 @@ static inline float f19_polynomial(float t)
 }
 
 /* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 2.7e-07. */
+ * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 1.2e-07. */
 static inline float f20_polynomial(float t)
 {
-    return 0.9999998f + (t * (-0.16665627f + (t * 0.008242804f)));
+    return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689277f)))));
 }
 
 /* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
@@ -250,10 +250,10 @@ static inline float f27_polynomial(float t)
 }
 
 /* f28_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 2.7e-07. */
+ * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 1.2e-07. */
 static inline float f28_polynomial(float t)
 {
-    return 0.9999998f + (t * (-0.16665688f + (t * 0.008246067f)));
+    return 1.0f + (t * (-0.16666666f + (t * (0.008333099f + (t * -0.00019693414f)))));
 }
 
 /* f29_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,
@@ -1068,8 +1068,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_argument_2 = moved_3_2 * moved_3_2;
     const float turns_3_cosine = cos_yaw_polynomial(cos_yaw_argument_2);
     const float turns_3_sine = moved_3_2 * sin_yaw_polynomial(cos_yaw_argument_2);
-    const float chords_3_cosine = turns_3_cosine - cos_yaw;
-    const float chords_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, 0.1f);
+    const float limited_3_cosine = turns_3_cosine - cos_yaw;
+    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, 0.1f);
     const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
     const float phase_x_part_56 = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
         0.75f);
@@ -1080,7 +1080,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float phase_x_part_58 = 0.0f;
     float chi_square_part = 0.0f;
     if (weights_1) {
-        const float by_ax = best_1 + (0.28902653f * chords_3_cosine) + (0.45238933f * chords_3_sine);
+        const float by_ax = best_1 + (0.28902653f * limited_3_cosine) + (0.45238933f * limited_3_sine);
         const float f19_argument = by_ax * by_ax;
         const float phasors_1_sine = (ax_part_full * f19_polynomial(f19_argument)) +
             (start_cosine_ax * (by_ax * f20_polynomial(f19_argument)));
@@ -1089,7 +1089,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phase_x_part_56 * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
-        const float by_ay = best_2 - (0.45238933f * chords_3_cosine) + (0.28902653f * chords_3_sine);
+        const float by_ay = best_2 - (0.45238933f * limited_3_cosine) + (0.28902653f * limited_3_sine);
         const float f27_argument = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * f27_polynomial(f27_argument)) +
             (start_cosine_ay * (by_ay * f28_polynomial(f27_argument)));
@@ -1112,7 +1112,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_3_chi_square = 0.0f;
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
-        const float by_bx = best_1 - (1.118407f * chords_3_cosine) + (1.7404423f * chords_3_sine);
+        const float by_bx = best_1 - (1.118407f * limited_3_cosine) + (1.7404423f * limited_3_sine);
         const float f21_argument = by_bx * by_bx;
         const float phasors_3_sine = (bx_part_full * f21_polynomial(f21_argument)) +
             (start_cosine_bx * (by_bx * f22_polynomial(f21_argument)));
@@ -1122,7 +1122,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
-        const float by = best_2 - (1.7404423f * chords_3_cosine) - (1.118407f * chords_3_sine);
+        const float by = best_2 - (1.7404423f * limited_3_cosine) - (1.118407f * limited_3_sine);
         const float f29_argument = by * by;
         const float phasors_4_sine = (by_part_full * f29_polynomial(f29_argument)) +
             (start_cosine_by * (by * f30_polynomial(f29_argument)));
@@ -1146,7 +1146,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_5_chi_square = 0.0f;
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
-        const float by_cx = best_1 - (2.506991f * chords_3_cosine) + (3.0033627f * chords_3_sine);
+        const float by_cx = best_1 - (2.506991f * limited_3_cosine) + (3.0033627f * limited_3_sine);
         const float f23_argument = by_cx * by_cx;
         const float phasors_5_sine = (cx_part_full * f23_polynomial(f23_argument)) +
             (start_cosine_cx * (by_cx * f24_polynomial(f23_argument)));
@@ -1156,7 +1156,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
-        const float by_cy = best_2 - (3.0033627f * chords_3_cosine) - (2.506991f * chords_3_sine);
+        const float by_cy = best_2 - (3.0033627f * limited_3_cosine) - (2.506991f * limited_3_sine);
         const float f31_argument = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * f31_polynomial(f31_argument)) +
             (start_cosine_cy * (by_cy * f32_polynomial(f31_argument)));
@@ -1180,7 +1180,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_7_chi_square = 0.0f;
     float terms_8_chi_square = 0.0f;
     if (weights_7) {
-        const float by_dx = best_1 + (1.627345f * chords_3_cosine) - (0.76654863f * chords_3_sine);
+        const float by_dx = best_1 + (1.627345f * limited_3_cosine) - (0.76654863f * limited_3_sine);
         const float f25_argument = by_dx * by_dx;
         const float phasors_7_sine = (dx_part_full * f25_polynomial(f25_argument)) +
             (start_cosine_dx * (by_dx * f26_polynomial(f25_argument)));
@@ -1190,7 +1190,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
         terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
         terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
-        const float by_dy = best_2 + (0.76654863f * chords_3_cosine) + (1.627345f * chords_3_sine);
+        const float by_dy = best_2 + (0.76654863f * limited_3_cosine) + (1.627345f * limited_3_sine);
         const float f33_argument = by_dy * by_dy;
         const float phasors_8_sine = (dy_part_full * f33_polynomial(f33_argument)) +
             (start_cosine_dy * (by_dy * f34_polynomial(f33_argument)));

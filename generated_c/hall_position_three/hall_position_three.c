@@ -1,4 +1,5 @@
 /* hall_position_three. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position_three.h"
 #include <float.h>
 #include <math.h>
@@ -61,155 +62,144 @@ static inline float f1_polynomial(float t)
     return 0.25f + (t * (-0.0026041642f + (t * (8.136648e-06f + (t * -1.18924985e-08f)))));
 }
 
-/* yaw_fraction_cosine; x = estimator_yaw + estimator_motion_yaw in -3.28181362 .. 3.28181362, t = x^2; relative error
- * at most 1.4e-07. */
-static inline float yaw_fraction_cosine_polynomial(float t)
+/* yaw_part_cosine; x = estimator_yaw + estimator_motion_yaw in -3.28181362 .. 3.28181362, t = x^2; relative error at
+ * most 1.4e-07. */
+static inline float yaw_part_cosine_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.031249862f + (t * (0.00016270163f + (t * -3.3074548e-07f)))));
 }
 
-/* f3_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((-1.5812683 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (1.5833627 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.80622387 .. 6.80622435, t = x^2; relative error at most 1.2e-07. */
+/* f3_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (1.5812683 * (1 - (...)))) - (1.5833627 *
+ * clamp(((...) * (...)), -1, 1))), -5.87932518, 5.87932518) in -5.87932539 .. 5.87932539, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f3_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552044f + (t * (2.5426283e-07f + (t * -9.2772345e-11f)))));
+    return 0.125f + (t * (-0.00032552067f + (t * (2.5428514e-07f + (t * -9.3237806e-11f)))));
 }
 
-/* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((-1.5812683 * (1 - (0.5 * (clamp((...), -2, 2)
- * * clamp((...), -2, 2))))) - (1.5833627 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.80622387 .. 6.80622435, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_polynomial(float t)
+/* ax_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (1.5812683 * (1 - (...)))) - (1.5833627 *
+ * clamp(((...) * (...)), -1, 1))), -5.87932518, 5.87932518) in -5.87932539 .. 5.87932539, t = x^2; relative error at
+ * most 1.1e-07. */
+static inline float ax_part_cosine_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.0078124604f + (t * (1.01684145e-05f + (t * -5.1597757e-09f)))));
+    return 1.0f + (t * (-0.007812488f + (t * (1.0170485e-05f + (t * -5.1988818e-09f)))));
 }
 
-/* f5_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((1.5833627 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (1.5812683 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.80622435 .. 6.80622387, t = x^2; relative error at most 1.2e-07. */
+/* f5_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (0.0858701992 * (1 - (...)))) -
+ * (0.081681409 * clamp(((...) * (...)), -1, 1))), -3.76010655, 3.76010655) in -3.76010656 .. 3.76010656, t = x^2;
+ * relative error at most 1.2e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552044f + (t * (2.5426283e-07f + (t * -9.2772345e-11f)))));
+    return 0.25f + (t * (-0.002604161f + (t * (8.135633e-06f + (t * -1.1823737e-08f)))));
 }
 
-/* phase_fraction_cosine; x = (estimator_phase_y + estimator_motion_y) + ((1.5833627 * (1 - (0.5 * (clamp((...), -2, 2)
- * * clamp((...), -2, 2))))) - (1.5812683 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.80622435 .. 6.80622387, t = x^2; relative error at most 1.7e-07. */
-static inline float phase_fraction_cosine_2_polynomial(float t)
+/* bx_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (0.0858701992 * (1 - (...)))) - (0.081681409 *
+ * clamp(((...) * (...)), -1, 1))), -3.76010655, 3.76010655) in -3.76010656 .. 3.76010656, t = x^2; relative error at
+ * most 1.3e-07. */
+static inline float bx_part_cosine_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.0078124604f + (t * (1.01684145e-05f + (t * -5.1597757e-09f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.390026e-07f + (t * 3.7027664e-10f)))))));
 }
 
-/* f7_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((-0.0858701992 * (1 - (0.5 * ((...) * (...))))) -
- * (0.081681409 * clamp((clamp((...), -2, 2) * (1 - (...))), -1, 1))) in -3.80914426 .. 3.8091445, t = x^2; relative
- * error at most 1.7e-07. */
+/* f7_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) + (1.6671385 * (1 - (...)))) + (1.66504411 *
+ * clamp(((...) * (...)), -1, 1))), -5.99780204, 5.99780204) in -5.99780226 .. 5.99780226, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f7_polynomial(float t)
 {
-    return 0.12499999f + (t * (-0.00032551005f + (t * 2.5227982e-07f)));
+    return 0.125f + (t * (-0.00032552064f + (t * (2.5428218e-07f + (t * -9.317061e-11f)))));
 }
 
-/* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((-0.0858701992 * (1 - (0.5 * ((...) *
- * (...))))) - (0.081681409 * clamp((clamp((...), -2, 2) * (1 - (...))), -1, 1))) in -3.80914426 .. 3.8091445, t = x^2;
- * relative error at most 6e-08. */
-static inline float phase_fraction_cosine_3_polynomial(float t)
+/* cx_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) + (1.6671385 * (1 - (...)))) + (1.66504411 *
+ * clamp(((...) * (...)), -1, 1))), -5.99780204, 5.99780204) in -5.99780226 .. 5.99780226, t = x^2; relative error at
+ * most 1.2e-07. */
+static inline float cx_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812499f + (t * (1.017216e-05f + (t * -5.2561466e-09f)))));
+    return 1.0f + (t * (-0.007812486f + (t * (1.0170291e-05f + (t * -5.1943916e-09f)))));
 }
 
-/* f9_polynomial / x; x = (estimator_phase_y + estimator_motion_y) + ((0.081681409 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) - (0.0858701992 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -3.8091445 .. 3.80914426, t = x^2; relative error at most 1.7e-07. */
+/* f9_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)), -0.140220856,
+ * 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
 static inline float f9_polynomial(float t)
-{
-    return 0.12499999f + (t * (-0.00032551005f + (t * 2.5227982e-07f)));
-}
-
-/* phase_fraction_cosine; x = (estimator_phase_y + estimator_motion_y) + ((0.081681409 * (1 - (0.5 * (clamp((...), -2,
- * 2) * clamp((...), -2, 2))))) - (0.0858701992 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -3.8091445 .. 3.80914426, t = x^2; relative error at most 6e-08. */
-static inline float phase_fraction_cosine_4_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812499f + (t * (1.017216e-05f + (t * -5.2561466e-09f)))));
-}
-
-/* f11_polynomial / x; x = (estimator_phase_x + estimator_motion_x) + ((1.6671385 * (1 - (0.5 * (clamp((...), -2, 2) *
- * clamp((...), -2, 2))))) + (1.66504411 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.97377586 .. 6.97377586, t = x^2; relative error at most 1.2e-07. */
-static inline float f11_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552038f + (t * (2.5425797e-07f + (t * -9.268511e-11f)))));
-}
-
-/* phase_fraction_cosine; x = (estimator_phase_x + estimator_motion_x) + ((1.6671385 * (1 - (0.5 * (clamp((...), -2, 2)
- * * clamp((...), -2, 2))))) + (1.66504411 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in
- * -6.97377586 .. 6.97377586, t = x^2; relative error at most 1.9e-07. */
-static inline float phase_fraction_cosine_5_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.0078124558f + (t * (1.016805e-05f + (t * -5.1534967e-09f)))));
-}
-
-/* yaw_change_sine / x; x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.874383744 +
- * (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative
- * error at most 1.2e-07. */
-static inline float yaw_change_sine_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666663f + (t * 0.008327514f)));
 }
 
-/* half_yaw_change_sine / x; x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) /
- * (0.874383744 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t =
- * x^2; relative error at most 1.4e-07. */
-static inline float half_yaw_change_sine_polynomial(float t)
+/* f10_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)),
+ * -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
+static inline float f10_polynomial(float t)
 {
-    return 0.70710677f + (t * -0.02945674f);
+    return 0.5f + (t * (0.041666593f + (t * 0.004178401f)));
 }
 
-/* f15_polynomial; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.973355532 .. 0.973355532, t = x^2; relative error at most 1.3e-07. */
+/* f11_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
+ * 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at most
+ * 1.3e-07. */
+static inline float f11_polynomial(float t)
+{
+    return 1.0f + (t * (-0.5f + (t * (0.0416666f + (t * (-0.0013885538f + (t * 2.4265188e-05f)))))));
+}
+
+/* f12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at
+ * most 1.2e-07. */
+static inline float f12_polynomial(float t)
+{
+    return 1.0f + (t * (-0.1666663f + (t * (0.008330877f + (t * -0.00019370353f)))));
+}
+
+/* f13_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
+ * most 6e-08. */
+static inline float f13_polynomial(float t)
+{
+    return 1.0f + (t * (-0.4999999f + (t * (0.041664638f + (t * -0.0013759605f)))));
+}
+
+/* f14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
+ * most 1.2e-07. */
+static inline float f14_polynomial(float t)
+{
+    return 1.0f + (t * (-0.16666666f + (t * (0.008333108f + (t * -0.00019697788f)))));
+}
+
+/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+ * 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at most
+ * 1.3e-07. */
 static inline float f15_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882653f + (t * 2.410944e-05f)))))));
+    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
 }
 
-/* f16_polynomial / x; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.973355532 .. 0.973355532, t = x^2; relative error at most 1.2e-07. */
+/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f16_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666621f + (t * (0.008330511f + (t * -0.00019337481f)))));
+    return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
 }
 
-/* f17_polynomial; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.525061905 .. 0.525061905, t = x^2; relative error at most 6e-08. */
+/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
+ * 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at most
+ * 1.3e-07. */
 static inline float f17_polynomial(float t)
 {
-    return 1.0f + (t * (-0.4999999f + (t * (0.041664626f + (t * -0.0013759097f)))));
+    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
 }
 
-/* f18_polynomial / x; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.525061905 .. 0.525061905, t = x^2; relative error at most 2.3e-07. */
+/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
+ * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f18_polynomial(float t)
 {
-    return 0.9999999f + (t * (-0.16665833f + (t * 0.008251845f)));
+    return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
 }
 
-/* f19_polynomial; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) + (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.998417377 .. 0.998417377, t = x^2; relative error at most 1.4e-07. */
+/* f19_polynomial; x = ((((...) || (...)) && (!estimator_searching)) ? 0 : (converged ? clamp((...), -0.140220856,
+ * 0.140220856) : ((...) ? (...) : (...)))) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 6e-08. */
 static inline float f19_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666426f + (t * (-0.0013882434f + (t * 2.4094079e-05f)))))));
-}
-
-/* f20_polynomial / x; x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) -
- * ((((...) + (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in
- * -0.998417377 .. 0.998417377, t = x^2; relative error at most 1.2e-07. */
-static inline float f20_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666614f + (t * (0.008330212f + (t * -0.00019311559f)))));
+    return 1.0f + (t * (-0.49999976f + (t * 0.041628234f)));
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -224,55 +214,14 @@ void hall_position_three_init(hall_position_three_state_t *state)
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
 {
-    static const float arm_ax = -1.5812683f; /* rad; w times the place of sensor a from the centre, along x */
-    static const float arm_ay = 1.5833627f; /* rad; w times the place of sensor a from the centre, along y */
-    static const float arm_bx = -0.0858702f; /* rad; w times the place of sensor b from the centre, along x */
-    static const float arm_by = 0.08168141f; /* rad; w times the place of sensor b from the centre, along y */
-    static const float arm_cx = 1.6671385f; /* rad; w times the place of sensor c from the centre, along x */
-    static const float arm_cy = -1.6650441f; /* rad; w times the place of sensor c from the centre, along y */
-    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
-    static const float yaw_damping = 0.87438375f;               /* V^2; damping (5 radius)^2 */
-    static const float max_yaw_step = 0.14022085f;              /* rad; moves no sensor by more than 0.5 rad of phase */
-    static const float squared_yaw_arm = 88.11012f;             /* 1; (5 radius)^2 */
-    static const float cost_factor = 1.000002f;                 /* 1; rise of the cost that rounding may cause */
-    static const float cost_slack = 1e-08f; /* V^2; rise of the cost that rounding may cause, also converged_decrease */
-    static const float squared_residual_limit = 0.01f;          /* V^2; above: a residual fault */
-    static const float innovation_gate = 0.030115018f;          /* rad; 3 deviation / sqrt(damping) */
-    static const float squared_radius = 3.524405f;              /* 1; radius^2 */
-    static const float yaw_window = 0.08726646f;                /* rad; about the last good yaw */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const float metre_per_rad = 0.008085071f;            /* m/rad; 1 / w */
-    static const float pitch = 0.0508f;                         /* m; pitch of the magnet matrix */
-    static const float centre_x = 0.0060790665f;                /* m; centre of the sensors */
-    static const float centre_y = -0.0040132f;                  /* m; centre of the sensors */
-    static const float wave_number = 123.68475f;                /* rad/m; w */
-    static const float undamped_yaw = 0.03497535f;              /* V^2; damping radius^2 */
-    static const float deviation_over_w = 8.085071e-06f;        /* V m/rad; deviation / w */
-    static const float deviation = 0.001f;                      /* V; standard deviation of a voltage */
-    static const float least_square = 1e-30f;                   /* V^2; keeps the argument of a root positive */
-    static const float damped_weight = 15.115238f;              /* 1/V^2; above: the pose is damped */
-    static const float unambiguous_weight = 1.612292f;          /* 1/V^2; at most: the pose is unambiguous */
-    static const float yaw_limit = 0.17453292f;                 /* rad; largest yaw that is valid */
-    static const float start_step_x = 1.5401491f;               /* rad; from one start of the search to the next */
-    static const float start_step_y = 2.702773f;                /* rad; from one start of the search to the next */
-    static const float yaw_gain = 0.1f;                         /* 1; of a correction, in the motion */
-    static const float ambiguous_yaw_limit = 0.34906584f;       /* rad; of a pose that is not yet unambiguous */
-    static const float squared_inconsistent = 1.6e-05f;         /* V^2; above: the voltages are inconsistent */
-    static const float others_agree = 0.076f;                   /* V^2; innovations of healthy sensors */
-    static const float contrast = 25.0f;                        /* 1; of squared innovations, to exclude a sensor */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_3 = 3.60456f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_0 = 2.24906f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_2 = 10.81368f;
-    /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
-    static const float estimator_slope_4 = -14.41824f;
 
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
@@ -314,1001 +263,937 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     }
 
     /* estimator: GLSDC, Fig. 9
-     *     yaw_fraction_sine = 4 * sin(0.25 * (yaw + motion_yaw))
-     *     yaw_fraction_cosine = cos(0.25 * (yaw + motion_yaw))
-     *     phase_fraction_cosine = cos(0.125 * (phase_y + motion_y + arm_cx * limit(limit(4 * (sin(0.25 * (yaw
-     *         + motion_yaw)) * yaw_fraction_cosine), 2) * (1 - 0.125 * yaw_fraction_sine^2), 1) - -arm_cy * (1
-     *         - 0.5 * limit(4 * (sin(0.25 * (yaw + motion_yaw)) * yaw_fraction_cosine), 2)^2))) */
+     *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
+     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw))
+     *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * bx_part_sine^2), 1.001); likewise by_part_full */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
     const float f1_argument = prediction_yaw * prediction_yaw;
     const float f1 = prediction_yaw * f1_polynomial(f1_argument);
-    const float yaw_fraction_sine = 4.0f * f1;
-    const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(f1_argument);
+    const float yaw_part_sine = 4.0f * f1;
+    const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_phase_fraction_sine = hall_position_three_limit(4.0f * (f1 * yaw_fraction_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (s_phase_fraction_sine * s_phase_fraction_sine));
-    const float heading_sine = hall_position_three_limit(s_phase_fraction_sine * (1.0f -
-        (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
-    const float x_phase_fraction_sine = (arm_ax * heading_cosine) - (arm_ay * heading_sine);
-    const float at_1_phase_fraction_sine = prediction_phase_x + x_phase_fraction_sine;
-    const float f3_argument = at_1_phase_fraction_sine * at_1_phase_fraction_sine;
-    const float f3 = at_1_phase_fraction_sine * f3_polynomial(f3_argument);
-    const float phase_fraction_sine = 8.0f * f3;
-    const float phase_fraction_cosine = phase_fraction_cosine_polynomial(f3_argument);
+    const float s_yaw = hall_position_three_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
+    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
+    const float heading_sine = hall_position_three_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))),
+        1.0f);
+    const float heading_sine_scaled = 1.5833627f * heading_sine;
+    const float limited_ax = hall_position_three_limit(prediction_phase_x - (1.5812683f * heading_cosine) -
+        heading_sine_scaled, 5.8793254f);
+    const float f3_argument = limited_ax * limited_ax;
+    const float f3 = limited_ax * f3_polynomial(f3_argument);
+    const float ax_part_sine = 8.0f * f3;
+    const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
+    const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
+    const float ax_part_doubled = 8.0f *
+        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+    /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
+    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float y_phase_fraction_sine = (arm_ay * heading_cosine) - (-arm_ax * heading_sine);
-    const float at_2_phase_fraction_sine = prediction_phase_y + y_phase_fraction_sine;
-    const float f5_argument = at_2_phase_fraction_sine * at_2_phase_fraction_sine;
-    const float f5 = at_2_phase_fraction_sine * f5_polynomial(f5_argument);
-    const float phase_fraction_sine_2 = 8.0f * f5;
-    const float phase_fraction_cosine_2 = phase_fraction_cosine_2_polynomial(f5_argument);
-    const float x_phase_fraction_sine_2 = (arm_bx * heading_cosine) - (arm_by * heading_sine);
-    const float at_1_phase_fraction_sine_2 = prediction_phase_x + x_phase_fraction_sine_2;
-    const float f7_argument = at_1_phase_fraction_sine_2 * at_1_phase_fraction_sine_2;
-    const float f7 = at_1_phase_fraction_sine_2 * f7_polynomial(f7_argument);
-    const float phase_fraction_sine_3 = 8.0f * f7;
-    const float phase_fraction_cosine_3 = phase_fraction_cosine_3_polynomial(f7_argument);
-    const float y_phase_fraction_sine_2 = (arm_by * heading_cosine) - (-arm_bx * heading_sine);
-    const float at_2_phase_fraction_sine_2 = prediction_phase_y + y_phase_fraction_sine_2;
-    const float f9_argument = at_2_phase_fraction_sine_2 * at_2_phase_fraction_sine_2;
-    const float f9 = at_2_phase_fraction_sine_2 * f9_polynomial(f9_argument);
-    const float phase_fraction_sine_4 = 8.0f * f9;
-    const float phase_fraction_cosine_4 = phase_fraction_cosine_4_polynomial(f9_argument);
-    const float x_phase_fraction_sine_3 = (arm_cx * heading_cosine) + (-arm_cy * heading_sine);
-    const float at_1_phase_fraction_sine_3 = prediction_phase_x + x_phase_fraction_sine_3;
-    const float f11_argument = at_1_phase_fraction_sine_3 * at_1_phase_fraction_sine_3;
-    const float f11 = at_1_phase_fraction_sine_3 * f11_polynomial(f11_argument);
-    const float phase_fraction_sine_5 = 8.0f * f11;
-    const float phase_fraction_cosine_5 = phase_fraction_cosine_5_polynomial(f11_argument);
-    const float y_phase_fraction_sine_3 = (arm_cx * heading_sine) - (-arm_cy * heading_cosine);
-    const float at_2_phase_fraction_sine_3 = prediction_phase_y + y_phase_fraction_sine_3;
-    const float f11_argument_2 = at_2_phase_fraction_sine_3 * at_2_phase_fraction_sine_3;
-    const float f11_2 = at_2_phase_fraction_sine_3 * f11_polynomial(f11_argument_2);
-    const float phase_fraction_sine_6 = 8.0f * f11_2;
-    const float phase_fraction_cosine_6 = phase_fraction_cosine_5_polynomial(f11_argument_2);
+    const float heading_cosine_scaled = 1.5833627f * heading_cosine;
+    const float heading_sine_scaled_2 = 1.5812683f * heading_sine;
+    const float limited_ay = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled -
+        heading_sine_scaled_2, 5.8793254f);
+    const float f3_argument_2 = limited_ay * limited_ay;
+    const float f3_2 = limited_ay * f3_polynomial(f3_argument_2);
+    const float ay_part_sine = 8.0f * f3_2;
+    const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
+    const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
+    const float ay_part_doubled = 8.0f *
+        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+    /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
+    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    /*@ admit -1.001f <= ay_part_full <= 1.001f; */
+    const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
+    const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
+        heading_sine_scaled_3, 3.7601066f);
+    const float f5_argument = limited_bx * limited_bx;
+    const float f5 = limited_bx * f5_polynomial(f5_argument);
+    const float bx_part_sine = 4.0f * f5;
+    const float bx_part_cosine = bx_part_cosine_polynomial(f5_argument);
+    const float bx_part_doubled = 4.0f * (f5 * bx_part_cosine);
+    /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
+    /*@ admit -1.001f <= bx_part_full <= 1.001f; */
+    const float heading_cosine_scaled_2 = 0.08168141f * heading_cosine;
+    const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
+    const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
+        heading_sine_scaled_4, 3.7601066f);
+    const float f5_argument_2 = limited_by * limited_by;
+    const float f5_2 = limited_by * f5_polynomial(f5_argument_2);
+    const float by_part_sine = 4.0f * f5_2;
+    const float by_part_cosine = bx_part_cosine_polynomial(f5_argument_2);
+    const float by_part_doubled = 4.0f * (f5_2 * by_part_cosine);
+    /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
+    /*@ admit -1.001f <= by_part_full <= 1.001f; */
+    const float heading_cosine_scaled_3 = 1.6671385f * heading_cosine;
+    const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
+    const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
+        heading_sine_scaled_5, 5.9978023f);
+    const float f7_argument = limited_cx * limited_cx;
+    const float f7 = limited_cx * f7_polynomial(f7_argument);
+    const float cx_part_sine = 8.0f * f7;
+    const float cx_part_cosine = cx_part_cosine_polynomial(f7_argument);
+    const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
+    const float cx_part_doubled = 8.0f *
+        (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+    /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
+    const float sines_2_cx = 8.0f * f7_times_cx_part_cosine;
+    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
+    /*@ admit -1.001f <= cx_part_full <= 1.001f; */
+    const float heading_cosine_scaled_4 = 1.6650441f * heading_cosine;
+    const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
+    const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
+        heading_sine_scaled_6, 5.9978023f);
+    const float f7_argument_2 = limited_cy * limited_cy;
+    const float f7_2 = limited_cy * f7_polynomial(f7_argument_2);
+    const float cy_part_sine = 8.0f * f7_2;
+    const float cy_part_cosine = cx_part_cosine_polynomial(f7_argument_2);
+    const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
+    const float cy_part_doubled = 8.0f *
+        (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+    /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
+    const float sines_2_cy = 8.0f * f7_2_times_cy_part_cosine;
+    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
+    /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
     const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
-    const float cost_0_part = 1.0f - (excluded_1 ? 1.0f : 0.0f);
-    const float vx_cost_0 = cost_0_part * V_ax_held;
-    const float vy_cost_0 = cost_0_part * V_ay_held;
-    const float volts_cosine_cost_0 = (heading_cosine * vx_cost_0) - (heading_sine * vy_cost_0);
-    const float cost_0_part_2 = f3 * phase_fraction_cosine;
-    const float s_cost_0 = hall_position_three_limit(8.0f *
-        (cost_0_part_2 * (1.0f - (0.03125f * (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
-    const float sines_2_cost_0 = 8.0f * cost_0_part_2;
-    const float x_sine_cost_0 = hall_position_three_limit(s_cost_0 * (1.0f -
-        (0.125f * (sines_2_cost_0 * sines_2_cost_0))), 1.0f);
-    const float field_2_cost_0 = cost_0_part * estimator_field_1;
-    const float x_sine_cost_0_squared = x_sine_cost_0 * x_sine_cost_0;
-    const float field_3_cost_0 = cost_0_part * estimator_field_3;
-    const float field_4_cost_0 = cost_0_part * estimator_field_5;
-    const float B_1_cost_0 = x_sine_cost_0 * (field_2_cost_0 +
-        (x_sine_cost_0_squared * (field_3_cost_0 + (x_sine_cost_0_squared * field_4_cost_0))));
-    const float residuals_1 = volts_cosine_cost_0 - B_1_cost_0;
-    const float terms_1_cost_0 = residuals_1 * residuals_1;
     const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
-    const float cost_0_part_3 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float vx_cost_0_2 = cost_0_part_3 * V_bx_held;
-    const float vy_cost_0_2 = cost_0_part_3 * V_by_held;
-    const float volts_cosine_cost_0_2 = (heading_cosine * vx_cost_0_2) - (heading_sine * vy_cost_0_2);
-    const float cost_0_part_4 = f7 * phase_fraction_cosine_3;
-    const float s_cost_0_2 = hall_position_three_limit(8.0f *
-        (cost_0_part_4 * (1.0f - (0.03125f * (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
-    const float sines_2_cost_0_2 = 8.0f * cost_0_part_4;
-    const float x_sine_cost_0_2 = hall_position_three_limit(s_cost_0_2 * (1.0f -
-        (0.125f * (sines_2_cost_0_2 * sines_2_cost_0_2))), 1.0f);
-    const float field_2_cost_0_2 = cost_0_part_3 * estimator_field_1;
-    const float x_sine_cost_0_2_squared = x_sine_cost_0_2 * x_sine_cost_0_2;
-    const float field_3_cost_0_2 = cost_0_part_3 * estimator_field_3;
-    const float field_4_cost_0_2 = cost_0_part_3 * estimator_field_5;
-    const float B_1_cost_0_2 = x_sine_cost_0_2 * (field_2_cost_0_2 +
-        (x_sine_cost_0_2_squared * (field_3_cost_0_2 + (x_sine_cost_0_2_squared * field_4_cost_0_2))));
-    const float residuals_2 = volts_cosine_cost_0_2 - B_1_cost_0_2;
-    const float terms_2_cost_0 = residuals_2 * residuals_2;
     const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
-    const float cost_0_part_5 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float vx_cost_0_3 = cost_0_part_5 * V_cx_held;
-    const float vy_cost_0_3 = cost_0_part_5 * V_cy_held;
-    const float volts_cosine_cost_0_3 = (heading_cosine * vx_cost_0_3) - (heading_sine * vy_cost_0_3);
-    const float cost_0_part_6 = f11 * phase_fraction_cosine_5;
-    const float s_cost_0_3 = hall_position_three_limit(8.0f *
-        (cost_0_part_6 * (1.0f - (0.03125f * (phase_fraction_sine_5 * phase_fraction_sine_5)))), 2.0f);
-    const float sines_2_cost_0_3 = 8.0f * cost_0_part_6;
-    const float x_sine_cost_0_3 = hall_position_three_limit(s_cost_0_3 * (1.0f -
-        (0.125f * (sines_2_cost_0_3 * sines_2_cost_0_3))), 1.0f);
-    const float field_2_cost_0_3 = cost_0_part_5 * estimator_field_1;
-    const float x_sine_cost_0_3_squared = x_sine_cost_0_3 * x_sine_cost_0_3;
-    const float field_3_cost_0_3 = cost_0_part_5 * estimator_field_3;
-    const float field_4_cost_0_3 = cost_0_part_5 * estimator_field_5;
-    const float B_1_cost_0_3 = x_sine_cost_0_3 * (field_2_cost_0_3 +
-        (x_sine_cost_0_3_squared * (field_3_cost_0_3 + (x_sine_cost_0_3_squared * field_4_cost_0_3))));
-    const float residuals_3 = volts_cosine_cost_0_3 - B_1_cost_0_3;
-    const float terms_3_cost_0 = residuals_3 * residuals_3;
-    const float volts_sine_cost_0 = (heading_sine * vx_cost_0) + (heading_cosine * vy_cost_0);
-    const float cost_0_part_7 = f5 * phase_fraction_cosine_2;
-    const float s_cost_0_4 = hall_position_three_limit(8.0f *
-        (cost_0_part_7 * (1.0f - (0.03125f * (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
-    const float sines_2_cost_0_4 = 8.0f * cost_0_part_7;
-    const float p_sine_cost_0 = hall_position_three_limit(s_cost_0_4 * (1.0f -
-        (0.125f * (sines_2_cost_0_4 * sines_2_cost_0_4))), 1.0f);
-    const float q_cost_0 = p_sine_cost_0 * p_sine_cost_0;
-    const float B_2_cost_0 = p_sine_cost_0 * (field_2_cost_0 +
-        (q_cost_0 * (field_3_cost_0 + (q_cost_0 * field_4_cost_0))));
-    const float residuals_4 = volts_sine_cost_0 - B_2_cost_0;
-    const float terms_4_cost_0 = residuals_4 * residuals_4;
-    const float volts_sine_cost_0_2 = (heading_sine * vx_cost_0_2) + (heading_cosine * vy_cost_0_2);
-    const float cost_0_part_8 = f9 * phase_fraction_cosine_4;
-    const float s_cost_0_5 = hall_position_three_limit(8.0f *
-        (cost_0_part_8 * (1.0f - (0.03125f * (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
-    const float sines_2_cost_0_5 = 8.0f * cost_0_part_8;
-    const float p_sine_cost_0_2 = hall_position_three_limit(s_cost_0_5 * (1.0f -
-        (0.125f * (sines_2_cost_0_5 * sines_2_cost_0_5))), 1.0f);
-    const float q_cost_0_2 = p_sine_cost_0_2 * p_sine_cost_0_2;
-    const float B_2_cost_0_2 = p_sine_cost_0_2 * (field_2_cost_0_2 +
-        (q_cost_0_2 * (field_3_cost_0_2 + (q_cost_0_2 * field_4_cost_0_2))));
-    const float residuals_5 = volts_sine_cost_0_2 - B_2_cost_0_2;
-    const float terms_5_cost_0 = residuals_5 * residuals_5;
-    const float volts_sine_cost_0_3 = (heading_sine * vx_cost_0_3) + (heading_cosine * vy_cost_0_3);
-    const float cost_0_part_9 = f11_2 * phase_fraction_cosine_6;
-    const float s_cost_0_6 = hall_position_three_limit(8.0f *
-        (cost_0_part_9 * (1.0f - (0.03125f * (phase_fraction_sine_6 * phase_fraction_sine_6)))), 2.0f);
-    const float sines_2_cost_0_6 = 8.0f * cost_0_part_9;
-    const float p_sine_cost_0_3 = hall_position_three_limit(s_cost_0_6 * (1.0f -
-        (0.125f * (sines_2_cost_0_6 * sines_2_cost_0_6))), 1.0f);
-    const float q_cost_0_3 = p_sine_cost_0_3 * p_sine_cost_0_3;
-    const float B_2_cost_0_3 = p_sine_cost_0_3 * (field_2_cost_0_3 +
-        (q_cost_0_3 * (field_3_cost_0_3 + (q_cost_0_3 * field_4_cost_0_3))));
-    const float residuals_6 = volts_sine_cost_0_3 - B_2_cost_0_3;
-    const float terms_6_cost_0 = residuals_6 * residuals_6;
-    const float cost_0 = terms_1_cost_0 + terms_2_cost_0 + terms_3_cost_0 + terms_4_cost_0 + terms_5_cost_0 +
-        terms_6_cost_0;
-    const float x_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0 * s_cost_0));
-    const float slope_1_yaw_change_sine = cost_0_part * estimator_slope_0;
-    const float slope_2_yaw_change_sine = cost_0_part * estimator_slope_2;
-    const float slope_3_yaw_change_sine = cost_0_part * estimator_slope_4;
-    const float yaw_change_sine_part = x_cosine_yaw_change_sine * (slope_1_yaw_change_sine +
-        (x_sine_cost_0_squared * (slope_2_yaw_change_sine + (x_sine_cost_0_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_2 = B_2_cost_0 - (yaw_change_sine_part * y_phase_fraction_sine);
-    const float x_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_2 * s_cost_0_2));
-    const float slope_1_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_2 = cost_0_part_3 * estimator_slope_4;
-    const float yaw_change_sine_part_3 = x_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
-        (x_sine_cost_0_2_squared * (slope_2_yaw_change_sine_2 +
-        (x_sine_cost_0_2_squared * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_4 = B_2_cost_0_2 - (yaw_change_sine_part_3 * y_phase_fraction_sine_2);
-    const float x_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_3 * s_cost_0_3));
-    const float slope_1_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_0;
-    const float slope_2_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_2;
-    const float slope_3_yaw_change_sine_3 = cost_0_part_5 * estimator_slope_4;
-    const float yaw_change_sine_part_5 = x_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
-        (x_sine_cost_0_3_squared * (slope_2_yaw_change_sine_3 +
-        (x_sine_cost_0_3_squared * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_6 = B_2_cost_0_3 - (yaw_change_sine_part_5 * y_phase_fraction_sine_3);
-    const float yaw_change_sine_part_7 = (yaw_change_sine_part * yaw_change_sine_part_4) -
-        (yaw_change_sine_part_3 * yaw_change_sine_part_2);
-    const float yaw_change_sine_part_8 = (yaw_change_sine_part * yaw_change_sine_part_6) -
-        (yaw_change_sine_part_5 * yaw_change_sine_part_2);
-    const float yaw_change_sine_part_9 = (damping * ((yaw_change_sine_part_2 * residuals_1) +
-        (yaw_change_sine_part_4 * residuals_2) + (yaw_change_sine_part_6 * residuals_3))) +
-        (yaw_change_sine_part_7 * ((yaw_change_sine_part * residuals_2) - (yaw_change_sine_part_3 * residuals_1))) +
-        (yaw_change_sine_part_8 * ((yaw_change_sine_part * residuals_3) - (yaw_change_sine_part_5 * residuals_1)));
-    const float across_yaw_change_sine = (yaw_change_sine_part_3 * yaw_change_sine_part_6) -
-        (yaw_change_sine_part_5 * yaw_change_sine_part_4);
-    const float yaw_change_sine_part_10 = 1.0f / (damping + ((yaw_change_sine_part * yaw_change_sine_part) +
-        (yaw_change_sine_part_3 * yaw_change_sine_part_3) + (yaw_change_sine_part_5 * yaw_change_sine_part_5)));
-    const float p_cosine_yaw_change_sine = 1.0f - (0.5f * (s_cost_0_4 * s_cost_0_4));
-    const float yaw_change_sine_part_11 = p_cosine_yaw_change_sine * (slope_1_yaw_change_sine +
-        (q_cost_0 * (slope_2_yaw_change_sine + (q_cost_0 * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_12 = (yaw_change_sine_part_11 * x_phase_fraction_sine) - B_1_cost_0;
-    const float p_cosine_yaw_change_sine_2 = 1.0f - (0.5f * (s_cost_0_5 * s_cost_0_5));
-    const float yaw_change_sine_part_13 = p_cosine_yaw_change_sine_2 * (slope_1_yaw_change_sine_2 +
-        (q_cost_0_2 * (slope_2_yaw_change_sine_2 + (q_cost_0_2 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_14 = (yaw_change_sine_part_13 * x_phase_fraction_sine_2) - B_1_cost_0_2;
-    const float p_cosine_yaw_change_sine_3 = 1.0f - (0.5f * (s_cost_0_6 * s_cost_0_6));
-    const float yaw_change_sine_part_15 = p_cosine_yaw_change_sine_3 * (slope_1_yaw_change_sine_3 +
-        (q_cost_0_3 * (slope_2_yaw_change_sine_3 + (q_cost_0_3 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_16 = (yaw_change_sine_part_15 * x_phase_fraction_sine_3) - B_1_cost_0_3;
-    const float yaw_change_sine_part_17 = (yaw_change_sine_part_11 * yaw_change_sine_part_14) -
-        (yaw_change_sine_part_13 * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_18 = (yaw_change_sine_part_11 * yaw_change_sine_part_16) -
-        (yaw_change_sine_part_15 * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_19 = (damping * ((yaw_change_sine_part_12 * residuals_4) +
-        (yaw_change_sine_part_14 * residuals_5) + (yaw_change_sine_part_16 * residuals_6))) + (yaw_change_sine_part_17 *
-        ((yaw_change_sine_part_11 * residuals_5) - (yaw_change_sine_part_13 * residuals_4))) +
-        (yaw_change_sine_part_18 * ((yaw_change_sine_part_11 * residuals_6) - (yaw_change_sine_part_15 * residuals_4)));
-    const float across_yaw_change_sine_2 = (yaw_change_sine_part_13 * yaw_change_sine_part_16) -
-        (yaw_change_sine_part_15 * yaw_change_sine_part_14);
-    const float yaw_change_sine_part_20 = 1.0f / (damping + ((yaw_change_sine_part_11 * yaw_change_sine_part_11) +
-        (yaw_change_sine_part_13 * yaw_change_sine_part_13) + (yaw_change_sine_part_15 * yaw_change_sine_part_15)));
-    const float data_yaw_change_sine = (((damping * ((yaw_change_sine_part_2 * yaw_change_sine_part_2) +
-        (yaw_change_sine_part_4 * yaw_change_sine_part_4) + (yaw_change_sine_part_6 * yaw_change_sine_part_6))) +
-        (yaw_change_sine_part_7 * yaw_change_sine_part_7) + (yaw_change_sine_part_8 * yaw_change_sine_part_8) +
-        (across_yaw_change_sine * across_yaw_change_sine)) * yaw_change_sine_part_10) +
-        (((damping * ((yaw_change_sine_part_12 * yaw_change_sine_part_12) +
-        (yaw_change_sine_part_14 * yaw_change_sine_part_14) + (yaw_change_sine_part_16 * yaw_change_sine_part_16))) +
-        (yaw_change_sine_part_17 * yaw_change_sine_part_17) + (yaw_change_sine_part_18 * yaw_change_sine_part_18) +
-        (across_yaw_change_sine_2 * across_yaw_change_sine_2)) * yaw_change_sine_part_20);
-    const float step_yaw_change_sine = (((yaw_change_sine_part_9 + (across_yaw_change_sine *
-        ((yaw_change_sine_part_3 * residuals_3) - (yaw_change_sine_part_5 * residuals_2)))) * yaw_change_sine_part_10) +
-        ((yaw_change_sine_part_19 + (across_yaw_change_sine_2 * ((yaw_change_sine_part_13 * residuals_6) -
-        (yaw_change_sine_part_15 * residuals_5)))) * yaw_change_sine_part_20)) / (yaw_damping + data_yaw_change_sine);
-    const float then_3_yaw_change_sine = hall_position_three_limit(step_yaw_change_sine, max_yaw_step);
-    const float yaw_change_sine_part_21 = then_3_yaw_change_sine * then_3_yaw_change_sine;
-    const float yaw_change_sine = then_3_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_part_21);
-    const float half_yaw_change_sine = then_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_21);
-    const float versine_cost_1 = half_yaw_change_sine * half_yaw_change_sine;
-    const float rotation_cosine_cost_1 = 1.0f - versine_cost_1;
-    const float then_1_cost_1 = hall_position_three_limit(((yaw_change_sine_part * residuals_1) +
-        (yaw_change_sine_part_3 * residuals_2) + (yaw_change_sine_part_5 * residuals_3) -
-        (((yaw_change_sine_part * yaw_change_sine_part_2) + (yaw_change_sine_part_3 * yaw_change_sine_part_4) +
-        (yaw_change_sine_part_5 * yaw_change_sine_part_6)) * then_3_yaw_change_sine)) * yaw_change_sine_part_10, 0.5f);
-    const float cost_1_part = (x_phase_fraction_sine * versine_cost_1) + (y_phase_fraction_sine * yaw_change_sine);
-    const float angle_cost_1 = then_1_cost_1 - cost_1_part;
-    const float f15_argument = angle_cost_1 * angle_cost_1;
-    const float by_cosine_cost_1 = f15_polynomial(f15_argument);
-    const float by_sine_cost_1 = angle_cost_1 * f16_polynomial(f15_argument);
-    const float phases_1_sine_cost_1 = (x_sine_cost_0 * by_cosine_cost_1) + (x_cosine_yaw_change_sine * by_sine_cost_1);
-    const float phases_1_sine_cost_1_squared = phases_1_sine_cost_1 * phases_1_sine_cost_1;
-    const float B_1_cost_1 = phases_1_sine_cost_1 * (field_2_cost_0 +
-        (phases_1_sine_cost_1_squared * (field_3_cost_0 + (phases_1_sine_cost_1_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_1 = (volts_cosine_cost_0 * rotation_cosine_cost_1) -
-        (volts_sine_cost_0 * yaw_change_sine) - B_1_cost_1;
-    const float cost_1_part_2 = (x_phase_fraction_sine_2 * versine_cost_1) +
-        (y_phase_fraction_sine_2 * yaw_change_sine);
-    const float angle_cost_1_2 = then_1_cost_1 - cost_1_part_2;
-    const float f17_argument = angle_cost_1_2 * angle_cost_1_2;
-    const float by_cosine_cost_1_2 = f17_polynomial(f17_argument);
-    const float by_sine_cost_1_2 = angle_cost_1_2 * f18_polynomial(f17_argument);
-    const float phases_1_sine_cost_1_2 = (x_sine_cost_0_2 * by_cosine_cost_1_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_1_2);
-    const float cost_1_part_3 = phases_1_sine_cost_1_2 * phases_1_sine_cost_1_2;
-    const float B_1_cost_1_2 = phases_1_sine_cost_1_2 * (field_2_cost_0_2 +
-        (cost_1_part_3 * (field_3_cost_0_2 + (cost_1_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_1 = (volts_cosine_cost_0_2 * rotation_cosine_cost_1) -
-        (volts_sine_cost_0_2 * yaw_change_sine) - B_1_cost_1_2;
-    const float cost_1_part_4 = (x_phase_fraction_sine_3 * versine_cost_1) +
-        (y_phase_fraction_sine_3 * yaw_change_sine);
-    const float angle_cost_1_3 = then_1_cost_1 - cost_1_part_4;
-    const float f19_argument = angle_cost_1_3 * angle_cost_1_3;
-    const float by_cosine_cost_1_3 = f19_polynomial(f19_argument);
-    const float by_sine_cost_1_3 = angle_cost_1_3 * f20_polynomial(f19_argument);
-    const float phases_1_sine_cost_1_3 = (x_sine_cost_0_3 * by_cosine_cost_1_3) +
-        (x_cosine_yaw_change_sine_3 * by_sine_cost_1_3);
-    const float cost_1_part_5 = phases_1_sine_cost_1_3 * phases_1_sine_cost_1_3;
-    const float B_1_cost_1_3 = phases_1_sine_cost_1_3 * (field_2_cost_0_3 +
-        (cost_1_part_5 * (field_3_cost_0_3 + (cost_1_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_1 = (volts_cosine_cost_0_3 * rotation_cosine_cost_1) -
-        (volts_sine_cost_0_3 * yaw_change_sine) - B_1_cost_1_3;
-    const float then_2_cost_1 = hall_position_three_limit(((yaw_change_sine_part_11 * residuals_4) +
-        (yaw_change_sine_part_13 * residuals_5) + (yaw_change_sine_part_15 * residuals_6) - (((yaw_change_sine_part_11 *
-        yaw_change_sine_part_12) + (yaw_change_sine_part_13 * yaw_change_sine_part_14) + (yaw_change_sine_part_15 *
-        yaw_change_sine_part_16)) * then_3_yaw_change_sine)) * yaw_change_sine_part_20, 0.5f);
-    const float dy_cost_1 = (x_phase_fraction_sine * yaw_change_sine) - (y_phase_fraction_sine * versine_cost_1);
-    const float angle_cost_1_4 = then_2_cost_1 + dy_cost_1;
-    const float f15_argument_2 = angle_cost_1_4 * angle_cost_1_4;
-    const float by_cosine_cost_1_4 = f15_polynomial(f15_argument_2);
-    const float by_sine_cost_1_4 = angle_cost_1_4 * f16_polynomial(f15_argument_2);
-    const float p_sine_cost_1 = (p_sine_cost_0 * by_cosine_cost_1_4) + (p_cosine_yaw_change_sine * by_sine_cost_1_4);
-    const float q_cost_1 = p_sine_cost_1 * p_sine_cost_1;
-    const float B_2_cost_1 = p_sine_cost_1 * (field_2_cost_0 +
-        (q_cost_1 * (field_3_cost_0 + (q_cost_1 * field_4_cost_0))));
-    const float by_axis_2_1_e_cost_1 = (volts_sine_cost_0 * rotation_cosine_cost_1) +
-        (volts_cosine_cost_0 * yaw_change_sine) - B_2_cost_1;
-    const float dy_cost_1_2 = (x_phase_fraction_sine_2 * yaw_change_sine) - (y_phase_fraction_sine_2 * versine_cost_1);
-    const float angle_cost_1_5 = then_2_cost_1 + dy_cost_1_2;
-    const float f17_argument_2 = angle_cost_1_5 * angle_cost_1_5;
-    const float by_cosine_cost_1_5 = f17_polynomial(f17_argument_2);
-    const float by_sine_cost_1_5 = angle_cost_1_5 * f18_polynomial(f17_argument_2);
-    const float p_sine_cost_1_2 = (p_sine_cost_0_2 * by_cosine_cost_1_5) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_1_5);
-    const float q_cost_1_2 = p_sine_cost_1_2 * p_sine_cost_1_2;
-    const float B_2_cost_1_2 = p_sine_cost_1_2 * (field_2_cost_0_2 +
-        (q_cost_1_2 * (field_3_cost_0_2 + (q_cost_1_2 * field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_1 = (volts_sine_cost_0_2 * rotation_cosine_cost_1) +
-        (volts_cosine_cost_0_2 * yaw_change_sine) - B_2_cost_1_2;
-    const float dy_cost_1_3 = (x_phase_fraction_sine_3 * yaw_change_sine) - (y_phase_fraction_sine_3 * versine_cost_1);
-    const float angle_cost_1_6 = then_2_cost_1 + dy_cost_1_3;
-    const float f19_argument_2 = angle_cost_1_6 * angle_cost_1_6;
-    const float by_cosine_cost_1_6 = f19_polynomial(f19_argument_2);
-    const float by_sine_cost_1_6 = angle_cost_1_6 * f20_polynomial(f19_argument_2);
-    const float p_sine_cost_1_3 = (p_sine_cost_0_3 * by_cosine_cost_1_6) +
-        (p_cosine_yaw_change_sine_3 * by_sine_cost_1_6);
-    const float q_cost_1_3 = p_sine_cost_1_3 * p_sine_cost_1_3;
-    const float B_2_cost_1_3 = p_sine_cost_1_3 * (field_2_cost_0_3 +
-        (q_cost_1_3 * (field_3_cost_0_3 + (q_cost_1_3 * field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_1 = (volts_sine_cost_0_3 * rotation_cosine_cost_1) +
-        (volts_cosine_cost_0_3 * yaw_change_sine) - B_2_cost_1_3;
-    const float cost_1 = (by_axis_1_1_e_cost_1 * by_axis_1_1_e_cost_1) + (by_axis_1_2_e_cost_1 * by_axis_1_2_e_cost_1) +
-        (by_axis_1_3_e_cost_1 * by_axis_1_3_e_cost_1) + (by_axis_2_1_e_cost_1 * by_axis_2_1_e_cost_1) +
-        (by_axis_2_2_e_cost_1 * by_axis_2_2_e_cost_1) + (by_axis_2_3_e_cost_1 * by_axis_2_3_e_cost_1) +
-        (damping * ((then_1_cost_1 * then_1_cost_1) + (then_2_cost_1 * then_2_cost_1) +
-        (squared_yaw_arm * yaw_change_sine_part_21)));
-    const bool better_yaw_change_sine = cost_1 <= ((cost_factor * cost_0) + cost_slack);
-    const float yaw_change_sine_part_22 = ((x_cosine_yaw_change_sine * by_cosine_cost_1) -
-        (x_sine_cost_0 * by_sine_cost_1)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_1_squared *
-        (slope_2_yaw_change_sine + (phases_1_sine_cost_1_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_23 = B_2_cost_1 - (yaw_change_sine_part_22 * (y_phase_fraction_sine + dy_cost_1));
-    const float yaw_change_sine_part_24 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_1_2) -
-        (x_sine_cost_0_2 * by_sine_cost_1_2)) * (slope_1_yaw_change_sine_2 +
-        (cost_1_part_3 * (slope_2_yaw_change_sine_2 + (cost_1_part_3 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_25 = B_2_cost_1_2 -
-        (yaw_change_sine_part_24 * (y_phase_fraction_sine_2 + dy_cost_1_2));
-    const float yaw_change_sine_part_26 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_1_3) -
-        (x_sine_cost_0_3 * by_sine_cost_1_3)) * (slope_1_yaw_change_sine_3 +
-        (cost_1_part_5 * (slope_2_yaw_change_sine_3 + (cost_1_part_5 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_27 = B_2_cost_1_3 -
-        (yaw_change_sine_part_26 * (y_phase_fraction_sine_3 + dy_cost_1_3));
-    const float yaw_change_sine_part_28 = (yaw_change_sine_part_22 * yaw_change_sine_part_23) +
-        (yaw_change_sine_part_24 * yaw_change_sine_part_25) + (yaw_change_sine_part_26 * yaw_change_sine_part_27);
-    const float yaw_change_sine_part_29 = (yaw_change_sine_part_22 * yaw_change_sine_part_25) -
-        (yaw_change_sine_part_24 * yaw_change_sine_part_23);
-    const float yaw_change_sine_part_30 = (yaw_change_sine_part_22 * yaw_change_sine_part_27) -
-        (yaw_change_sine_part_26 * yaw_change_sine_part_23);
-    const float yaw_change_sine_part_31 = (damping * ((yaw_change_sine_part_23 * by_axis_1_1_e_cost_1) +
-        (yaw_change_sine_part_25 * by_axis_1_2_e_cost_1) + (yaw_change_sine_part_27 * by_axis_1_3_e_cost_1) +
-        (then_1_cost_1 * yaw_change_sine_part_28))) + (yaw_change_sine_part_29 * ((yaw_change_sine_part_22 *
-        by_axis_1_2_e_cost_1) - (yaw_change_sine_part_24 * by_axis_1_1_e_cost_1))) + (yaw_change_sine_part_30 *
-        ((yaw_change_sine_part_22 * by_axis_1_3_e_cost_1) - (yaw_change_sine_part_26 * by_axis_1_1_e_cost_1)));
-    const float across_yaw_change_sine_3 = (yaw_change_sine_part_24 * yaw_change_sine_part_27) -
-        (yaw_change_sine_part_26 * yaw_change_sine_part_25);
-    const float yaw_change_sine_part_32 = 1.0f / (damping + ((yaw_change_sine_part_22 * yaw_change_sine_part_22) +
-        (yaw_change_sine_part_24 * yaw_change_sine_part_24) + (yaw_change_sine_part_26 * yaw_change_sine_part_26)));
-    const float yaw_change_sine_part_33 = ((p_cosine_yaw_change_sine * by_cosine_cost_1_4) -
-        (p_sine_cost_0 * by_sine_cost_1_4)) * (slope_1_yaw_change_sine +
-        (q_cost_1 * (slope_2_yaw_change_sine + (q_cost_1 * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_34 = (yaw_change_sine_part_33 * (x_phase_fraction_sine - cost_1_part)) -
-        B_1_cost_1;
-    const float yaw_change_sine_part_35 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_1_5) -
-        (p_sine_cost_0_2 * by_sine_cost_1_5)) * (slope_1_yaw_change_sine_2 +
-        (q_cost_1_2 * (slope_2_yaw_change_sine_2 + (q_cost_1_2 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_36 = (yaw_change_sine_part_35 * (x_phase_fraction_sine_2 - cost_1_part_2)) -
-        B_1_cost_1_2;
-    const float yaw_change_sine_part_37 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_1_6) -
-        (p_sine_cost_0_3 * by_sine_cost_1_6)) * (slope_1_yaw_change_sine_3 +
-        (q_cost_1_3 * (slope_2_yaw_change_sine_3 + (q_cost_1_3 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_38 = (yaw_change_sine_part_37 * (x_phase_fraction_sine_3 - cost_1_part_4)) -
-        B_1_cost_1_3;
-    const float yaw_change_sine_part_39 = (yaw_change_sine_part_33 * yaw_change_sine_part_34) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_36) + (yaw_change_sine_part_37 * yaw_change_sine_part_38);
-    const float yaw_change_sine_part_40 = (yaw_change_sine_part_33 * yaw_change_sine_part_36) -
-        (yaw_change_sine_part_35 * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_41 = (yaw_change_sine_part_33 * yaw_change_sine_part_38) -
-        (yaw_change_sine_part_37 * yaw_change_sine_part_34);
-    const float yaw_change_sine_part_42 = (damping * ((yaw_change_sine_part_34 * by_axis_2_1_e_cost_1) +
-        (yaw_change_sine_part_36 * by_axis_2_2_e_cost_1) + (yaw_change_sine_part_38 * by_axis_2_3_e_cost_1) +
-        (then_2_cost_1 * yaw_change_sine_part_39))) + (yaw_change_sine_part_40 * ((yaw_change_sine_part_33 *
-        by_axis_2_2_e_cost_1) - (yaw_change_sine_part_35 * by_axis_2_1_e_cost_1))) + (yaw_change_sine_part_41 *
-        ((yaw_change_sine_part_33 * by_axis_2_3_e_cost_1) - (yaw_change_sine_part_37 * by_axis_2_1_e_cost_1)));
-    const float across_yaw_change_sine_4 = (yaw_change_sine_part_35 * yaw_change_sine_part_38) -
-        (yaw_change_sine_part_37 * yaw_change_sine_part_36);
-    const float yaw_change_sine_part_43 = 1.0f / (damping + ((yaw_change_sine_part_33 * yaw_change_sine_part_33) +
-        (yaw_change_sine_part_35 * yaw_change_sine_part_35) + (yaw_change_sine_part_37 * yaw_change_sine_part_37)));
-    const float right_yaw_change_sine = ((yaw_change_sine_part_31 + (across_yaw_change_sine_3 *
-        ((yaw_change_sine_part_24 * by_axis_1_3_e_cost_1) - (yaw_change_sine_part_26 * by_axis_1_2_e_cost_1)))) *
-        yaw_change_sine_part_32) + ((yaw_change_sine_part_42 + (across_yaw_change_sine_4 * ((yaw_change_sine_part_35 *
-        by_axis_2_3_e_cost_1) - (yaw_change_sine_part_37 * by_axis_2_2_e_cost_1)))) * yaw_change_sine_part_43) -
-        (yaw_damping * then_3_yaw_change_sine);
-    const float data_yaw_change_sine_2 = (((damping * ((yaw_change_sine_part_23 * yaw_change_sine_part_23) +
-        (yaw_change_sine_part_25 * yaw_change_sine_part_25) + (yaw_change_sine_part_27 * yaw_change_sine_part_27))) +
-        (yaw_change_sine_part_29 * yaw_change_sine_part_29) + (yaw_change_sine_part_30 * yaw_change_sine_part_30) +
-        (across_yaw_change_sine_3 * across_yaw_change_sine_3)) * yaw_change_sine_part_32) +
-        (((damping * ((yaw_change_sine_part_34 * yaw_change_sine_part_34) +
-        (yaw_change_sine_part_36 * yaw_change_sine_part_36) + (yaw_change_sine_part_38 * yaw_change_sine_part_38))) +
-        (yaw_change_sine_part_40 * yaw_change_sine_part_40) + (yaw_change_sine_part_41 * yaw_change_sine_part_41) +
-        (across_yaw_change_sine_4 * across_yaw_change_sine_4)) * yaw_change_sine_part_43);
-    float other_3_yaw_change_sine = then_3_yaw_change_sine;
-    float other_1_cost_2 = then_1_cost_1;
-    float other_2_cost_2 = then_2_cost_1;
-    float yaw_change_sine_part_44 = cost_1;
-    if (!better_yaw_change_sine) {
-        other_3_yaw_change_sine = 0.0f;
-        other_1_cost_2 = 0.0f;
-        other_2_cost_2 = 0.0f;
-        yaw_change_sine_part_44 = cost_0;
-    }
-    const float then_3_yaw_change_sine_2 = hall_position_three_limit((better_yaw_change_sine) ?
-        (then_3_yaw_change_sine + (right_yaw_change_sine / (yaw_damping + data_yaw_change_sine_2))) :
-        (0.5f * (then_3_yaw_change_sine + other_3_yaw_change_sine)), max_yaw_step);
-    const float yaw_change_sine_part_45 = then_3_yaw_change_sine_2 * then_3_yaw_change_sine_2;
-    const float yaw_change_sine_2 = then_3_yaw_change_sine_2 * yaw_change_sine_polynomial(yaw_change_sine_part_45);
-    const float half_yaw_change_sine_2 = then_3_yaw_change_sine_2 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_45);
-    const float versine_cost_2 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
-    const float rotation_cosine_cost_2 = 1.0f - versine_cost_2;
-    const float yaw_change_cost_2 = then_3_yaw_change_sine_2 - then_3_yaw_change_sine;
-    const float then_1_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_1_cost_1 +
-        (((yaw_change_sine_part_22 * by_axis_1_1_e_cost_1) + (yaw_change_sine_part_24 * by_axis_1_2_e_cost_1) +
-        (yaw_change_sine_part_26 * by_axis_1_3_e_cost_1) - (damping * then_1_cost_1) - (yaw_change_sine_part_28 *
-        yaw_change_cost_2)) * yaw_change_sine_part_32)) : (0.5f * (then_1_cost_1 + other_1_cost_2)), 0.5f);
-    const float cost_2_part = (x_phase_fraction_sine * versine_cost_2) + (y_phase_fraction_sine * yaw_change_sine_2);
-    const float angle_cost_2 = then_1_cost_2 - cost_2_part;
-    const float f15_argument_3 = angle_cost_2 * angle_cost_2;
-    const float by_cosine_cost_2 = f15_polynomial(f15_argument_3);
-    const float by_sine_cost_2 = angle_cost_2 * f16_polynomial(f15_argument_3);
-    const float phases_1_sine_cost_2 = (x_sine_cost_0 * by_cosine_cost_2) + (x_cosine_yaw_change_sine * by_sine_cost_2);
-    const float phases_1_sine_cost_2_squared = phases_1_sine_cost_2 * phases_1_sine_cost_2;
-    const float B_1_cost_2 = phases_1_sine_cost_2 * (field_2_cost_0 +
-        (phases_1_sine_cost_2_squared * (field_3_cost_0 + (phases_1_sine_cost_2_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_2 = (volts_cosine_cost_0 * rotation_cosine_cost_2) -
-        (volts_sine_cost_0 * yaw_change_sine_2) - B_1_cost_2;
-    const float cost_2_part_2 = (x_phase_fraction_sine_2 * versine_cost_2) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_2);
-    const float angle_cost_2_2 = then_1_cost_2 - cost_2_part_2;
-    const float f17_argument_3 = angle_cost_2_2 * angle_cost_2_2;
-    const float by_cosine_cost_2_2 = f17_polynomial(f17_argument_3);
-    const float by_sine_cost_2_2 = angle_cost_2_2 * f18_polynomial(f17_argument_3);
-    const float phases_1_sine_cost_2_2 = (x_sine_cost_0_2 * by_cosine_cost_2_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_2_2);
-    const float cost_2_part_3 = phases_1_sine_cost_2_2 * phases_1_sine_cost_2_2;
-    const float B_1_cost_2_2 = phases_1_sine_cost_2_2 * (field_2_cost_0_2 +
-        (cost_2_part_3 * (field_3_cost_0_2 + (cost_2_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_2 = (volts_cosine_cost_0_2 * rotation_cosine_cost_2) -
-        (volts_sine_cost_0_2 * yaw_change_sine_2) - B_1_cost_2_2;
-    const float cost_2_part_4 = (x_phase_fraction_sine_3 * versine_cost_2) +
-        (y_phase_fraction_sine_3 * yaw_change_sine_2);
-    const float angle_cost_2_3 = then_1_cost_2 - cost_2_part_4;
-    const float f19_argument_3 = angle_cost_2_3 * angle_cost_2_3;
-    const float by_cosine_cost_2_3 = f19_polynomial(f19_argument_3);
-    const float by_sine_cost_2_3 = angle_cost_2_3 * f20_polynomial(f19_argument_3);
-    const float phases_1_sine_cost_2_3 = (x_sine_cost_0_3 * by_cosine_cost_2_3) +
-        (x_cosine_yaw_change_sine_3 * by_sine_cost_2_3);
-    const float cost_2_part_5 = phases_1_sine_cost_2_3 * phases_1_sine_cost_2_3;
-    const float B_1_cost_2_3 = phases_1_sine_cost_2_3 * (field_2_cost_0_3 +
-        (cost_2_part_5 * (field_3_cost_0_3 + (cost_2_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_2 = (volts_cosine_cost_0_3 * rotation_cosine_cost_2) -
-        (volts_sine_cost_0_3 * yaw_change_sine_2) - B_1_cost_2_3;
-    const float then_2_cost_2 = hall_position_three_limit((better_yaw_change_sine) ? (then_2_cost_1 +
-        (((yaw_change_sine_part_33 * by_axis_2_1_e_cost_1) + (yaw_change_sine_part_35 * by_axis_2_2_e_cost_1) +
-        (yaw_change_sine_part_37 * by_axis_2_3_e_cost_1) - (damping * then_2_cost_1) - (yaw_change_sine_part_39 *
-        yaw_change_cost_2)) * yaw_change_sine_part_43)) : (0.5f * (then_2_cost_1 + other_2_cost_2)), 0.5f);
-    const float dy_cost_2 = (x_phase_fraction_sine * yaw_change_sine_2) - (y_phase_fraction_sine * versine_cost_2);
-    const float angle_cost_2_4 = then_2_cost_2 + dy_cost_2;
-    const float f15_argument_4 = angle_cost_2_4 * angle_cost_2_4;
-    const float by_cosine_cost_2_4 = f15_polynomial(f15_argument_4);
-    const float by_sine_cost_2_4 = angle_cost_2_4 * f16_polynomial(f15_argument_4);
-    const float p_sine_cost_2 = (p_sine_cost_0 * by_cosine_cost_2_4) + (p_cosine_yaw_change_sine * by_sine_cost_2_4);
-    const float q_cost_2 = p_sine_cost_2 * p_sine_cost_2;
-    const float B_2_cost_2 = p_sine_cost_2 * (field_2_cost_0 +
-        (q_cost_2 * (field_3_cost_0 + (q_cost_2 * field_4_cost_0))));
-    const float by_axis_2_1_e_cost_2 = (volts_sine_cost_0 * rotation_cosine_cost_2) +
-        (volts_cosine_cost_0 * yaw_change_sine_2) - B_2_cost_2;
-    const float dy_cost_2_2 = (x_phase_fraction_sine_2 * yaw_change_sine_2) -
-        (y_phase_fraction_sine_2 * versine_cost_2);
-    const float angle_cost_2_5 = then_2_cost_2 + dy_cost_2_2;
-    const float f17_argument_4 = angle_cost_2_5 * angle_cost_2_5;
-    const float by_cosine_cost_2_5 = f17_polynomial(f17_argument_4);
-    const float by_sine_cost_2_5 = angle_cost_2_5 * f18_polynomial(f17_argument_4);
-    const float p_sine_cost_2_2 = (p_sine_cost_0_2 * by_cosine_cost_2_5) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_2_5);
-    const float q_cost_2_2 = p_sine_cost_2_2 * p_sine_cost_2_2;
-    const float B_2_cost_2_2 = p_sine_cost_2_2 * (field_2_cost_0_2 +
-        (q_cost_2_2 * (field_3_cost_0_2 + (q_cost_2_2 * field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_2 = (volts_sine_cost_0_2 * rotation_cosine_cost_2) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_2) - B_2_cost_2_2;
-    const float dy_cost_2_3 = (x_phase_fraction_sine_3 * yaw_change_sine_2) -
-        (y_phase_fraction_sine_3 * versine_cost_2);
-    const float angle_cost_2_6 = then_2_cost_2 + dy_cost_2_3;
-    const float f19_argument_4 = angle_cost_2_6 * angle_cost_2_6;
-    const float by_cosine_cost_2_6 = f19_polynomial(f19_argument_4);
-    const float by_sine_cost_2_6 = angle_cost_2_6 * f20_polynomial(f19_argument_4);
-    const float p_sine_cost_2_3 = (p_sine_cost_0_3 * by_cosine_cost_2_6) +
-        (p_cosine_yaw_change_sine_3 * by_sine_cost_2_6);
-    const float q_cost_2_3 = p_sine_cost_2_3 * p_sine_cost_2_3;
-    const float B_2_cost_2_3 = p_sine_cost_2_3 * (field_2_cost_0_3 +
-        (q_cost_2_3 * (field_3_cost_0_3 + (q_cost_2_3 * field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_2 = (volts_sine_cost_0_3 * rotation_cosine_cost_2) +
-        (volts_cosine_cost_0_3 * yaw_change_sine_2) - B_2_cost_2_3;
-    const float cost_2 = (by_axis_1_1_e_cost_2 * by_axis_1_1_e_cost_2) + (by_axis_1_2_e_cost_2 * by_axis_1_2_e_cost_2) +
-        (by_axis_1_3_e_cost_2 * by_axis_1_3_e_cost_2) + (by_axis_2_1_e_cost_2 * by_axis_2_1_e_cost_2) +
-        (by_axis_2_2_e_cost_2 * by_axis_2_2_e_cost_2) + (by_axis_2_3_e_cost_2 * by_axis_2_3_e_cost_2) +
-        (damping * ((then_1_cost_2 * then_1_cost_2) + (then_2_cost_2 * then_2_cost_2) +
-        (squared_yaw_arm * yaw_change_sine_part_45)));
-    const bool better_yaw_change_sine_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_44) + cost_slack);
-    const float yaw_change_sine_part_46 = ((x_cosine_yaw_change_sine * by_cosine_cost_2) -
-        (x_sine_cost_0 * by_sine_cost_2)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_2_squared *
-        (slope_2_yaw_change_sine + (phases_1_sine_cost_2_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_47 = B_2_cost_2 - (yaw_change_sine_part_46 * (y_phase_fraction_sine + dy_cost_2));
-    const float yaw_change_sine_part_48 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_2_2) -
-        (x_sine_cost_0_2 * by_sine_cost_2_2)) * (slope_1_yaw_change_sine_2 +
-        (cost_2_part_3 * (slope_2_yaw_change_sine_2 + (cost_2_part_3 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_49 = B_2_cost_2_2 -
-        (yaw_change_sine_part_48 * (y_phase_fraction_sine_2 + dy_cost_2_2));
-    const float yaw_change_sine_part_50 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_2_3) -
-        (x_sine_cost_0_3 * by_sine_cost_2_3)) * (slope_1_yaw_change_sine_3 +
-        (cost_2_part_5 * (slope_2_yaw_change_sine_3 + (cost_2_part_5 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_51 = B_2_cost_2_3 -
-        (yaw_change_sine_part_50 * (y_phase_fraction_sine_3 + dy_cost_2_3));
-    const float yaw_change_sine_part_52 = (yaw_change_sine_part_46 * yaw_change_sine_part_47) +
-        (yaw_change_sine_part_48 * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_51);
-    const float yaw_change_sine_part_53 = (yaw_change_sine_part_46 * yaw_change_sine_part_49) -
-        (yaw_change_sine_part_48 * yaw_change_sine_part_47);
-    const float yaw_change_sine_part_54 = (yaw_change_sine_part_46 * yaw_change_sine_part_51) -
-        (yaw_change_sine_part_50 * yaw_change_sine_part_47);
-    const float yaw_change_sine_part_55 = (damping * ((yaw_change_sine_part_47 * by_axis_1_1_e_cost_2) +
-        (yaw_change_sine_part_49 * by_axis_1_2_e_cost_2) + (yaw_change_sine_part_51 * by_axis_1_3_e_cost_2) +
-        (then_1_cost_2 * yaw_change_sine_part_52))) + (yaw_change_sine_part_53 * ((yaw_change_sine_part_46 *
-        by_axis_1_2_e_cost_2) - (yaw_change_sine_part_48 * by_axis_1_1_e_cost_2))) + (yaw_change_sine_part_54 *
-        ((yaw_change_sine_part_46 * by_axis_1_3_e_cost_2) - (yaw_change_sine_part_50 * by_axis_1_1_e_cost_2)));
-    const float across_yaw_change_sine_5 = (yaw_change_sine_part_48 * yaw_change_sine_part_51) -
-        (yaw_change_sine_part_50 * yaw_change_sine_part_49);
-    const float yaw_change_sine_part_56 = 1.0f / (damping + ((yaw_change_sine_part_46 * yaw_change_sine_part_46) +
-        (yaw_change_sine_part_48 * yaw_change_sine_part_48) + (yaw_change_sine_part_50 * yaw_change_sine_part_50)));
-    const float yaw_change_sine_part_57 = ((p_cosine_yaw_change_sine * by_cosine_cost_2_4) -
-        (p_sine_cost_0 * by_sine_cost_2_4)) * (slope_1_yaw_change_sine +
-        (q_cost_2 * (slope_2_yaw_change_sine + (q_cost_2 * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_58 = (yaw_change_sine_part_57 * (x_phase_fraction_sine - cost_2_part)) -
-        B_1_cost_2;
-    const float yaw_change_sine_part_59 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_2_5) -
-        (p_sine_cost_0_2 * by_sine_cost_2_5)) * (slope_1_yaw_change_sine_2 +
-        (q_cost_2_2 * (slope_2_yaw_change_sine_2 + (q_cost_2_2 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_60 = (yaw_change_sine_part_59 * (x_phase_fraction_sine_2 - cost_2_part_2)) -
-        B_1_cost_2_2;
-    const float yaw_change_sine_part_61 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_2_6) -
-        (p_sine_cost_0_3 * by_sine_cost_2_6)) * (slope_1_yaw_change_sine_3 +
-        (q_cost_2_3 * (slope_2_yaw_change_sine_3 + (q_cost_2_3 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_62 = (yaw_change_sine_part_61 * (x_phase_fraction_sine_3 - cost_2_part_4)) -
-        B_1_cost_2_3;
-    const float yaw_change_sine_part_63 = (yaw_change_sine_part_57 * yaw_change_sine_part_58) +
-        (yaw_change_sine_part_59 * yaw_change_sine_part_60) + (yaw_change_sine_part_61 * yaw_change_sine_part_62);
-    const float yaw_change_sine_part_64 = (yaw_change_sine_part_57 * yaw_change_sine_part_60) -
-        (yaw_change_sine_part_59 * yaw_change_sine_part_58);
-    const float yaw_change_sine_part_65 = (yaw_change_sine_part_57 * yaw_change_sine_part_62) -
-        (yaw_change_sine_part_61 * yaw_change_sine_part_58);
-    const float yaw_change_sine_part_66 = (damping * ((yaw_change_sine_part_58 * by_axis_2_1_e_cost_2) +
-        (yaw_change_sine_part_60 * by_axis_2_2_e_cost_2) + (yaw_change_sine_part_62 * by_axis_2_3_e_cost_2) +
-        (then_2_cost_2 * yaw_change_sine_part_63))) + (yaw_change_sine_part_64 * ((yaw_change_sine_part_57 *
-        by_axis_2_2_e_cost_2) - (yaw_change_sine_part_59 * by_axis_2_1_e_cost_2))) + (yaw_change_sine_part_65 *
-        ((yaw_change_sine_part_57 * by_axis_2_3_e_cost_2) - (yaw_change_sine_part_61 * by_axis_2_1_e_cost_2)));
-    const float across_yaw_change_sine_6 = (yaw_change_sine_part_59 * yaw_change_sine_part_62) -
-        (yaw_change_sine_part_61 * yaw_change_sine_part_60);
-    const float yaw_change_sine_part_67 = 1.0f / (damping + ((yaw_change_sine_part_57 * yaw_change_sine_part_57) +
-        (yaw_change_sine_part_59 * yaw_change_sine_part_59) + (yaw_change_sine_part_61 * yaw_change_sine_part_61)));
-    const float right_yaw_change_sine_2 = ((yaw_change_sine_part_55 + (across_yaw_change_sine_5 *
-        ((yaw_change_sine_part_48 * by_axis_1_3_e_cost_2) - (yaw_change_sine_part_50 * by_axis_1_2_e_cost_2)))) *
-        yaw_change_sine_part_56) + ((yaw_change_sine_part_66 + (across_yaw_change_sine_6 * ((yaw_change_sine_part_59 *
-        by_axis_2_3_e_cost_2) - (yaw_change_sine_part_61 * by_axis_2_2_e_cost_2)))) * yaw_change_sine_part_67) -
-        (yaw_damping * then_3_yaw_change_sine_2);
-    const float data_yaw_change_sine_3 = (((damping * ((yaw_change_sine_part_47 * yaw_change_sine_part_47) +
-        (yaw_change_sine_part_49 * yaw_change_sine_part_49) + (yaw_change_sine_part_51 * yaw_change_sine_part_51))) +
-        (yaw_change_sine_part_53 * yaw_change_sine_part_53) + (yaw_change_sine_part_54 * yaw_change_sine_part_54) +
-        (across_yaw_change_sine_5 * across_yaw_change_sine_5)) * yaw_change_sine_part_56) +
-        (((damping * ((yaw_change_sine_part_58 * yaw_change_sine_part_58) +
-        (yaw_change_sine_part_60 * yaw_change_sine_part_60) + (yaw_change_sine_part_62 * yaw_change_sine_part_62))) +
-        (yaw_change_sine_part_64 * yaw_change_sine_part_64) + (yaw_change_sine_part_65 * yaw_change_sine_part_65) +
-        (across_yaw_change_sine_6 * across_yaw_change_sine_6)) * yaw_change_sine_part_67);
-    float other_3_yaw_change_sine_2 = then_3_yaw_change_sine_2;
-    float other_1_cost_3 = then_1_cost_2;
-    float other_2_cost_3 = then_2_cost_2;
-    float yaw_change_sine_part_68 = cost_2;
-    if (!better_yaw_change_sine_2) {
-        other_3_yaw_change_sine_2 = other_3_yaw_change_sine;
-        other_1_cost_3 = other_1_cost_2;
-        other_2_cost_3 = other_2_cost_2;
-        yaw_change_sine_part_68 = yaw_change_sine_part_44;
-    }
-    const float then_3_yaw_change_sine_3 = hall_position_three_limit((better_yaw_change_sine_2) ?
-        (then_3_yaw_change_sine_2 + (right_yaw_change_sine_2 / (yaw_damping + data_yaw_change_sine_3))) :
-        (0.5f * (then_3_yaw_change_sine_2 + other_3_yaw_change_sine_2)), max_yaw_step);
-    const float yaw_change_sine_part_69 = then_3_yaw_change_sine_3 * then_3_yaw_change_sine_3;
-    const float yaw_change_sine_3 = then_3_yaw_change_sine_3 * yaw_change_sine_polynomial(yaw_change_sine_part_69);
-    const float half_yaw_change_sine_3 = then_3_yaw_change_sine_3 *
-        half_yaw_change_sine_polynomial(yaw_change_sine_part_69);
-    const float versine_cost_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
-    const float rotation_cosine_cost_3 = 1.0f - versine_cost_3;
-    const float yaw_change_cost_3 = then_3_yaw_change_sine_3 - then_3_yaw_change_sine_2;
-    const float then_1_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_1_cost_2 +
-        (((yaw_change_sine_part_46 * by_axis_1_1_e_cost_2) + (yaw_change_sine_part_48 * by_axis_1_2_e_cost_2) +
-        (yaw_change_sine_part_50 * by_axis_1_3_e_cost_2) - (damping * then_1_cost_2) - (yaw_change_sine_part_52 *
-        yaw_change_cost_3)) * yaw_change_sine_part_56)) : (0.5f * (then_1_cost_2 + other_1_cost_3)), 0.5f);
-    const float cost_3_part = (x_phase_fraction_sine * versine_cost_3) + (y_phase_fraction_sine * yaw_change_sine_3);
-    const float angle_cost_3 = then_1_cost_3 - cost_3_part;
-    const float f15_argument_5 = angle_cost_3 * angle_cost_3;
-    const float by_cosine_cost_3 = f15_polynomial(f15_argument_5);
-    const float by_sine_cost_3 = angle_cost_3 * f16_polynomial(f15_argument_5);
-    const float phases_1_sine_cost_3 = (x_sine_cost_0 * by_cosine_cost_3) + (x_cosine_yaw_change_sine * by_sine_cost_3);
-    const float phases_1_sine_cost_3_squared = phases_1_sine_cost_3 * phases_1_sine_cost_3;
-    const float B_1_cost_3 = phases_1_sine_cost_3 * (field_2_cost_0 +
-        (phases_1_sine_cost_3_squared * (field_3_cost_0 + (phases_1_sine_cost_3_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_3 = (volts_cosine_cost_0 * rotation_cosine_cost_3) -
-        (volts_sine_cost_0 * yaw_change_sine_3) - B_1_cost_3;
-    const float cost_3_part_2 = (x_phase_fraction_sine_2 * versine_cost_3) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_3);
-    const float angle_cost_3_2 = then_1_cost_3 - cost_3_part_2;
-    const float f17_argument_5 = angle_cost_3_2 * angle_cost_3_2;
-    const float by_cosine_cost_3_2 = f17_polynomial(f17_argument_5);
-    const float by_sine_cost_3_2 = angle_cost_3_2 * f18_polynomial(f17_argument_5);
-    const float phases_1_sine_cost_3_2 = (x_sine_cost_0_2 * by_cosine_cost_3_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_3_2);
-    const float cost_3_part_3 = phases_1_sine_cost_3_2 * phases_1_sine_cost_3_2;
-    const float B_1_cost_3_2 = phases_1_sine_cost_3_2 * (field_2_cost_0_2 +
-        (cost_3_part_3 * (field_3_cost_0_2 + (cost_3_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_3 = (volts_cosine_cost_0_2 * rotation_cosine_cost_3) -
-        (volts_sine_cost_0_2 * yaw_change_sine_3) - B_1_cost_3_2;
-    const float cost_3_part_4 = (x_phase_fraction_sine_3 * versine_cost_3) +
-        (y_phase_fraction_sine_3 * yaw_change_sine_3);
-    const float angle_cost_3_3 = then_1_cost_3 - cost_3_part_4;
-    const float f19_argument_5 = angle_cost_3_3 * angle_cost_3_3;
-    const float by_cosine_cost_3_3 = f19_polynomial(f19_argument_5);
-    const float by_sine_cost_3_3 = angle_cost_3_3 * f20_polynomial(f19_argument_5);
-    const float phases_1_sine_cost_3_3 = (x_sine_cost_0_3 * by_cosine_cost_3_3) +
-        (x_cosine_yaw_change_sine_3 * by_sine_cost_3_3);
-    const float cost_3_part_5 = phases_1_sine_cost_3_3 * phases_1_sine_cost_3_3;
-    const float B_1_cost_3_3 = phases_1_sine_cost_3_3 * (field_2_cost_0_3 +
-        (cost_3_part_5 * (field_3_cost_0_3 + (cost_3_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_3 = (volts_cosine_cost_0_3 * rotation_cosine_cost_3) -
-        (volts_sine_cost_0_3 * yaw_change_sine_3) - B_1_cost_3_3;
-    const float then_2_cost_3 = hall_position_three_limit((better_yaw_change_sine_2) ? (then_2_cost_2 +
-        (((yaw_change_sine_part_57 * by_axis_2_1_e_cost_2) + (yaw_change_sine_part_59 * by_axis_2_2_e_cost_2) +
-        (yaw_change_sine_part_61 * by_axis_2_3_e_cost_2) - (damping * then_2_cost_2) - (yaw_change_sine_part_63 *
-        yaw_change_cost_3)) * yaw_change_sine_part_67)) : (0.5f * (then_2_cost_2 + other_2_cost_3)), 0.5f);
-    const float dy_cost_3 = (x_phase_fraction_sine * yaw_change_sine_3) - (y_phase_fraction_sine * versine_cost_3);
-    const float angle_cost_3_4 = then_2_cost_3 + dy_cost_3;
-    const float f15_argument_6 = angle_cost_3_4 * angle_cost_3_4;
-    const float by_cosine_cost_3_4 = f15_polynomial(f15_argument_6);
-    const float by_sine_cost_3_4 = angle_cost_3_4 * f16_polynomial(f15_argument_6);
-    const float p_sine_cost_3 = (p_sine_cost_0 * by_cosine_cost_3_4) + (p_cosine_yaw_change_sine * by_sine_cost_3_4);
-    const float q_cost_3 = p_sine_cost_3 * p_sine_cost_3;
-    const float B_2_cost_3 = p_sine_cost_3 * (field_2_cost_0 +
-        (q_cost_3 * (field_3_cost_0 + (q_cost_3 * field_4_cost_0))));
-    const float by_axis_2_1_e_cost_3 = (volts_sine_cost_0 * rotation_cosine_cost_3) +
-        (volts_cosine_cost_0 * yaw_change_sine_3) - B_2_cost_3;
-    const float dy_cost_3_2 = (x_phase_fraction_sine_2 * yaw_change_sine_3) -
-        (y_phase_fraction_sine_2 * versine_cost_3);
-    const float angle_cost_3_5 = then_2_cost_3 + dy_cost_3_2;
-    const float f17_argument_6 = angle_cost_3_5 * angle_cost_3_5;
-    const float by_cosine_cost_3_5 = f17_polynomial(f17_argument_6);
-    const float by_sine_cost_3_5 = angle_cost_3_5 * f18_polynomial(f17_argument_6);
-    const float p_sine_cost_3_2 = (p_sine_cost_0_2 * by_cosine_cost_3_5) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_3_5);
-    const float q_cost_3_2 = p_sine_cost_3_2 * p_sine_cost_3_2;
-    const float B_2_cost_3_2 = p_sine_cost_3_2 * (field_2_cost_0_2 +
-        (q_cost_3_2 * (field_3_cost_0_2 + (q_cost_3_2 * field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_3 = (volts_sine_cost_0_2 * rotation_cosine_cost_3) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_3) - B_2_cost_3_2;
-    const float dy_cost_3_3 = (x_phase_fraction_sine_3 * yaw_change_sine_3) -
-        (y_phase_fraction_sine_3 * versine_cost_3);
-    const float angle_cost_3_6 = then_2_cost_3 + dy_cost_3_3;
-    const float f19_argument_6 = angle_cost_3_6 * angle_cost_3_6;
-    const float by_cosine_cost_3_6 = f19_polynomial(f19_argument_6);
-    const float by_sine_cost_3_6 = angle_cost_3_6 * f20_polynomial(f19_argument_6);
-    const float p_sine_cost_3_3 = (p_sine_cost_0_3 * by_cosine_cost_3_6) +
-        (p_cosine_yaw_change_sine_3 * by_sine_cost_3_6);
-    const float q_cost_3_3 = p_sine_cost_3_3 * p_sine_cost_3_3;
-    const float B_2_cost_3_3 = p_sine_cost_3_3 * (field_2_cost_0_3 +
-        (q_cost_3_3 * (field_3_cost_0_3 + (q_cost_3_3 * field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_3 = (volts_sine_cost_0_3 * rotation_cosine_cost_3) +
-        (volts_cosine_cost_0_3 * yaw_change_sine_3) - B_2_cost_3_3;
-    const float cost_3 = (by_axis_1_1_e_cost_3 * by_axis_1_1_e_cost_3) + (by_axis_1_2_e_cost_3 * by_axis_1_2_e_cost_3) +
-        (by_axis_1_3_e_cost_3 * by_axis_1_3_e_cost_3) + (by_axis_2_1_e_cost_3 * by_axis_2_1_e_cost_3) +
-        (by_axis_2_2_e_cost_3 * by_axis_2_2_e_cost_3) + (by_axis_2_3_e_cost_3 * by_axis_2_3_e_cost_3) +
-        (damping * ((then_1_cost_3 * then_1_cost_3) + (then_2_cost_3 * then_2_cost_3) +
-        (squared_yaw_arm * yaw_change_sine_part_69)));
-    const bool better_yaw_change_sine_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_68) + cost_slack);
-    const float yaw_change_sine_part_70 = ((x_cosine_yaw_change_sine * by_cosine_cost_3) -
-        (x_sine_cost_0 * by_sine_cost_3)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_3_squared *
-        (slope_2_yaw_change_sine + (phases_1_sine_cost_3_squared * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_71 = B_2_cost_3 - (yaw_change_sine_part_70 * (y_phase_fraction_sine + dy_cost_3));
-    const float yaw_change_sine_part_72 = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_3_2) -
-        (x_sine_cost_0_2 * by_sine_cost_3_2)) * (slope_1_yaw_change_sine_2 +
-        (cost_3_part_3 * (slope_2_yaw_change_sine_2 + (cost_3_part_3 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_73 = B_2_cost_3_2 -
-        (yaw_change_sine_part_72 * (y_phase_fraction_sine_2 + dy_cost_3_2));
-    const float yaw_change_sine_part_74 = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_3_3) -
-        (x_sine_cost_0_3 * by_sine_cost_3_3)) * (slope_1_yaw_change_sine_3 +
-        (cost_3_part_5 * (slope_2_yaw_change_sine_3 + (cost_3_part_5 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_75 = B_2_cost_3_3 -
-        (yaw_change_sine_part_74 * (y_phase_fraction_sine_3 + dy_cost_3_3));
-    const float yaw_change_sine_part_76 = (yaw_change_sine_part_70 * yaw_change_sine_part_71) +
-        (yaw_change_sine_part_72 * yaw_change_sine_part_73) + (yaw_change_sine_part_74 * yaw_change_sine_part_75);
-    const float yaw_change_sine_part_77 = (yaw_change_sine_part_70 * yaw_change_sine_part_73) -
-        (yaw_change_sine_part_72 * yaw_change_sine_part_71);
-    const float yaw_change_sine_part_78 = (yaw_change_sine_part_70 * yaw_change_sine_part_75) -
-        (yaw_change_sine_part_74 * yaw_change_sine_part_71);
-    const float yaw_change_sine_part_79 = (damping * ((yaw_change_sine_part_71 * by_axis_1_1_e_cost_3) +
-        (yaw_change_sine_part_73 * by_axis_1_2_e_cost_3) + (yaw_change_sine_part_75 * by_axis_1_3_e_cost_3) +
-        (then_1_cost_3 * yaw_change_sine_part_76))) + (yaw_change_sine_part_77 * ((yaw_change_sine_part_70 *
-        by_axis_1_2_e_cost_3) - (yaw_change_sine_part_72 * by_axis_1_1_e_cost_3))) + (yaw_change_sine_part_78 *
-        ((yaw_change_sine_part_70 * by_axis_1_3_e_cost_3) - (yaw_change_sine_part_74 * by_axis_1_1_e_cost_3)));
-    const float across_yaw_change_sine_7 = (yaw_change_sine_part_72 * yaw_change_sine_part_75) -
-        (yaw_change_sine_part_74 * yaw_change_sine_part_73);
-    const float yaw_change_sine_part_80 = 1.0f / (damping + ((yaw_change_sine_part_70 * yaw_change_sine_part_70) +
-        (yaw_change_sine_part_72 * yaw_change_sine_part_72) + (yaw_change_sine_part_74 * yaw_change_sine_part_74)));
-    const float yaw_change_sine_part_81 = ((p_cosine_yaw_change_sine * by_cosine_cost_3_4) -
-        (p_sine_cost_0 * by_sine_cost_3_4)) * (slope_1_yaw_change_sine +
-        (q_cost_3 * (slope_2_yaw_change_sine + (q_cost_3 * slope_3_yaw_change_sine))));
-    const float yaw_change_sine_part_82 = (yaw_change_sine_part_81 * (x_phase_fraction_sine - cost_3_part)) -
-        B_1_cost_3;
-    const float yaw_change_sine_part_83 = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_3_5) -
-        (p_sine_cost_0_2 * by_sine_cost_3_5)) * (slope_1_yaw_change_sine_2 +
-        (q_cost_3_2 * (slope_2_yaw_change_sine_2 + (q_cost_3_2 * slope_3_yaw_change_sine_2))));
-    const float yaw_change_sine_part_84 = (yaw_change_sine_part_83 * (x_phase_fraction_sine_2 - cost_3_part_2)) -
-        B_1_cost_3_2;
-    const float yaw_change_sine_part_85 = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_3_6) -
-        (p_sine_cost_0_3 * by_sine_cost_3_6)) * (slope_1_yaw_change_sine_3 +
-        (q_cost_3_3 * (slope_2_yaw_change_sine_3 + (q_cost_3_3 * slope_3_yaw_change_sine_3))));
-    const float yaw_change_sine_part_86 = (yaw_change_sine_part_85 * (x_phase_fraction_sine_3 - cost_3_part_4)) -
-        B_1_cost_3_3;
-    const float yaw_change_sine_part_87 = (yaw_change_sine_part_81 * yaw_change_sine_part_82) +
-        (yaw_change_sine_part_83 * yaw_change_sine_part_84) + (yaw_change_sine_part_85 * yaw_change_sine_part_86);
-    const float yaw_change_sine_part_88 = (yaw_change_sine_part_81 * yaw_change_sine_part_84) -
-        (yaw_change_sine_part_83 * yaw_change_sine_part_82);
-    const float yaw_change_sine_part_89 = (yaw_change_sine_part_81 * yaw_change_sine_part_86) -
-        (yaw_change_sine_part_85 * yaw_change_sine_part_82);
-    const float yaw_change_sine_part_90 = (damping * ((yaw_change_sine_part_82 * by_axis_2_1_e_cost_3) +
-        (yaw_change_sine_part_84 * by_axis_2_2_e_cost_3) + (yaw_change_sine_part_86 * by_axis_2_3_e_cost_3) +
-        (then_2_cost_3 * yaw_change_sine_part_87))) + (yaw_change_sine_part_88 * ((yaw_change_sine_part_81 *
-        by_axis_2_2_e_cost_3) - (yaw_change_sine_part_83 * by_axis_2_1_e_cost_3))) + (yaw_change_sine_part_89 *
-        ((yaw_change_sine_part_81 * by_axis_2_3_e_cost_3) - (yaw_change_sine_part_85 * by_axis_2_1_e_cost_3)));
-    const float across_yaw_change_sine_8 = (yaw_change_sine_part_83 * yaw_change_sine_part_86) -
-        (yaw_change_sine_part_85 * yaw_change_sine_part_84);
-    const float yaw_change_sine_part_91 = 1.0f / (damping + ((yaw_change_sine_part_81 * yaw_change_sine_part_81) +
-        (yaw_change_sine_part_83 * yaw_change_sine_part_83) + (yaw_change_sine_part_85 * yaw_change_sine_part_85)));
-    const float right_yaw_change_sine_3 = ((yaw_change_sine_part_79 + (across_yaw_change_sine_7 *
-        ((yaw_change_sine_part_72 * by_axis_1_3_e_cost_3) - (yaw_change_sine_part_74 * by_axis_1_2_e_cost_3)))) *
-        yaw_change_sine_part_80) + ((yaw_change_sine_part_90 + (across_yaw_change_sine_8 * ((yaw_change_sine_part_83 *
-        by_axis_2_3_e_cost_3) - (yaw_change_sine_part_85 * by_axis_2_2_e_cost_3)))) * yaw_change_sine_part_91) -
-        (yaw_damping * then_3_yaw_change_sine_3);
-    const float data_yaw_change_sine_4 = (((damping * ((yaw_change_sine_part_71 * yaw_change_sine_part_71) +
-        (yaw_change_sine_part_73 * yaw_change_sine_part_73) + (yaw_change_sine_part_75 * yaw_change_sine_part_75))) +
-        (yaw_change_sine_part_77 * yaw_change_sine_part_77) + (yaw_change_sine_part_78 * yaw_change_sine_part_78) +
-        (across_yaw_change_sine_7 * across_yaw_change_sine_7)) * yaw_change_sine_part_80) +
-        (((damping * ((yaw_change_sine_part_82 * yaw_change_sine_part_82) +
-        (yaw_change_sine_part_84 * yaw_change_sine_part_84) + (yaw_change_sine_part_86 * yaw_change_sine_part_86))) +
-        (yaw_change_sine_part_88 * yaw_change_sine_part_88) + (yaw_change_sine_part_89 * yaw_change_sine_part_89) +
-        (across_yaw_change_sine_8 * across_yaw_change_sine_8)) * yaw_change_sine_part_91);
-    float other_3_yaw_change_sine_3 = then_3_yaw_change_sine_3;
-    float other_1_cost_4 = then_1_cost_3;
-    float other_2_cost_4 = then_2_cost_3;
-    float converged_part = cost_3;
-    if (!better_yaw_change_sine_3) {
-        other_3_yaw_change_sine_3 = other_3_yaw_change_sine_2;
-        other_1_cost_4 = other_1_cost_3;
-        other_2_cost_4 = other_2_cost_3;
-        converged_part = yaw_change_sine_part_68;
-    }
-    const float at_3_yaw_change_sine = hall_position_three_limit((better_yaw_change_sine_3) ?
-        (then_3_yaw_change_sine_3 + (right_yaw_change_sine_3 / (yaw_damping + data_yaw_change_sine_4))) :
-        (0.5f * (then_3_yaw_change_sine_3 + other_3_yaw_change_sine_3)), max_yaw_step);
-    const float at_3_yaw_change_sine_squared = at_3_yaw_change_sine * at_3_yaw_change_sine;
-    const float yaw_change_sine_4 = at_3_yaw_change_sine * yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
-    const float half_yaw_change_sine_4 = at_3_yaw_change_sine *
-        half_yaw_change_sine_polynomial(at_3_yaw_change_sine_squared);
-    const float versine_cost_4 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
-    const float rotation_cosine_cost_4 = 1.0f - versine_cost_4;
-    const float yaw_change_cost_4 = at_3_yaw_change_sine - then_3_yaw_change_sine_3;
-    const float at_1_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_1_cost_3 +
-        (((yaw_change_sine_part_70 * by_axis_1_1_e_cost_3) + (yaw_change_sine_part_72 * by_axis_1_2_e_cost_3) +
-        (yaw_change_sine_part_74 * by_axis_1_3_e_cost_3) - (damping * then_1_cost_3) - (yaw_change_sine_part_76 *
-        yaw_change_cost_4)) * yaw_change_sine_part_80)) : (0.5f * (then_1_cost_3 + other_1_cost_4)), 0.5f);
-    const float cost_4_part = (x_phase_fraction_sine * versine_cost_4) + (y_phase_fraction_sine * yaw_change_sine_4);
-    const float angle_cost_4 = at_1_cost_4 - cost_4_part;
-    const float f15_argument_7 = angle_cost_4 * angle_cost_4;
-    const float by_cosine_cost_4 = f15_polynomial(f15_argument_7);
-    const float by_sine_cost_4 = angle_cost_4 * f16_polynomial(f15_argument_7);
-    const float phases_1_sine_cost_4 = (x_sine_cost_0 * by_cosine_cost_4) + (x_cosine_yaw_change_sine * by_sine_cost_4);
-    const float phases_1_sine_cost_4_squared = phases_1_sine_cost_4 * phases_1_sine_cost_4;
-    const float B_1_cost_4 = phases_1_sine_cost_4 * (field_2_cost_0 +
-        (phases_1_sine_cost_4_squared * (field_3_cost_0 + (phases_1_sine_cost_4_squared * field_4_cost_0))));
-    const float by_axis_1_1_e_cost_4 = (volts_cosine_cost_0 * rotation_cosine_cost_4) -
-        (volts_sine_cost_0 * yaw_change_sine_4) - B_1_cost_4;
-    const float cost_4_part_2 = (x_phase_fraction_sine_2 * versine_cost_4) +
-        (y_phase_fraction_sine_2 * yaw_change_sine_4);
-    const float angle_cost_4_2 = at_1_cost_4 - cost_4_part_2;
-    const float f17_argument_7 = angle_cost_4_2 * angle_cost_4_2;
-    const float by_cosine_cost_4_2 = f17_polynomial(f17_argument_7);
-    const float by_sine_cost_4_2 = angle_cost_4_2 * f18_polynomial(f17_argument_7);
-    const float phases_1_sine_cost_4_2 = (x_sine_cost_0_2 * by_cosine_cost_4_2) +
-        (x_cosine_yaw_change_sine_2 * by_sine_cost_4_2);
-    const float cost_4_part_3 = phases_1_sine_cost_4_2 * phases_1_sine_cost_4_2;
-    const float B_1_cost_4_2 = phases_1_sine_cost_4_2 * (field_2_cost_0_2 +
-        (cost_4_part_3 * (field_3_cost_0_2 + (cost_4_part_3 * field_4_cost_0_2))));
-    const float by_axis_1_2_e_cost_4 = (volts_cosine_cost_0_2 * rotation_cosine_cost_4) -
-        (volts_sine_cost_0_2 * yaw_change_sine_4) - B_1_cost_4_2;
-    const float cost_4_part_4 = (x_phase_fraction_sine_3 * versine_cost_4) +
-        (y_phase_fraction_sine_3 * yaw_change_sine_4);
-    const float angle_cost_4_3 = at_1_cost_4 - cost_4_part_4;
-    const float f19_argument_7 = angle_cost_4_3 * angle_cost_4_3;
-    const float by_cosine_cost_4_3 = f19_polynomial(f19_argument_7);
-    const float by_sine_cost_4_3 = angle_cost_4_3 * f20_polynomial(f19_argument_7);
-    const float phases_1_sine_cost_4_3 = (x_sine_cost_0_3 * by_cosine_cost_4_3) +
-        (x_cosine_yaw_change_sine_3 * by_sine_cost_4_3);
-    const float cost_4_part_5 = phases_1_sine_cost_4_3 * phases_1_sine_cost_4_3;
-    const float B_1_cost_4_3 = phases_1_sine_cost_4_3 * (field_2_cost_0_3 +
-        (cost_4_part_5 * (field_3_cost_0_3 + (cost_4_part_5 * field_4_cost_0_3))));
-    const float by_axis_1_3_e_cost_4 = (volts_cosine_cost_0_3 * rotation_cosine_cost_4) -
-        (volts_sine_cost_0_3 * yaw_change_sine_4) - B_1_cost_4_3;
-    const float at_2_cost_4 = hall_position_three_limit((better_yaw_change_sine_3) ? (then_2_cost_3 +
-        (((yaw_change_sine_part_81 * by_axis_2_1_e_cost_3) + (yaw_change_sine_part_83 * by_axis_2_2_e_cost_3) +
-        (yaw_change_sine_part_85 * by_axis_2_3_e_cost_3) - (damping * then_2_cost_3) - (yaw_change_sine_part_87 *
-        yaw_change_cost_4)) * yaw_change_sine_part_91)) : (0.5f * (then_2_cost_3 + other_2_cost_4)), 0.5f);
-    const float dy_cost_4 = (x_phase_fraction_sine * yaw_change_sine_4) - (y_phase_fraction_sine * versine_cost_4);
-    const float angle_cost_4_4 = at_2_cost_4 + dy_cost_4;
-    const float f15_argument_8 = angle_cost_4_4 * angle_cost_4_4;
-    const float by_cosine_cost_4_4 = f15_polynomial(f15_argument_8);
-    const float by_sine_cost_4_4 = angle_cost_4_4 * f16_polynomial(f15_argument_8);
-    const float p_sine_cost_4 = (p_sine_cost_0 * by_cosine_cost_4_4) + (p_cosine_yaw_change_sine * by_sine_cost_4_4);
-    const float q_cost_4 = p_sine_cost_4 * p_sine_cost_4;
-    const float B_2_cost_4 = p_sine_cost_4 * (field_2_cost_0 +
-        (q_cost_4 * (field_3_cost_0 + (q_cost_4 * field_4_cost_0))));
-    const float by_axis_2_1_e_cost_4 = (volts_sine_cost_0 * rotation_cosine_cost_4) +
-        (volts_cosine_cost_0 * yaw_change_sine_4) - B_2_cost_4;
-    const float dy_cost_4_2 = (x_phase_fraction_sine_2 * yaw_change_sine_4) -
-        (y_phase_fraction_sine_2 * versine_cost_4);
-    const float angle_cost_4_5 = at_2_cost_4 + dy_cost_4_2;
-    const float f17_argument_8 = angle_cost_4_5 * angle_cost_4_5;
-    const float by_cosine_cost_4_5 = f17_polynomial(f17_argument_8);
-    const float by_sine_cost_4_5 = angle_cost_4_5 * f18_polynomial(f17_argument_8);
-    const float p_sine_cost_4_2 = (p_sine_cost_0_2 * by_cosine_cost_4_5) +
-        (p_cosine_yaw_change_sine_2 * by_sine_cost_4_5);
-    const float q_cost_4_2 = p_sine_cost_4_2 * p_sine_cost_4_2;
-    const float B_2_cost_4_2 = p_sine_cost_4_2 * (field_2_cost_0_2 +
-        (q_cost_4_2 * (field_3_cost_0_2 + (q_cost_4_2 * field_4_cost_0_2))));
-    const float by_axis_2_2_e_cost_4 = (volts_sine_cost_0_2 * rotation_cosine_cost_4) +
-        (volts_cosine_cost_0_2 * yaw_change_sine_4) - B_2_cost_4_2;
-    const float dy_cost_4_3 = (x_phase_fraction_sine_3 * yaw_change_sine_4) -
-        (y_phase_fraction_sine_3 * versine_cost_4);
-    const float angle_cost_4_6 = at_2_cost_4 + dy_cost_4_3;
-    const float f19_argument_8 = angle_cost_4_6 * angle_cost_4_6;
-    const float by_cosine_cost_4_6 = f19_polynomial(f19_argument_8);
-    const float by_sine_cost_4_6 = angle_cost_4_6 * f20_polynomial(f19_argument_8);
-    const float p_sine_cost_4_3 = (p_sine_cost_0_3 * by_cosine_cost_4_6) +
-        (p_cosine_yaw_change_sine_3 * by_sine_cost_4_6);
-    const float q_cost_4_3 = p_sine_cost_4_3 * p_sine_cost_4_3;
-    const float B_2_cost_4_3 = p_sine_cost_4_3 * (field_2_cost_0_3 +
-        (q_cost_4_3 * (field_3_cost_0_3 + (q_cost_4_3 * field_4_cost_0_3))));
-    const float by_axis_2_3_e_cost_4 = (volts_sine_cost_0_3 * rotation_cosine_cost_4) +
-        (volts_cosine_cost_0_3 * yaw_change_sine_4) - B_2_cost_4_3;
-    const float squares_cost_4 = (by_axis_1_1_e_cost_4 * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_e_cost_4 * by_axis_1_2_e_cost_4) + (by_axis_1_3_e_cost_4 * by_axis_1_3_e_cost_4) +
-        (by_axis_2_1_e_cost_4 * by_axis_2_1_e_cost_4) + (by_axis_2_2_e_cost_4 * by_axis_2_2_e_cost_4) +
-        (by_axis_2_3_e_cost_4 * by_axis_2_3_e_cost_4);
-    const float cost_4_part_6 = (at_1_cost_4 * at_1_cost_4) + (at_2_cost_4 * at_2_cost_4);
-    const float cost_4 = squares_cost_4 +
-        (damping * (cost_4_part_6 + (squared_yaw_arm * at_3_yaw_change_sine_squared)));
     const float freedom = (excluded_1 || excluded_2 || excluded_3) ? 1.0f : 3.0f;
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float used_1 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
+    const float converged_part = used_1 * estimator_field_1;
+    const float ax_part_full_squared = ax_part_full * ax_part_full;
+    const float converged_part_2 = used_1 * estimator_field_3;
+    const float converged_part_2_scaled = 3.0f * converged_part_2;
+    const float converged_part_3 = used_1 * estimator_field_5;
+    const float converged_part_4 = ax_part_full_squared * converged_part_3;
+    const float rows_1_1_converged = start_cosine_ax * (converged_part +
+        (ax_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_4))));
+    const float ay_part_full_squared = ay_part_full * ay_part_full;
+    const float converged_part_5 = ay_part_full_squared * converged_part_3;
+    const float converged_part_6 = ay_part_full * (converged_part +
+        (ay_part_full_squared * (converged_part_2 + converged_part_5)));
+    const float rows_1_3_converged = (rows_1_1_converged * (heading_sine_scaled_2 - heading_cosine_scaled)) +
+        converged_part_6;
+    const float measured_1 = used_1 * V_ax_held;
+    const float measured_2 = used_1 * V_ay_held;
+    const float converged_part_7 = ax_part_full * (converged_part +
+        (ax_part_full_squared * (converged_part_2 + converged_part_4)));
+    const float residuals_1_converged = (heading_cosine * measured_1) - (heading_sine * measured_2) - converged_part_7;
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2_converged = start_cosine_ay * (converged_part +
+        (ay_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_5))));
+    const float converged_part_8 = converged_part_7 -
+        (rows_2_2_converged * ((-1.5812683f * heading_cosine) - heading_sine_scaled));
+    const float residuals_2_converged = (heading_cosine * measured_2) + (heading_sine * measured_1) - converged_part_6;
+    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float used_2 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
+    const float converged_part_9 = used_2 * estimator_field_1;
+    const float bx_part_full_squared = bx_part_full * bx_part_full;
+    const float converged_part_10 = used_2 * estimator_field_3;
+    const float converged_part_10_scaled = 3.0f * converged_part_10;
+    const float converged_part_11 = used_2 * estimator_field_5;
+    const float converged_part_12 = bx_part_full_squared * converged_part_11;
+    const float rows_3_1_converged = start_cosine_bx * (converged_part_9 +
+        (bx_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_12))));
+    const float by_part_full_squared = by_part_full * by_part_full;
+    const float converged_part_13 = by_part_full_squared * converged_part_11;
+    const float converged_part_14 = by_part_full * (converged_part_9 +
+        (by_part_full_squared * (converged_part_10 + converged_part_13)));
+    const float rows_3_3_converged = (rows_3_1_converged * (heading_sine_scaled_4 - heading_cosine_scaled_2)) +
+        converged_part_14;
+    const float measured_3 = used_2 * V_bx_held;
+    const float measured_4 = used_2 * V_by_held;
+    const float converged_part_15 = bx_part_full * (converged_part_9 +
+        (bx_part_full_squared * (converged_part_10 + converged_part_12)));
+    const float residuals_3_converged = (heading_cosine * measured_3) - (heading_sine * measured_4) - converged_part_15;
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2_converged = start_cosine_by * (converged_part_9 +
+        (by_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_13))));
+    const float converged_part_16 = converged_part_15 -
+        (rows_4_2_converged * ((-0.0858702f * heading_cosine) - heading_sine_scaled_3));
+    const float residuals_4_converged = (heading_cosine * measured_4) + (heading_sine * measured_3) - converged_part_14;
+    const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
+    const float used_3 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
+    const float converged_part_17 = used_3 * estimator_field_1;
+    const float cx_part_full_squared = cx_part_full * cx_part_full;
+    const float converged_part_18 = used_3 * estimator_field_3;
+    const float converged_part_18_scaled = 3.0f * converged_part_18;
+    const float converged_part_19 = used_3 * estimator_field_5;
+    const float converged_part_20 = cx_part_full_squared * converged_part_19;
+    const float rows_5_1_converged = start_cosine_cx * (converged_part_17 +
+        (cx_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_20))));
+    const float cy_part_full_squared = cy_part_full * cy_part_full;
+    const float converged_part_21 = cy_part_full_squared * converged_part_19;
+    const float converged_part_22 = cy_part_full * (converged_part_17 +
+        (cy_part_full_squared * (converged_part_18 + converged_part_21)));
+    const float rows_5_3_converged = (rows_5_1_converged * (heading_cosine_scaled_4 - heading_sine_scaled_6)) +
+        converged_part_22;
+    const float measured_5 = used_3 * V_cx_held;
+    const float measured_6 = used_3 * V_cy_held;
+    const float converged_part_23 = cx_part_full * (converged_part_17 +
+        (cx_part_full_squared * (converged_part_18 + converged_part_20)));
+    const float residuals_5_converged = (heading_cosine * measured_5) - (heading_sine * measured_6) - converged_part_23;
+    const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float rows_6_2_converged = start_cosine_cy * (converged_part_17 +
+        (cy_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_21))));
+    const float converged_part_24 = converged_part_23 -
+        (rows_6_2_converged * (heading_cosine_scaled_3 + heading_sine_scaled_5));
+    const float residuals_6_converged = (heading_cosine * measured_6) + (heading_sine * measured_5) - converged_part_22;
+    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
+        (rows_3_3_converged * rows_3_1_converged) + (rows_5_3_converged * rows_5_1_converged);
+    const float converged_part_25 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) +
+        (rows_3_1_converged * rows_3_1_converged) + (rows_5_1_converged * rows_5_1_converged) + 0.00992376f);
+    const float row_1_converged = hall_position_three_limit(left_3_1_converged * converged_part_25, 4693.3496f);
+    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
+        (rows_3_1_converged * residuals_3_converged) + (rows_5_1_converged * residuals_5_converged);
+    const float converged_part_26 = (converged_part_8 * rows_2_2_converged) + (converged_part_16 * rows_4_2_converged) +
+        (converged_part_24 * rows_6_2_converged);
+    const float converged_part_27 = 1.0f / ((rows_2_2_converged * rows_2_2_converged) +
+        (rows_4_2_converged * rows_4_2_converged) + (rows_6_2_converged * rows_6_2_converged) + 0.00992376f);
+    const float row_2_converged = hall_position_three_limit(-(converged_part_26 * converged_part_27), 4693.3496f);
+    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
+        (rows_4_2_converged * residuals_4_converged) + (rows_6_2_converged * residuals_6_converged);
+    const float converged_part_28 = hall_position_three_max((rows_1_3_converged * rows_1_3_converged) +
+        (converged_part_8 * converged_part_8) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_16 *
+        converged_part_16) + (rows_5_3_converged * rows_5_3_converged) + (converged_part_24 * converged_part_24) +
+        0.87438375f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_26), 0.87438375f);
+    const float then_3_converged = hall_position_three_limit(((rows_1_3_converged * residuals_1_converged) -
+        (converged_part_8 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (converged_part_16 * residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) -
+        (converged_part_24 * residuals_6_converged) - (row_1_converged * gradient_1_converged) -
+        (row_2_converged * gradient_2_converged)) / converged_part_28, 0.14022085f);
+    const float then_3_converged_squared = then_3_converged * then_3_converged;
+    const float sine_converged = then_3_converged * f9_polynomial(then_3_converged_squared);
+    const float half_converged = then_3_converged * f10_polynomial(then_3_converged_squared);
+    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged = heading_cosine - fall_converged;
+    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
+    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
+    const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
+        (row_1_converged * then_3_converged), 0.5f);
+    const float limited_3_cosine_converged = hall_position_three_limit(-fall_converged, 0.14022085f);
+    const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
+    const float by_ax_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) -
+        (1.5833627f * limited_3_sine_converged);
+    const float f11_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = f11_polynomial(f11_argument);
+    const float by_sine_ax_converged = by_ax_converged * f12_polynomial(f11_argument);
+    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
+        (start_cosine_ax * by_sine_ax_converged);
+    const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_part_30 = converged_part_29 * converged_part_3;
+    const float converged_part_31 = phasors_1_sine_converged * (converged_part +
+        (converged_part_29 * (converged_part_2 + converged_part_30)));
+    const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) -
+        (turns_3_sine_converged * measured_2) - converged_part_31;
+    const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
+        (row_2_converged * then_3_converged), 0.5f);
+    const float by_ay_converged = then_2_converged + (1.5833627f * limited_3_cosine_converged) -
+        (1.5812683f * limited_3_sine_converged);
+    const float f11_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = f11_polynomial(f11_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * f12_polynomial(f11_argument_2);
+    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
+        (start_cosine_ay * by_sine_ay_converged);
+    const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_part_33 = converged_part_32 * converged_part_3;
+    const float converged_part_34 = phasors_2_sine_converged * (converged_part +
+        (converged_part_32 * (converged_part_2 + converged_part_33)));
+    const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) +
+        (turns_3_sine_converged * measured_1) - converged_part_34;
+    const float by_bx_converged = then_1_converged - (0.0858702f * limited_3_cosine_converged) -
+        (0.08168141f * limited_3_sine_converged);
+    const float f13_argument = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = f13_polynomial(f13_argument);
+    const float by_sine_bx_converged = by_bx_converged * f14_polynomial(f13_argument);
+    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
+        (start_cosine_bx * by_sine_bx_converged);
+    const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_part_36 = converged_part_35 * converged_part_11;
+    const float converged_part_37 = phasors_3_sine_converged * (converged_part_9 +
+        (converged_part_35 * (converged_part_10 + converged_part_36)));
+    const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) -
+        (turns_3_sine_converged * measured_4) - converged_part_37;
+    const float by_converged = then_2_converged + (0.08168141f * limited_3_cosine_converged) -
+        (0.0858702f * limited_3_sine_converged);
+    const float f13_argument_2 = by_converged * by_converged;
+    const float by_cosine_converged = f13_polynomial(f13_argument_2);
+    const float by_sine_converged = by_converged * f14_polynomial(f13_argument_2);
+    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
+    const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_part_39 = converged_part_38 * converged_part_11;
+    const float converged_part_40 = phasors_4_sine_converged * (converged_part_9 +
+        (converged_part_38 * (converged_part_10 + converged_part_39)));
+    const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) +
+        (turns_3_sine_converged * measured_3) - converged_part_40;
+    const float by_cx_converged = then_1_converged + (1.6671385f * limited_3_cosine_converged) +
+        (1.6650441f * limited_3_sine_converged);
+    const float f15_argument = by_cx_converged * by_cx_converged;
+    const float by_cosine_cx_converged = f15_polynomial(f15_argument);
+    const float by_sine_cx_converged = by_cx_converged * f16_polynomial(f15_argument);
+    const float phasors_5_sine_converged = (cx_part_full * by_cosine_cx_converged) +
+        (start_cosine_cx * by_sine_cx_converged);
+    const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
+    const float converged_part_42 = converged_part_41 * converged_part_19;
+    const float converged_part_43 = phasors_5_sine_converged * (converged_part_17 +
+        (converged_part_41 * (converged_part_18 + converged_part_42)));
+    const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) -
+        (turns_3_sine_converged * measured_6) - converged_part_43;
+    const float by_cy_converged = then_2_converged - (1.6650441f * limited_3_cosine_converged) +
+        (1.6671385f * limited_3_sine_converged);
+    const float f15_argument_2 = by_cy_converged * by_cy_converged;
+    const float by_cosine_cy_converged = f15_polynomial(f15_argument_2);
+    const float by_sine_cy_converged = by_cy_converged * f16_polynomial(f15_argument_2);
+    const float phasors_6_sine_converged = (cy_part_full * by_cosine_cy_converged) +
+        (start_cosine_cy * by_sine_cy_converged);
+    const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
+    const float converged_part_45 = converged_part_44 * converged_part_19;
+    const float converged_part_46 = phasors_6_sine_converged * (converged_part_17 +
+        (converged_part_44 * (converged_part_18 + converged_part_45)));
+    const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) +
+        (turns_3_sine_converged * measured_5) - converged_part_46;
+    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
+        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
+        (residuals_4_converged_2 * residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) +
+        (residuals_6_converged_2 * residuals_6_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
+        (0.00992376f * (then_2_converged * then_2_converged)) + (0.87438375f * then_3_converged_squared));
+    const float squares_1 = (residuals_1_converged * residuals_1_converged) +
+        (residuals_2_converged * residuals_2_converged);
+    const float terms_3_converged = residuals_3_converged * residuals_3_converged;
+    const float terms_4_converged = residuals_4_converged * residuals_4_converged;
+    const float terms_5_converged = residuals_5_converged * residuals_5_converged;
+    const float terms_6_converged = residuals_6_converged * residuals_6_converged;
+    const float squares_converged = squares_1 + terms_3_converged + terms_4_converged + terms_5_converged +
+        terms_6_converged;
+    const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
+    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
+        (ax_part_full * by_sine_ax_converged)) * (converged_part +
+        (converged_part_29 * (converged_part_2_scaled + (5.0f * converged_part_30))));
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) -
+        (1.5833627f * turns_3_cosine_converged))) + converged_part_34;
+    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
+        (ay_part_full * by_sine_ay_converged)) * (converged_part +
+        (converged_part_32 * (converged_part_2_scaled + (5.0f * converged_part_33))));
+    const float converged_part_47 = converged_part_31 -
+        (rows_2_2_converged_2 * ((-1.5812683f * turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
+    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
+        (bx_part_full * by_sine_bx_converged)) * (converged_part_9 +
+        (converged_part_35 * (converged_part_10_scaled + (5.0f * converged_part_36))));
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) -
+        (0.08168141f * turns_3_cosine_converged))) + converged_part_40;
+    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
+        (converged_part_9 + (converged_part_38 * (converged_part_10_scaled + (5.0f * converged_part_39))));
+    const float converged_part_48 = converged_part_37 -
+        (rows_4_2_converged_2 * ((-0.0858702f * turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
+    const float rows_5_1_converged_2 = ((start_cosine_cx * by_cosine_cx_converged) -
+        (cx_part_full * by_sine_cx_converged)) * (converged_part_17 +
+        (converged_part_41 * (converged_part_18_scaled + (5.0f * converged_part_42))));
+    const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) -
+        (1.6671385f * turns_3_sine_converged))) + converged_part_46;
+    const float rows_6_2_converged_2 = ((start_cosine_cy * by_cosine_cy_converged) -
+        (cy_part_full * by_sine_cy_converged)) * (converged_part_17 +
+        (converged_part_44 * (converged_part_18_scaled + (5.0f * converged_part_45))));
+    const float converged_part_49 = converged_part_43 -
+        (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged) + (1.6650441f * turns_3_sine_converged)));
+    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
+        (rows_3_3_converged_2 * rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
+    const float converged_part_50 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
+        (rows_3_1_converged_2 * rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
+    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_50, 4693.3496f);
+    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
+        residuals_3_converged_2) + (rows_5_1_converged_2 * residuals_5_converged_2) - (0.00992376f * then_1_converged);
+    const float converged_part_51 = (converged_part_47 * rows_2_2_converged_2) +
+        (converged_part_48 * rows_4_2_converged_2) + (converged_part_49 * rows_6_2_converged_2);
+    const float converged_part_52 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
+        (rows_4_2_converged_2 * rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
+    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_51 * converged_part_52), 4693.3496f);
+    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
+        residuals_4_converged_2) + (rows_6_2_converged_2 * residuals_6_converged_2) - (0.00992376f * then_2_converged);
+    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) -
+        (converged_part_47 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
+        (converged_part_48 * residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) -
+        (converged_part_49 * residuals_6_converged_2) - (0.87438375f * then_3_converged) -
+        (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2);
+    const float converged_part_53 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
+        (converged_part_47 * converged_part_47) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+        (converged_part_48 * converged_part_48) + (rows_5_3_converged_2 * rows_5_3_converged_2) +
+        (converged_part_49 * converged_part_49) + 0.87438375f - (row_1_converged_2 * left_3_1_converged_2) +
+        (row_2_converged_2 * converged_part_51), 0.87438375f);
+    float other_3_converged = then_3_converged;
+    float other_1_converged = then_1_converged;
+    float other_2_converged = then_2_converged;
+    float converged_part_54 = cost_converged;
+    if (!better_converged) {
+        other_3_converged = 0.0f;
+        other_1_converged = 0.0f;
+        other_2_converged = 0.0f;
+        converged_part_54 = squares_converged;
+    }
+    const float then_3_converged_2 = hall_position_three_limit((better_converged) ? (then_3_converged +
+        (forward_3_converged / converged_part_53)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
+    const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
+    const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
+    const float half_converged_2 = then_3_converged_2 * f10_polynomial(then_3_converged_2_squared);
+    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
+    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
+    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
+    const float moves_3_converged = then_3_converged_2 - then_3_converged;
+    const float then_1_converged_2 = hall_position_three_limit((better_converged) ?
+        (then_1_converged + ((gradient_1_converged_2 * converged_part_50) - (row_1_converged_2 * moves_3_converged))) :
+        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
+    const float limited_3_cosine_converged_2 = hall_position_three_limit(-fall_converged_2, 0.14022085f);
+    const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
+    const float by_ax_converged_2 = hall_position_three_limit(then_1_converged_2 -
+        (1.5812683f * limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
+    const float f11_argument_3 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = f11_polynomial(f11_argument_3);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * f12_polynomial(f11_argument_3);
+    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
+        (start_cosine_ax * by_sine_ax_converged_2);
+    const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_part_56 = converged_part_55 * converged_part_3;
+    const float converged_part_57 = phasors_1_sine_converged_2 * (converged_part +
+        (converged_part_55 * (converged_part_2 + converged_part_56)));
+    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) -
+        (turns_3_sine_converged_2 * measured_2) - converged_part_57;
+    const float then_2_converged_2 = hall_position_three_limit((better_converged) ?
+        (then_2_converged + ((gradient_2_converged_2 * converged_part_52) - (row_2_converged_2 * moves_3_converged))) :
+        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
+    const float by_ay_converged_2 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) -
+        (1.5812683f * limited_3_sine_converged_2);
+    const float f11_argument_4 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = f11_polynomial(f11_argument_4);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * f12_polynomial(f11_argument_4);
+    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
+        (start_cosine_ay * by_sine_ay_converged_2);
+    const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_part_59 = converged_part_58 * converged_part_3;
+    const float converged_part_60 = phasors_2_sine_converged_2 * (converged_part +
+        (converged_part_58 * (converged_part_2 + converged_part_59)));
+    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) +
+        (turns_3_sine_converged_2 * measured_1) - converged_part_60;
+    const float by_bx_converged_2 = hall_position_three_limit(then_1_converged_2 -
+        (0.0858702f * limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
+    const float f13_argument_3 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = f13_polynomial(f13_argument_3);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * f14_polynomial(f13_argument_3);
+    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
+        (start_cosine_bx * by_sine_bx_converged_2);
+    const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_part_62 = converged_part_61 * converged_part_11;
+    const float converged_part_63 = phasors_3_sine_converged_2 * (converged_part_9 +
+        (converged_part_61 * (converged_part_10 + converged_part_62)));
+    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) -
+        (turns_3_sine_converged_2 * measured_4) - converged_part_63;
+    const float by_converged_2 = hall_position_three_limit(then_2_converged_2 +
+        (0.08168141f * limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
+    const float f13_argument_4 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = f13_polynomial(f13_argument_4);
+    const float by_sine_converged_2 = by_converged_2 * f14_polynomial(f13_argument_4);
+    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
+        (start_cosine_by * by_sine_converged_2);
+    const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_part_65 = converged_part_64 * converged_part_11;
+    const float converged_part_66 = phasors_4_sine_converged_2 * (converged_part_9 +
+        (converged_part_64 * (converged_part_10 + converged_part_65)));
+    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) +
+        (turns_3_sine_converged_2 * measured_3) - converged_part_66;
+    const float by_cx_converged_2 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) +
+        (1.6650441f * limited_3_sine_converged_2);
+    const float f17_argument = by_cx_converged_2 * by_cx_converged_2;
+    const float by_cosine_cx_converged_2 = f17_polynomial(f17_argument);
+    const float by_sine_cx_converged_2 = by_cx_converged_2 * f18_polynomial(f17_argument);
+    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_cx_converged_2) +
+        (start_cosine_cx * by_sine_cx_converged_2);
+    const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
+    const float converged_part_68 = converged_part_67 * converged_part_19;
+    const float converged_part_69 = phasors_5_sine_converged_2 * (converged_part_17 +
+        (converged_part_67 * (converged_part_18 + converged_part_68)));
+    const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) -
+        (turns_3_sine_converged_2 * measured_6) - converged_part_69;
+    const float by_cy_converged_2 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) +
+        (1.6671385f * limited_3_sine_converged_2);
+    const float f17_argument_2 = by_cy_converged_2 * by_cy_converged_2;
+    const float by_cosine_cy_converged_2 = f17_polynomial(f17_argument_2);
+    const float by_sine_cy_converged_2 = by_cy_converged_2 * f18_polynomial(f17_argument_2);
+    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_cy_converged_2) +
+        (start_cosine_cy * by_sine_cy_converged_2);
+    const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
+    const float converged_part_71 = converged_part_70 * converged_part_19;
+    const float converged_part_72 = phasors_6_sine_converged_2 * (converged_part_17 +
+        (converged_part_70 * (converged_part_18 + converged_part_71)));
+    const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) +
+        (turns_3_sine_converged_2 * measured_5) - converged_part_72;
+    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
+        residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
+        residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
+        residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
+        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_54) + 1e-08f);
+    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
+        (ax_part_full * by_sine_ax_converged_2)) * (converged_part +
+        (converged_part_55 * (converged_part_2_scaled + (5.0f * converged_part_56))));
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) -
+        (1.5833627f * turns_3_cosine_converged_2))) + converged_part_60;
+    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
+        (ay_part_full * by_sine_ay_converged_2)) * (converged_part +
+        (converged_part_58 * (converged_part_2_scaled + (5.0f * converged_part_59))));
+    const float converged_part_73 = converged_part_57 -
+        (rows_2_2_converged_3 * ((-1.5812683f * turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
+    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
+        (bx_part_full * by_sine_bx_converged_2)) * (converged_part_9 +
+        (converged_part_61 * (converged_part_10_scaled + (5.0f * converged_part_62))));
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) -
+        (0.08168141f * turns_3_cosine_converged_2))) + converged_part_66;
+    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
+        (by_part_full * by_sine_converged_2)) * (converged_part_9 +
+        (converged_part_64 * (converged_part_10_scaled + (5.0f * converged_part_65))));
+    const float converged_part_74 = converged_part_63 - (rows_4_2_converged_3 *
+        ((-0.0858702f * turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
+    const float rows_5_1_converged_3 = ((start_cosine_cx * by_cosine_cx_converged_2) -
+        (cx_part_full * by_sine_cx_converged_2)) * (converged_part_17 +
+        (converged_part_67 * (converged_part_18_scaled + (5.0f * converged_part_68))));
+    const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) -
+        (1.6671385f * turns_3_sine_converged_2))) + converged_part_72;
+    const float rows_6_2_converged_3 = ((start_cosine_cy * by_cosine_cy_converged_2) -
+        (cy_part_full * by_sine_cy_converged_2)) * (converged_part_17 +
+        (converged_part_70 * (converged_part_18_scaled + (5.0f * converged_part_71))));
+    const float converged_part_75 = converged_part_69 -
+        (rows_6_2_converged_3 * ((1.6671385f * turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
+    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
+        (rows_3_3_converged_3 * rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
+    const float converged_part_76 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
+        (rows_3_1_converged_3 * rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
+    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_76, 4693.3496f);
+    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
+        (rows_3_1_converged_3 * residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) -
+        (0.00992376f * then_1_converged_2);
+    const float converged_part_77 = (converged_part_73 * rows_2_2_converged_3) +
+        (converged_part_74 * rows_4_2_converged_3) + (converged_part_75 * rows_6_2_converged_3);
+    const float converged_part_78 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
+        (rows_4_2_converged_3 * rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
+    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_77 * converged_part_78), 4693.3496f);
+    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
+        (rows_4_2_converged_3 * residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) -
+        (0.00992376f * then_2_converged_2);
+    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) -
+        (converged_part_73 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
+        (converged_part_74 * residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) -
+        (converged_part_75 * residuals_6_converged_3) - (0.87438375f * then_3_converged_2) -
+        (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3);
+    const float converged_part_79 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
+        (converged_part_73 * converged_part_73) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+        (converged_part_74 * converged_part_74) + (rows_5_3_converged_3 * rows_5_3_converged_3) +
+        (converged_part_75 * converged_part_75) + 0.87438375f - (row_1_converged_3 * left_3_1_converged_3) +
+        (row_2_converged_3 * converged_part_77), 0.87438375f);
+    float other_3_converged_2 = then_3_converged_2;
+    float other_1_converged_2 = then_1_converged_2;
+    float other_2_converged_2 = then_2_converged_2;
+    float converged_part_80 = cost_converged_2;
+    if (!better_converged_2) {
+        other_3_converged_2 = other_3_converged;
+        other_1_converged_2 = other_1_converged;
+        other_2_converged_2 = other_2_converged;
+        converged_part_80 = converged_part_54;
+    }
+    const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ?
+        (then_3_converged_2 + (forward_3_converged_2 / converged_part_79)) :
+        (0.5f * (then_3_converged_2 + other_3_converged_2)), 0.14022085f);
+    const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
+    const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
+    const float half_converged_3 = then_3_converged_3 * f10_polynomial(then_3_converged_3_squared);
+    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
+    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
+    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
+    const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
+    const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
+        ((gradient_1_converged_3 * converged_part_76) - (row_1_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
+    const float limited_3_cosine_converged_3 = hall_position_three_limit(-fall_converged_3, 0.14022085f);
+    const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
+    const float by_ax_converged_3 = hall_position_three_limit(then_1_converged_3 -
+        (1.5812683f * limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
+    const float f11_argument_5 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = f11_polynomial(f11_argument_5);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * f12_polynomial(f11_argument_5);
+    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
+        (start_cosine_ax * by_sine_ax_converged_3);
+    const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_part_82 = converged_part_81 * converged_part_3;
+    const float converged_part_83 = phasors_1_sine_converged_3 * (converged_part +
+        (converged_part_81 * (converged_part_2 + converged_part_82)));
+    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) -
+        (turns_3_sine_converged_3 * measured_2) - converged_part_83;
+    const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
+        ((gradient_2_converged_3 * converged_part_78) - (row_2_converged_3 * moves_3_converged_2))) :
+        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float by_ay_converged_3 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) -
+        (1.5812683f * limited_3_sine_converged_3);
+    const float f11_argument_6 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = f11_polynomial(f11_argument_6);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * f12_polynomial(f11_argument_6);
+    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
+        (start_cosine_ay * by_sine_ay_converged_3);
+    const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_part_85 = converged_part_84 * converged_part_3;
+    const float converged_part_86 = phasors_2_sine_converged_3 * (converged_part +
+        (converged_part_84 * (converged_part_2 + converged_part_85)));
+    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) +
+        (turns_3_sine_converged_3 * measured_1) - converged_part_86;
+    const float by_bx_converged_3 = hall_position_three_limit(then_1_converged_3 -
+        (0.0858702f * limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
+    const float f13_argument_5 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = f13_polynomial(f13_argument_5);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * f14_polynomial(f13_argument_5);
+    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
+        (start_cosine_bx * by_sine_bx_converged_3);
+    const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_part_88 = converged_part_87 * converged_part_11;
+    const float converged_part_89 = phasors_3_sine_converged_3 * (converged_part_9 +
+        (converged_part_87 * (converged_part_10 + converged_part_88)));
+    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) -
+        (turns_3_sine_converged_3 * measured_4) - converged_part_89;
+    const float by_converged_3 = hall_position_three_limit(then_2_converged_3 +
+        (0.08168141f * limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
+    const float f13_argument_6 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = f13_polynomial(f13_argument_6);
+    const float by_sine_converged_3 = by_converged_3 * f14_polynomial(f13_argument_6);
+    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
+        (start_cosine_by * by_sine_converged_3);
+    const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_part_91 = converged_part_90 * converged_part_11;
+    const float converged_part_92 = phasors_4_sine_converged_3 * (converged_part_9 +
+        (converged_part_90 * (converged_part_10 + converged_part_91)));
+    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) +
+        (turns_3_sine_converged_3 * measured_3) - converged_part_92;
+    const float by_cx_converged_3 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) +
+        (1.6650441f * limited_3_sine_converged_3);
+    const float f17_argument_3 = by_cx_converged_3 * by_cx_converged_3;
+    const float by_cosine_cx_converged_3 = f17_polynomial(f17_argument_3);
+    const float by_sine_cx_converged_3 = by_cx_converged_3 * f18_polynomial(f17_argument_3);
+    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_cx_converged_3) +
+        (start_cosine_cx * by_sine_cx_converged_3);
+    const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
+    const float converged_part_94 = converged_part_93 * converged_part_19;
+    const float converged_part_95 = phasors_5_sine_converged_3 * (converged_part_17 +
+        (converged_part_93 * (converged_part_18 + converged_part_94)));
+    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) -
+        (turns_3_sine_converged_3 * measured_6) - converged_part_95;
+    const float by_cy_converged_3 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) +
+        (1.6671385f * limited_3_sine_converged_3);
+    const float f17_argument_4 = by_cy_converged_3 * by_cy_converged_3;
+    const float by_cosine_cy_converged_3 = f17_polynomial(f17_argument_4);
+    const float by_sine_cy_converged_3 = by_cy_converged_3 * f18_polynomial(f17_argument_4);
+    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_cy_converged_3) +
+        (start_cosine_cy * by_sine_cy_converged_3);
+    const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
+    const float converged_part_97 = converged_part_96 * converged_part_19;
+    const float converged_part_98 = phasors_6_sine_converged_3 * (converged_part_17 +
+        (converged_part_96 * (converged_part_18 + converged_part_97)));
+    const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) +
+        (turns_3_sine_converged_3 * measured_5) - converged_part_98;
+    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
+        residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
+        residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
+        residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
+        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_80) + 1e-08f);
+    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
+        (ax_part_full * by_sine_ax_converged_3)) * (converged_part +
+        (converged_part_81 * (converged_part_2_scaled + (5.0f * converged_part_82))));
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) -
+        (1.5833627f * turns_3_cosine_converged_3))) + converged_part_86;
+    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
+        (ay_part_full * by_sine_ay_converged_3)) * (converged_part +
+        (converged_part_84 * (converged_part_2_scaled + (5.0f * converged_part_85))));
+    const float converged_part_99 = converged_part_83 -
+        (rows_2_2_converged_4 * ((-1.5812683f * turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
+    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
+        (bx_part_full * by_sine_bx_converged_3)) * (converged_part_9 +
+        (converged_part_87 * (converged_part_10_scaled + (5.0f * converged_part_88))));
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) -
+        (0.08168141f * turns_3_cosine_converged_3))) + converged_part_92;
+    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
+        (by_part_full * by_sine_converged_3)) * (converged_part_9 +
+        (converged_part_90 * (converged_part_10_scaled + (5.0f * converged_part_91))));
+    const float converged_part_100 = converged_part_89 - (rows_4_2_converged_4 *
+        ((-0.0858702f * turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
+    const float rows_5_1_converged_4 = ((start_cosine_cx * by_cosine_cx_converged_3) -
+        (cx_part_full * by_sine_cx_converged_3)) * (converged_part_17 +
+        (converged_part_93 * (converged_part_18_scaled + (5.0f * converged_part_94))));
+    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) -
+        (1.6671385f * turns_3_sine_converged_3))) + converged_part_98;
+    const float rows_6_2_converged_4 = ((start_cosine_cy * by_cosine_cy_converged_3) -
+        (cy_part_full * by_sine_cy_converged_3)) * (converged_part_17 +
+        (converged_part_96 * (converged_part_18_scaled + (5.0f * converged_part_97))));
+    const float converged_part_101 = converged_part_95 -
+        (rows_6_2_converged_4 * ((1.6671385f * turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
+    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
+        (rows_3_3_converged_4 * rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
+    const float converged_part_102 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
+        (rows_3_1_converged_4 * rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
+    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_102, 4693.3496f);
+    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
+        (rows_3_1_converged_4 * residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) -
+        (0.00992376f * then_1_converged_3);
+    const float converged_part_103 = (converged_part_99 * rows_2_2_converged_4) +
+        (converged_part_100 * rows_4_2_converged_4) + (converged_part_101 * rows_6_2_converged_4);
+    const float converged_part_104 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
+        (rows_4_2_converged_4 * rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
+    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_103 * converged_part_104), 4693.3496f);
+    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
+        (rows_4_2_converged_4 * residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) -
+        (0.00992376f * then_2_converged_3);
+    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) -
+        (converged_part_99 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
+        (converged_part_100 * residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) -
+        (converged_part_101 * residuals_6_converged_4) - (0.87438375f * then_3_converged_3) -
+        (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4);
+    const float converged_part_105 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
+        (converged_part_99 * converged_part_99) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+        (converged_part_100 * converged_part_100) + (rows_5_3_converged_4 * rows_5_3_converged_4) +
+        (converged_part_101 * converged_part_101) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) +
+        (row_2_converged_4 * converged_part_103), 0.87438375f);
+    float other_3_converged_3 = then_3_converged_3;
+    float other_1_converged_3 = then_1_converged_3;
+    float other_2_converged_3 = then_2_converged_3;
+    float converged_part_106 = cost_converged_3;
+    if (!better_converged_3) {
+        other_3_converged_3 = other_3_converged_2;
+        other_1_converged_3 = other_1_converged_2;
+        other_2_converged_3 = other_2_converged_2;
+        converged_part_106 = converged_part_80;
+    }
+    const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ?
+        (then_3_converged_3 + (forward_3_converged_3 / converged_part_105)) :
+        (0.5f * (then_3_converged_3 + other_3_converged_3)), 0.14022085f);
+    const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
+    const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
+    const float half_converged_4 = then_3_converged_4 * f10_polynomial(then_3_converged_4_squared);
+    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
+    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
+    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
+    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
+    const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
+    const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
+        ((gradient_1_converged_4 * converged_part_102) - (row_1_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
+    const float limited_3_cosine_converged_4 = hall_position_three_limit(-fall_converged_4, 0.14022085f);
+    const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
+    const float by_ax_converged_4 = hall_position_three_limit(then_1_converged_4 -
+        (1.5812683f * limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
+    const float f11_argument_7 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = f11_polynomial(f11_argument_7);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * f12_polynomial(f11_argument_7);
+    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
+        (start_cosine_ax * by_sine_ax_converged_4);
+    const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_part_108 = converged_part_107 * converged_part_3;
+    const float converged_part_109 = phasors_1_sine_converged_4 * (converged_part +
+        (converged_part_107 * (converged_part_2 + converged_part_108)));
+    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) -
+        (turns_3_sine_converged_4 * measured_2) - converged_part_109;
+    const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
+        ((gradient_2_converged_4 * converged_part_104) - (row_2_converged_4 * moves_3_converged_3))) :
+        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
+    const float by_ay_converged_4 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) -
+        (1.5812683f * limited_3_sine_converged_4);
+    const float f11_argument_8 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = f11_polynomial(f11_argument_8);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * f12_polynomial(f11_argument_8);
+    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
+        (start_cosine_ay * by_sine_ay_converged_4);
+    const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_part_111 = converged_part_110 * converged_part_3;
+    const float converged_part_112 = phasors_2_sine_converged_4 * (converged_part +
+        (converged_part_110 * (converged_part_2 + converged_part_111)));
+    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) +
+        (turns_3_sine_converged_4 * measured_1) - converged_part_112;
+    const float by_bx_converged_4 = hall_position_three_limit(then_1_converged_4 -
+        (0.0858702f * limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
+    const float f13_argument_7 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = f13_polynomial(f13_argument_7);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * f14_polynomial(f13_argument_7);
+    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
+        (start_cosine_bx * by_sine_bx_converged_4);
+    const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_part_114 = converged_part_113 * converged_part_11;
+    const float converged_part_115 = phasors_3_sine_converged_4 * (converged_part_9 +
+        (converged_part_113 * (converged_part_10 + converged_part_114)));
+    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) -
+        (turns_3_sine_converged_4 * measured_4) - converged_part_115;
+    const float by_converged_4 = hall_position_three_limit(then_2_converged_4 +
+        (0.08168141f * limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
+    const float f13_argument_8 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = f13_polynomial(f13_argument_8);
+    const float by_sine_converged_4 = by_converged_4 * f14_polynomial(f13_argument_8);
+    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
+        (start_cosine_by * by_sine_converged_4);
+    const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_part_117 = converged_part_116 * converged_part_11;
+    const float converged_part_118 = phasors_4_sine_converged_4 * (converged_part_9 +
+        (converged_part_116 * (converged_part_10 + converged_part_117)));
+    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) +
+        (turns_3_sine_converged_4 * measured_3) - converged_part_118;
+    const float by_cx_converged_4 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) +
+        (1.6650441f * limited_3_sine_converged_4);
+    const float f17_argument_5 = by_cx_converged_4 * by_cx_converged_4;
+    const float by_cosine_cx_converged_4 = f17_polynomial(f17_argument_5);
+    const float by_sine_cx_converged_4 = by_cx_converged_4 * f18_polynomial(f17_argument_5);
+    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_cx_converged_4) +
+        (start_cosine_cx * by_sine_cx_converged_4);
+    const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
+    const float converged_part_120 = converged_part_119 * converged_part_19;
+    const float converged_part_121 = phasors_5_sine_converged_4 * (converged_part_17 +
+        (converged_part_119 * (converged_part_18 + converged_part_120)));
+    const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) -
+        (turns_3_sine_converged_4 * measured_6) - converged_part_121;
+    const float by_cy_converged_4 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) +
+        (1.6671385f * limited_3_sine_converged_4);
+    const float f17_argument_6 = by_cy_converged_4 * by_cy_converged_4;
+    const float by_cosine_cy_converged_4 = f17_polynomial(f17_argument_6);
+    const float by_sine_cy_converged_4 = by_cy_converged_4 * f18_polynomial(f17_argument_6);
+    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_cy_converged_4) +
+        (start_cosine_cy * by_sine_cy_converged_4);
+    const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
+    const float converged_part_123 = converged_part_122 * converged_part_19;
+    const float converged_part_124 = phasors_6_sine_converged_4 * (converged_part_17 +
+        (converged_part_122 * (converged_part_18 + converged_part_123)));
+    const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) +
+        (turns_3_sine_converged_4 * measured_5) - converged_part_124;
+    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
+        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
+        (residuals_4_converged_5 * residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) +
+        (residuals_6_converged_5 * residuals_6_converged_5);
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
-    const float growing_gate = innovation_gate + (innovation_gate * (float)estimator_residual_faults);
+    const float growing_gate = 0.030115018f + (0.030115018f * (float)estimator_residual_faults);
+    const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
+    const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
     const bool gate_exceeded = (growing_gate * growing_gate) <
-        (cost_4_part_6 + (squared_radius * at_3_yaw_change_sine_squared));
-    const bool better_converged = cost_4 <= ((cost_factor * converged_part) + cost_slack);
-    const float by_axis_1_1_g_converged = ((x_cosine_yaw_change_sine * by_cosine_cost_4) -
-        (x_sine_cost_0 * by_sine_cost_4)) * (slope_1_yaw_change_sine + (phases_1_sine_cost_4_squared *
-        (slope_2_yaw_change_sine + (phases_1_sine_cost_4_squared * slope_3_yaw_change_sine))));
-    const float by_axis_1_1_h_converged = B_2_cost_4 - (by_axis_1_1_g_converged * (y_phase_fraction_sine + dy_cost_4));
-    const float by_axis_1_2_g_converged = ((x_cosine_yaw_change_sine_2 * by_cosine_cost_4_2) -
-        (x_sine_cost_0_2 * by_sine_cost_4_2)) * (slope_1_yaw_change_sine_2 +
-        (cost_4_part_3 * (slope_2_yaw_change_sine_2 + (cost_4_part_3 * slope_3_yaw_change_sine_2))));
-    const float by_axis_1_2_h_converged = B_2_cost_4_2 -
-        (by_axis_1_2_g_converged * (y_phase_fraction_sine_2 + dy_cost_4_2));
-    const float by_axis_1_3_g_converged = ((x_cosine_yaw_change_sine_3 * by_cosine_cost_4_3) -
-        (x_sine_cost_0_3 * by_sine_cost_4_3)) * (slope_1_yaw_change_sine_3 +
-        (cost_4_part_5 * (slope_2_yaw_change_sine_3 + (cost_4_part_5 * slope_3_yaw_change_sine_3))));
-    const float by_axis_1_3_h_converged = B_2_cost_4_3 -
-        (by_axis_1_3_g_converged * (y_phase_fraction_sine_3 + dy_cost_4_3));
-    const float axes_1_coupling_converged = (by_axis_1_1_g_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_h_converged) + (by_axis_1_3_g_converged * by_axis_1_3_h_converged);
-    const float converged_part_2 = (by_axis_1_1_g_converged * by_axis_1_2_h_converged) -
-        (by_axis_1_2_g_converged * by_axis_1_1_h_converged);
-    const float converged_part_3 = (by_axis_1_1_g_converged * by_axis_1_3_h_converged) -
-        (by_axis_1_3_g_converged * by_axis_1_1_h_converged);
-    const float converged_part_4 = (damping * ((by_axis_1_1_h_converged * by_axis_1_1_e_cost_4) +
-        (by_axis_1_2_h_converged * by_axis_1_2_e_cost_4) + (by_axis_1_3_h_converged * by_axis_1_3_e_cost_4) +
-        (at_1_cost_4 * axes_1_coupling_converged))) + (converged_part_2 * ((by_axis_1_1_g_converged *
-        by_axis_1_2_e_cost_4) - (by_axis_1_2_g_converged * by_axis_1_1_e_cost_4))) + (converged_part_3 *
-        ((by_axis_1_1_g_converged * by_axis_1_3_e_cost_4) - (by_axis_1_3_g_converged * by_axis_1_1_e_cost_4)));
-    const float across_converged = (by_axis_1_2_g_converged * by_axis_1_3_h_converged) -
-        (by_axis_1_3_g_converged * by_axis_1_2_h_converged);
-    const float axes_1_inverse = 1.0f / (damping + ((by_axis_1_1_g_converged * by_axis_1_1_g_converged) +
-        (by_axis_1_2_g_converged * by_axis_1_2_g_converged) + (by_axis_1_3_g_converged * by_axis_1_3_g_converged)));
-    const float by_axis_2_1_g_converged = ((p_cosine_yaw_change_sine * by_cosine_cost_4_4) -
-        (p_sine_cost_0 * by_sine_cost_4_4)) * (slope_1_yaw_change_sine +
-        (q_cost_4 * (slope_2_yaw_change_sine + (q_cost_4 * slope_3_yaw_change_sine))));
-    const float by_axis_2_1_h_converged = (by_axis_2_1_g_converged * (x_phase_fraction_sine - cost_4_part)) -
-        B_1_cost_4;
-    const float by_axis_2_2_g_converged = ((p_cosine_yaw_change_sine_2 * by_cosine_cost_4_5) -
-        (p_sine_cost_0_2 * by_sine_cost_4_5)) * (slope_1_yaw_change_sine_2 +
-        (q_cost_4_2 * (slope_2_yaw_change_sine_2 + (q_cost_4_2 * slope_3_yaw_change_sine_2))));
-    const float by_axis_2_2_h_converged = (by_axis_2_2_g_converged * (x_phase_fraction_sine_2 - cost_4_part_2)) -
-        B_1_cost_4_2;
-    const float by_axis_2_3_g_converged = ((p_cosine_yaw_change_sine_3 * by_cosine_cost_4_6) -
-        (p_sine_cost_0_3 * by_sine_cost_4_6)) * (slope_1_yaw_change_sine_3 +
-        (q_cost_4_3 * (slope_2_yaw_change_sine_3 + (q_cost_4_3 * slope_3_yaw_change_sine_3))));
-    const float by_axis_2_3_h_converged = (by_axis_2_3_g_converged * (x_phase_fraction_sine_3 - cost_4_part_4)) -
-        B_1_cost_4_3;
-    const float n_coupling = (by_axis_2_1_g_converged * by_axis_2_1_h_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_h_converged) + (by_axis_2_3_g_converged * by_axis_2_3_h_converged);
-    const float converged_part_5 = (by_axis_2_1_g_converged * by_axis_2_2_h_converged) -
-        (by_axis_2_2_g_converged * by_axis_2_1_h_converged);
-    const float converged_part_6 = (by_axis_2_1_g_converged * by_axis_2_3_h_converged) -
-        (by_axis_2_3_g_converged * by_axis_2_1_h_converged);
-    const float converged_part_7 = (damping * ((by_axis_2_1_h_converged * by_axis_2_1_e_cost_4) +
-        (by_axis_2_2_h_converged * by_axis_2_2_e_cost_4) + (by_axis_2_3_h_converged * by_axis_2_3_e_cost_4) +
-        (at_2_cost_4 * n_coupling))) + (converged_part_5 * ((by_axis_2_1_g_converged * by_axis_2_2_e_cost_4) -
-        (by_axis_2_2_g_converged * by_axis_2_1_e_cost_4))) + (converged_part_6 *
-        ((by_axis_2_1_g_converged * by_axis_2_3_e_cost_4) - (by_axis_2_3_g_converged * by_axis_2_1_e_cost_4)));
-    const float across_converged_2 = (by_axis_2_2_g_converged * by_axis_2_3_h_converged) -
-        (by_axis_2_3_g_converged * by_axis_2_2_h_converged);
-    const float n_inverse = 1.0f / (damping + ((by_axis_2_1_g_converged * by_axis_2_1_g_converged) +
-        (by_axis_2_2_g_converged * by_axis_2_2_g_converged) + (by_axis_2_3_g_converged * by_axis_2_3_g_converged)));
-    const float right_converged = ((converged_part_4 + (across_converged * ((by_axis_1_2_g_converged *
-        by_axis_1_3_e_cost_4) - (by_axis_1_3_g_converged * by_axis_1_2_e_cost_4)))) * axes_1_inverse) +
-        ((converged_part_7 + (across_converged_2 * ((by_axis_2_2_g_converged * by_axis_2_3_e_cost_4) -
-        (by_axis_2_3_g_converged * by_axis_2_2_e_cost_4)))) * n_inverse) - (yaw_damping * at_3_yaw_change_sine);
-    const float data_converged = (((damping * ((by_axis_1_1_h_converged * by_axis_1_1_h_converged) +
-        (by_axis_1_2_h_converged * by_axis_1_2_h_converged) + (by_axis_1_3_h_converged * by_axis_1_3_h_converged))) +
-        (converged_part_2 * converged_part_2) + (converged_part_3 * converged_part_3) + (across_converged *
-        across_converged)) * axes_1_inverse) + (((damping * ((by_axis_2_1_h_converged * by_axis_2_1_h_converged) +
-        (by_axis_2_2_h_converged * by_axis_2_2_h_converged) + (by_axis_2_3_h_converged * by_axis_2_3_h_converged))) +
-        (converged_part_5 * converged_part_5) + (converged_part_6 * converged_part_6) +
-        (across_converged_2 * across_converged_2)) * n_inverse);
-    const float converged_part_8 = 1.0f / (yaw_damping + data_converged);
-    const float axes_1_slope_converged = (by_axis_1_1_g_converged * by_axis_1_1_e_cost_4) + (by_axis_1_2_g_converged *
-        by_axis_1_2_e_cost_4) + (by_axis_1_3_g_converged * by_axis_1_3_e_cost_4) - (damping * at_1_cost_4);
-    const float n_slope = (by_axis_2_1_g_converged * by_axis_2_1_e_cost_4) + (by_axis_2_2_g_converged *
-        by_axis_2_2_e_cost_4) + (by_axis_2_3_g_converged * by_axis_2_3_e_cost_4) - (damping * at_2_cost_4);
-    const bool converged = better_converged && (((right_converged * right_converged * converged_part_8) +
-        (axes_1_slope_converged * axes_1_slope_converged * axes_1_inverse) + (n_slope * n_slope * n_inverse)) <=
-        cost_slack);
-    float at_3_yaw_change_sine_2;
-    float at_1_X;
-    float at_2_Y;
+        (then_1_converged_4_squared + then_2_converged_4_squared + (3.524405f * then_3_converged_4_squared));
+    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
+        (0.00992376f * then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <=
+        ((1.000002f * converged_part_106) + 1e-08f);
+    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
+        (ax_part_full * by_sine_ax_converged_4)) * (converged_part +
+        (converged_part_107 * (converged_part_2_scaled + (5.0f * converged_part_108))));
+    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
+        (bx_part_full * by_sine_bx_converged_4)) * (converged_part_9 +
+        (converged_part_113 * (converged_part_10_scaled + (5.0f * converged_part_114))));
+    const float rows_5_1_converged_5 = ((start_cosine_cx * by_cosine_cx_converged_4) -
+        (cx_part_full * by_sine_cx_converged_4)) * (converged_part_17 +
+        (converged_part_119 * (converged_part_18_scaled + (5.0f * converged_part_120))));
+    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
+        (rows_3_1_converged_5 * residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) -
+        (0.00992376f * then_1_converged_4);
+    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
+        (rows_3_1_converged_5 * rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
+    const float converged_part_125 = gradient_1_converged_5 * inverse_1;
+    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
+        (ay_part_full * by_sine_ay_converged_4)) * (converged_part +
+        (converged_part_110 * (converged_part_2_scaled + (5.0f * converged_part_111))));
+    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
+        (by_part_full * by_sine_converged_4)) * (converged_part_9 +
+        (converged_part_116 * (converged_part_10_scaled + (5.0f * converged_part_117))));
+    const float rows_6_2_converged_5 = ((start_cosine_cy * by_cosine_cy_converged_4) -
+        (cy_part_full * by_sine_cy_converged_4)) * (converged_part_17 +
+        (converged_part_122 * (converged_part_18_scaled + (5.0f * converged_part_123))));
+    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
+        (rows_4_2_converged_5 * residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) -
+        (0.00992376f * then_2_converged_4);
+    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
+        (rows_4_2_converged_5 * rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
+    const float converged_part_126 = gradient_2_converged_5 * inverse_2;
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) -
+        (1.5833627f * turns_3_cosine_converged_4))) + converged_part_112;
+    const float converged_part_127 = converged_part_109 -
+        (rows_2_2_converged_5 * ((-1.5812683f * turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) -
+        (0.08168141f * turns_3_cosine_converged_4))) + converged_part_118;
+    const float converged_part_128 = converged_part_115 - (rows_4_2_converged_5 *
+        ((-0.0858702f * turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
+    const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) -
+        (1.6671385f * turns_3_sine_converged_4))) + converged_part_124;
+    const float converged_part_129 = converged_part_121 -
+        (rows_6_2_converged_5 * ((1.6671385f * turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
+    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
+        (rows_3_3_converged_5 * rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
+    const float x_converged = hall_position_three_limit(left_3_1_converged_5 * inverse_1, 4693.3496f);
+    const float converged_part_130 = (converged_part_127 * rows_2_2_converged_5) +
+        (converged_part_128 * rows_4_2_converged_5) + (converged_part_129 * rows_6_2_converged_5);
+    const float y_converged = hall_position_three_limit(-(converged_part_130 * inverse_2), 4693.3496f);
+    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) -
+        (converged_part_127 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_part_128 * residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) -
+        (converged_part_129 * residuals_6_converged_5) - (0.87438375f * then_3_converged_4) -
+        (x_converged * gradient_1_converged_5) - (y_converged * gradient_2_converged_5);
+    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_127 *
+        converged_part_127) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_128 * converged_part_128)
+        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_129 * converged_part_129) + 0.87438375f -
+        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_130), 0.87438375f);
+    const float step_converged = forward_3_converged_4 / pivot;
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_125) +
+        (gradient_2_converged_5 * converged_part_126) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
+    float at_3;
+    float at_1;
+    float at_2;
     if (converged) {
-        const float untried_3 = hall_position_three_limit(at_3_yaw_change_sine + (right_converged * converged_part_8),
-            max_yaw_step);
-        at_3_yaw_change_sine_2 = untried_3;
-        const float yaw_change_X = untried_3 - at_3_yaw_change_sine;
-        at_1_X = hall_position_three_limit(at_1_cost_4 +
-            ((axes_1_slope_converged - (axes_1_coupling_converged * yaw_change_X)) * axes_1_inverse), 0.5f);
-        at_2_Y = hall_position_three_limit(at_2_cost_4 + ((n_slope - (n_coupling * yaw_change_X)) * n_inverse), 0.5f);
+        const float untried_3 = hall_position_three_limit(then_3_converged_4 + step_converged, 0.14022085f);
+        at_3 = untried_3;
+        const float moves_3_X = untried_3 - then_3_converged_4;
+        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_125 - (x_converged * moves_3_X)), 0.5f);
+        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_126 - (y_converged * moves_3_X)), 0.5f);
     } else {
-        if (better_converged) {
-            at_3_yaw_change_sine_2 = at_3_yaw_change_sine;
-            at_1_X = at_1_cost_4;
-            at_2_Y = at_2_cost_4;
+        if (better_converged_4) {
+            at_3 = then_3_converged_4;
+            at_1 = then_1_converged_4;
+            at_2 = then_2_converged_4;
         } else {
-            at_3_yaw_change_sine_2 = other_3_yaw_change_sine_3;
-            at_1_X = other_1_cost_4;
-            at_2_Y = other_2_cost_4;
+            at_3 = other_3_converged_3;
+            at_1 = other_1_converged_3;
+            at_2 = other_2_converged_3;
         }
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const uint32_t estimator_searching = state->estimator_searching;
-    bool lost_yaw_change_sine = gate_exceeded;
+    bool lost_X = gate_exceeded;
     if (estimator_ambiguity_resolved == 0u) {
-        lost_yaw_change_sine = (estimator_searching != 0u) &&
-            !(fabsf(prediction_yaw + at_3_yaw_change_sine_2 - estimator_yaw_last_good) <= yaw_window);
+        lost_X = (estimator_searching != 0u) &&
+            !(fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f);
     }
-    const bool integrity_residual_fault = ((squared_residual_limit * freedom) < squares_cost_4) || lost_yaw_change_sine;
+    const bool integrity_residual_fault = ((0.01f * freedom) < squares_converged_2) || lost_X;
     const bool tracking = estimator_searching == 0u;
-    float yaw_yaw_change_sine = 0.0f;
     float by_phase_x = 0.0f;
+    float yaw_X = 0.0f;
     float by_phase_y = 0.0f;
     float estimator_motion_x_part = 0.0f;
     float estimator_motion_y_part = 0.0f;
     float estimator_motion_yaw_part = 0.0f;
     if (!(integrity_residual_fault && tracking)) {
-        yaw_yaw_change_sine = at_3_yaw_change_sine_2;
-        by_phase_x = at_1_X;
-        by_phase_y = at_2_Y;
-        estimator_motion_x_part = 0.5f * at_1_X;
-        estimator_motion_y_part = 0.5f * at_2_Y;
-        estimator_motion_yaw_part = yaw_gain * at_3_yaw_change_sine_2;
+        by_phase_x = at_1;
+        yaw_X = at_3;
+        by_phase_y = at_2;
+        estimator_motion_x_part = 0.5f * at_1;
+        estimator_motion_y_part = 0.5f * at_2;
+        estimator_motion_yaw_part = 0.1f * at_3;
     }
-    const float yaw_change_sine_argument = yaw_yaw_change_sine * yaw_yaw_change_sine;
-    const float yaw_change_sine_5 = yaw_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_argument);
-    const float half_yaw_change_sine_5 = yaw_yaw_change_sine *
-        half_yaw_change_sine_polynomial(yaw_change_sine_argument);
-    const float X_part = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < X_part;
-    float angle_x = X_part;
+    const float moved_x = prediction_phase_x + by_phase_x;
+    const bool turns_x_X = pi < moved_x;
+    float angle_x = moved_x;
     if (turns_x_X) {
-        angle_x = X_part - two_pi;
+        angle_x = moved_x - two_pi;
     }
     float pose_phase_x = angle_x;
     float turns_x_X_2 = -1.0f;
@@ -1318,16 +1203,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
     const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
-    const float by_cosine_X = 1.0f - (half_yaw_change_sine_5 * half_yaw_change_sine_5);
-    const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * yaw_change_sine_5);
-    const float sine = (heading_sine * by_cosine_X) + (heading_cosine * yaw_change_sine_5);
-    const float lever_cosine = (centre_x * cosine) + (-centre_y * sine);
-    const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x) - lever_cosine;
-    const float Y_part = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < Y_part;
-    float angle_y = Y_part;
+    const float f19_argument = yaw_X * yaw_X;
+    const float by_cosine_X = f19_polynomial(f19_argument);
+    const float by_sine_X = yaw_X * f9_polynomial(f19_argument);
+    const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * by_sine_X);
+    const float sine_X = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
+    const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
+    const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x) - lever_cosine;
+    const float moved_y = prediction_phase_y + by_phase_y;
+    const bool turns_y_Y = pi < moved_y;
+    float angle_y = moved_y;
     if (turns_y_Y) {
-        angle_y = Y_part - two_pi;
+        angle_y = moved_y - two_pi;
     }
     float pose_phase_y = angle_y;
     float turns_y_Y_2 = -1.0f;
@@ -1337,44 +1224,42 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
     const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
-    const float lever_sine = (centre_x * sine) - (-centre_y * cosine);
-    const float Y = (metre_per_rad * pose_phase_y) + (pitch * pose_pitch_y) - lever_sine;
-    const float yaw_part = prediction_yaw + yaw_yaw_change_sine;
-    float angle_yaw = yaw_part;
-    if (pi < yaw_part) {
-        angle_yaw = yaw_part - two_pi;
+    const float lever_sine = (0.0060790665f * sine_X) - (0.0040132f * cosine);
+    const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y) - lever_sine;
+    const float prediction_yaw_plus_yaw_X = prediction_yaw + yaw_X;
+    float angle = prediction_yaw_plus_yaw_X;
+    if (pi < prediction_yaw_plus_yaw_X) {
+        angle = prediction_yaw_plus_yaw_X - two_pi;
     }
-    float yaw = angle_yaw;
-    if (angle_yaw < -pi) {
-        yaw = angle_yaw + two_pi;
+    float yaw = angle;
+    if (angle < -pi) {
+        yaw = angle + two_pi;
     }
-    const float deviation_X_part = axes_1_coupling_converged * axes_1_inverse;
-    const float by_yaw_X = deviation_X_part - (wave_number * lever_sine);
-    const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
-    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X * by_yaw_X * yaw_deviation_X));
-    const float n_coupling_times_n_inverse = n_coupling * n_inverse;
-    const float by_yaw_Y = n_coupling_times_n_inverse + (wave_number * lever_cosine);
-    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y * by_yaw_Y * yaw_deviation_X));
-    const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
-    const float residual = sqrtf(least_square + (squares_cost_4 / freedom));
-    const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) +
-        (n_coupling_times_n_inverse * n_coupling_times_n_inverse)) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
-    const bool damped = damped_weight < weight;
+    const float by_yaw_X = x_converged - (123.68475f * lever_sine);
+    const float yaw_variance = 1.0f / (pivot + -0.8394084f);
+    const float deviation_X = 8.085071e-06f * sqrtf(inverse_1 + (by_yaw_X * by_yaw_X * yaw_variance));
+    const float by_yaw_Y = y_converged + (123.68475f * lever_cosine);
+    const float deviation_Y = 8.085071e-06f * sqrtf(inverse_2 + (by_yaw_Y * by_yaw_Y * yaw_variance));
+    const float deviation_yaw = 0.001f * sqrtf(yaw_variance);
+    const float residual = sqrtf(1e-30f + (squares_converged_2 / freedom));
+    const float weight = ((3.524405f + (x_converged * x_converged) + (y_converged * y_converged)) * yaw_variance) +
+        inverse_1 + inverse_2;
+    const bool damped = 15.115238f < weight;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
     const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
     const float size = fabsf(yaw);
-    const bool accepted = counted && (size <= yaw_limit);
+    const bool accepted = counted && (size <= 0.17453292f);
     const bool resolved_valid = (integrity_good && ((hall_position_three_flag(excluded_1) +
-        hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) &&
-        (weight <= unambiguous_weight) && tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
+        hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) && (weight <= 1.612292f) &&
+        tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
     const bool valid = integrity_good && resolved_valid && (estimator_lock_lost == 0u) && accepted;
     out->lock_lost = (float)estimator_lock_lost;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
-    const bool estimator_yaw_last_good_test = !integrity_residual_fault;
+    const bool faultless = !integrity_residual_fault;
     if (restart) {
-        const float start_x = state->estimator_start_x + -start_step_x;
+        const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
@@ -1382,7 +1267,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_phase_x = start_x;
             state->estimator_start_x = start_x;
         }
-        const float start_y = state->estimator_start_y + -start_step_y;
+        const float start_y = state->estimator_start_y + -2.702773f;
         if (start_y < -pi) {
             state->estimator_phase_y = start_y + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
@@ -1398,45 +1283,44 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
-        if (converged && estimator_yaw_last_good_test) {
+        if (converged && faultless) {
             state->estimator_searching = 0u;
         }
         state->estimator_ambiguity_resolved = hall_position_three_flag(resolved_valid);
-        const float squares_2 = terms_2_cost_0 + terms_5_cost_0;
-        const float squares_1 = terms_1_cost_0 + terms_4_cost_0;
-        const float square = terms_3_cost_0 + terms_6_cost_0;
+        const float squares_2 = terms_3_converged + terms_4_converged;
+        const float square = terms_5_converged + terms_6_converged;
         const float squares_2_max_squares_1 = hall_position_three_max(squares_2, squares_1);
         const float others = hall_position_three_min(squares_2, squares_1) +
             hall_position_three_min(square, squares_2_max_squares_1);
-        if (integrity_residual_fault && ((squared_inconsistent * freedom) < squares_cost_4) &&
-                (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (others <= others_agree) &&
-                ((contrast * others) <= hall_position_three_max(square, squares_2_max_squares_1))) {
+        if (integrity_residual_fault && ((1.6e-05f * freedom) < squares_converged_2) &&
+                (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (others <= 0.076f) &&
+                ((25.0f * others) <= hall_position_three_max(square, squares_2_max_squares_1))) {
             state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f :
                 ((squares_1 < squares_2) ? 2.0f : 1.0f));
         }
     }
-    if (resolved_valid && estimator_yaw_last_good_test) {
+    if (resolved_valid && faultless) {
         state->estimator_yaw_last_good = yaw;
     }
     state->estimator_pitch_x = hall_position_three_limit(pose_pitch_x, 8.0f);
     state->estimator_pitch_y = hall_position_three_limit(pose_pitch_y, 8.0f);
-    float estimator_motion_x_part_2 = 0.0f;
-    float estimator_motion_y_part_2 = 0.0f;
-    float estimator_motion_yaw_part_2 = 0.0f;
+    float continued_motion_x = 0.0f;
+    float continued_motion_y = 0.0f;
+    float continued_motion_yaw = 0.0f;
     if (estimator_searching == 0u) {
-        estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
-        estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
-        estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;
+        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
+        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
+        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
     }
-    state->estimator_motion_x = hall_position_three_limit(estimator_motion_x_part_2, 0.5f);
-    state->estimator_motion_y = hall_position_three_limit(estimator_motion_y_part_2, 0.5f);
-    state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, max_yaw_step);
+    state->estimator_motion_x = hall_position_three_limit(continued_motion_x, 0.5f);
+    state->estimator_motion_y = hall_position_three_limit(continued_motion_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_three_limit(continued_motion_yaw, 0.14022085f);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_three_flag(resolved_valid || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
-        (restart || !counted || (((resolved_valid) ? yaw_limit : ambiguous_yaw_limit) < size))));
+        (restart || !counted || (((resolved_valid) ? 0.17453292f : 0.34906584f) < size))));
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;

@@ -9,6 +9,9 @@
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
+ * At init the body is within half a pitch of the counted origin along X and Y, and within 5 degrees of yaw 0. It rests
+ * until the first valid sample. A lost position lock needs init.
+ *
  * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
  * Hall-Effect Sensors".
  *

@@ -49,8 +49,11 @@ class NormalEquations(Protocol):
     def decrease(self) -> ca.SX:
         """gradient' N^-1 gradient: the decrease of the cost by a full correction, to first order."""
 
-    def solve(self, choose: LimitStep) -> list[ca.SX]:
-        """Return the unknowns after the step N^-1 gradient, by back substitution; `choose` limits each of them."""
+    def solve(self, choose: LimitStep, scale: float = 1.0) -> list[ca.SX]:
+        """Return the unknowns after the step, N^-1 gradient times `scale`, by back substitution.
+
+        `choose` limits each of them.
+        """
 
 
 N = TypeVar("N", bound=NormalEquations)
@@ -79,7 +82,7 @@ class Solution(Generic[N]):
 
 @dataclass(frozen=True)
 class Descent:
-    """The number of `corrections`, and the `bounds` of each unknown of d.
+    """The number of `corrections`, each multiplied by `scale`, and the `bounds` of each unknown of d.
 
     A cost counts as no higher than the lowest one if it exceeds it by at most `slack` plus the relative `rounding`.
     The corrections have converged when the predicted decrease is at most `decrease_tolerance`.
@@ -90,6 +93,7 @@ class Descent:
     slack: float
     decrease_tolerance: float
     rounding: float = 0.0
+    scale: float = 1.0
 
 
 def descend(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
@@ -121,7 +125,7 @@ def _next(trial: Trial[N], better: ca.SX, best: Vector, of: Descent) -> list[ca.
         end = clip(ca.if_else(better, trial.at[i] + step, (trial.at[i] + best[i]) / 2), of.bounds[i])
         return end, end - trial.at[i]
 
-    return trial.normal.solve(choose)
+    return trial.normal.solve(choose, of.scale)
 
 
 def _choose(condition: ca.SX, then: Vector, other: Vector) -> list[ca.SX]:
@@ -153,12 +157,12 @@ class LdlNormalEquations:
         """N^-1 gradient, without limits."""
         return self.solve(lambda i, step: (step, step))
 
-    def solve(self, choose: LimitStep) -> list[ca.SX]:
-        """Return the unknowns after the step, by back substitution from the last unknown on."""
+    def solve(self, choose: LimitStep, scale: float = 1.0) -> list[ca.SX]:
+        """Return the unknowns after the step times `scale`, by back substitution from the last unknown on."""
         n = len(self.forward)
         ends, moves = [ca.SX(0)] * n, [ca.SX(0)] * n
         for i in reversed(range(n)):
-            step = self.forward[i] * self.factors.inverse[i]
+            step = scale * (self.forward[i] * self.factors.inverse[i])
             for k in range(i + 1, n):
                 step -= self.factors.lower[k][i] * moves[k]
             ends[i], moves[i] = choose(i, step)

@@ -71,12 +71,12 @@ class Reduced(Normal):
         added = [total(gain * x[i] ** 2 for gain, x in zip(gains, moves, strict=True)) for i in range(len(self.pulls))]
         return [v + a for v, a in zip(super().variances, added, strict=True)]
 
-    def solve(self, choose: LimitStep) -> list[ca.SX]:
-        """Return the unknowns after the step N_k^-1 g, each limited by itself."""
+    def solve(self, choose: LimitStep, scale: float = 1.0) -> list[ca.SX]:
+        """Return the unknowns after the step N_k^-1 g times `scale`, each limited by itself."""
         scaled = [gain * p for gain, p in zip(self.removal.gains, self.projections, strict=True)]
         steps = super().solve(lambda i, step: (step, step))
         added = [total(x[i] * v for x, v in zip(self.removal.moves, scaled, strict=True)) for i in range(len(steps))]
-        return [choose(i, step + a)[0] for i, (step, a) in enumerate(zip(steps, added, strict=True))]
+        return [choose(i, scale * (step + a))[0] for i, (step, a) in enumerate(zip(steps, added, strict=True))]
 
 
 def solve(

@@ -11,7 +11,7 @@ Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
 
-An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq.
+An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq. A Turned model brings its H.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
 weighted least squares).
@@ -27,7 +27,7 @@ import numpy as np
 from synth import arguments
 from synth import law as laws
 from synth.block import Constant, Exprs
-from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Turned, Unknown
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
@@ -91,7 +91,7 @@ class Model:
 
 
 def model(
-    h: Measurement | Implicit,
+    h: Measurement | Implicit | Turned,
     R: Array,
     channels: Sequence[Signal],
     angles: Sequence[str],
@@ -108,14 +108,18 @@ def model(
     _check(R, channels, unknowns)
     if strangers := [n for n in angles if n not in signal_names(channels)]:
         raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
+    if isinstance(h, Turned):
+        _check_pairs(h, channels, unknowns)
     of = _symbols(channels, unknowns, phases, constants)
     q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
     turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
     slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
+    moving, turning = _fixed_axes(h, of, q, k) if isinstance(h, Turned) else (residuals, {})
     columns = [
-        _derivative(residuals, u, of) + _by_phases(residuals, s, of) for u, s in zip(unknowns, slopes, strict=True)
+        _derivative(moving, u, of) + _by_phases(moving, s, of) + turning.get(u.name, 0)
+        for u, s in zip(unknowns, slopes, strict=True)
     ]
     H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
     phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
@@ -125,7 +129,7 @@ def model(
     function = ca.Function("model", of.vectors, [residuals, H, directions])
     used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
     arrays = readonly(whitening), scale, phase_function, phase_changes, function
-    return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, isinstance(h, Implicit))
+    return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, not callable(h))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,15 +170,30 @@ def _symbols(
     )
 
 
-def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
+def _residuals(h: Measurement | Implicit | Turned, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
     """Return the residuals (m,): y - h, or those of an Implicit model."""
     y = laws.NamedSymbols("h: the channels", of.y)
-    values = laws.evaluate("h", h.residual, q, y, k) if isinstance(h, Implicit) else laws.evaluate("h", h, q, k)
+    values = laws.evaluate("h", h, q, k) if callable(h) else laws.evaluate("h", h.residual, q, y, k)
     if not isinstance(values, Mapping):
         raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
     laws.require_names("h", list(of.y), values)
     laws.check_numbers("h", {n: ca.SX(v) for n, v in values.items()}, [*q.values(), *k.values(), *y.values()])
-    return ca.vcat([ca.SX(values[n]) if isinstance(h, Implicit) else symbol - values[n] for n, symbol in of.y.items()])
+    return ca.vcat([symbol - values[n] if callable(h) else ca.SX(values[n]) for n, symbol in of.y.items()])
+
+
+def _fixed_axes(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return -f (m,) of a Turned model, and what the turn adds to its derivative by the angle."""
+    f = laws.evaluate("h", h.fixed, q, k)
+    turning = h.turning(f)
+    return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
+
+
+def _check_pairs(h: Turned, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
+    angles = [u.name for u in unknowns if u.rate == 1]
+    if h.angle not in angles:
+        raise SignalError(f"the body turns by '{h.angle}', which is no unknown angle in rad: {', '.join(angles)}")
+    if sorted(n for pair in h.pairs for n in pair) != sorted(signal_names(channels)):
+        raise SignalError(f"the pairs {list(h.pairs)} are not the channels: each stands in one pair")
 
 
 def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:

@@ -89,8 +89,12 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
             for u, start, d in zip(of.unknowns, values, at, strict=True)
         ]
         moved = [(u, value, d) for u, value, d in zip(of.unknowns, values, at, strict=True) if u.rate]
-        turns = [start if start is ANY else _move(start, *by) for start, by in zip(turns, moved, strict=True)]
-        changes = _phase_changes(of, prediction, values, turns, at)
+        chords = [ANY if start is ANY else _chord(start, *by) for start, by in zip(turns, moved, strict=True)]
+        turns = [
+            start if start is ANY else _move(start, chord, u, value)
+            for start, chord, (u, value, _) in zip(turns, chords, moved, strict=True)
+        ]
+        changes = _phase_changes(of, prediction, values, turns, chords, at)
         phasors = [
             _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
             for p, start, change in zip(of.phases, phasors, changes, strict=True)
@@ -109,21 +113,26 @@ def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX
 
 
 def _phase_changes(
-    of: Model, prediction: Prediction, values: Vector, turns: Sequence[Phasor], at: Vector
+    of: Model,
+    prediction: Prediction,
+    values: Vector,
+    turns: Sequence[Phasor],
+    chords: Sequence[Phasor],
+    at: Vector,
 ) -> list[ca.SX]:
     """Return how far the phases move; of affine ones from limited changes of phasors, which bound them."""
     if of.phase_changes is None:
         phases = _phases(of, values, turns, prediction.constants)
         return [a - before for a, before in zip(phases, prediction.phases, strict=True)]
-    chords = []
-    for u, turn, start in zip(of.turning, turns, prediction.turns, strict=True):
+    limited = []
+    for u, chord in zip(of.turning, chords, strict=True):
         most = Signal("chord", "1", -u.rate * u.step, u.rate * u.step)
-        chords.append(Phasor(clip(turn.cosine - start.cosine, most), clip(turn.sine - start.sine, most)))
+        limited.append(ANY if chord is ANY else Phasor(clip(chord.cosine, most), clip(chord.sine, most)))
     moved = [
         d if u.periodic else end - start
         for u, d, end, start in zip(of.unknowns, at, values, prediction.values, strict=True)
     ]
-    changes = of.phase_changes(ca.vcat(moved), *_columns(chords), prediction.constants)
+    changes = of.phase_changes(ca.vcat(moved), *_columns(limited), prediction.constants)
     return [changes[i] for i in range(len(of.phases))]
 
 
@@ -131,8 +140,18 @@ def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
     return ca.vcat([p.cosine for p in phasors]), ca.vcat([p.sine for p in phasors])
 
 
-def _move(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
-    return phasor.of(value) if u.angle else _rotate(start, u.rate * by)
+def _chord(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
+    """Return how far a phasor moves; of a rotation, 1 - cos b = sin b tan(b / 2) without a difference of cosines."""
+    if u.angle:
+        turn = phasor.of(value)
+        return Phasor(turn.cosine - start.cosine, turn.sine - start.sine)
+    sine, half = ca.sin(u.rate * by), ca.tan(u.rate * by / 2)
+    fall = sine * (half * start.cosine + start.sine)
+    return Phasor(-fall, sine * (start.cosine - half * start.sine))
+
+
+def _move(start: Phasor, chord: Phasor, u: Unknown, value: ca.SX) -> Phasor:
+    return phasor.of(value) if u.angle else Phasor(start.cosine + chord.cosine, start.sine + chord.sine)
 
 
 def _rotate(start: Phasor, by: ca.SX) -> Phasor:

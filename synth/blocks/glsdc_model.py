@@ -3,13 +3,14 @@
     h(q, k):   maps unknowns q and constants k by name to the value of each channel; of a periodic unknown q_i and of a
                Phase a there are cos_<name> and sin_<name> besides
     Implicit:  e(q, y, k) maps to the residuals instead, for models that are simpler in other axes than the sensors'
+    Turned:    f(q, k) maps to plane vectors in fixed axes, which a body measures that an unknown angle turns
     R:         covariance of the errors v, f^2 (noise^2 + model_error^2)
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
 weighted least squares).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
@@ -36,6 +37,36 @@ class Implicit:
     """
 
     residual: Callable[[Exprs, Exprs, Exprs], Exprs]
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A model of plane vectors in fixed axes, `fixed`(q, k), measured in those of a body at the unknown `angle`, rad.
+
+    The two channels of a vector are one of the `pairs`, of equal variances. In fixed axes, with R(angle) and its
+    derivative J R, the residual and the Jacobian of y - R'f are
+
+        e = R y - f,    H = df/dq + J'f on the angle
+
+    A derivative of e would have J'R y, which differs from J'f by the residual: far from a solution these are other
+    corrections than those of the measured channels.
+    """
+
+    fixed: Measurement
+    angle: str
+    pairs: Sequence[tuple[str, str]]
+
+    def residual(self, q: Exprs, y: Exprs, k: Exprs) -> Exprs:
+        """Return e of each channel."""
+        c, s, f = q[f"cos_{self.angle}"], q[f"sin_{self.angle}"], self.fixed(q, k)
+        of: dict[str, ca.SX] = {}
+        for a, b in self.pairs:
+            of |= {a: c * y[a] - s * y[b] - f[a], b: c * y[b] + s * y[a] - f[b]}
+        return of
+
+    def turning(self, f: Exprs) -> Exprs:
+        """Return J'f of each channel, of vectors f."""
+        return {name: v for a, b in self.pairs for name, v in ((a, f[b]), (b, -f[a]))}
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,8 @@ class Iteration:
     """How the cost is minimised: corrections a sample, with the Jacobian of each trial or that of the first (`held`).
 
     With the `descent_check` the result has no higher cost than the prediction; a correction that raises the cost is
-    halved. The result has converged when the next correction is below `convergence` standard deviations.
+    halved. The result has converged when the next correction is below `convergence` standard deviations. `scale`
+    multiplies each correction.
 
     Raises ModelError for a value out of its range.
     """
@@ -43,6 +44,7 @@ class Iteration:
     held_jacobian: bool = False
     descent_check: bool = False
     convergence: float = numeric.between(0, 0.1, 1)
+    scale: float = numeric.between(0, 1.0, 1)
 
     def __post_init__(self) -> None:
         numeric.check_fields(self)
@@ -98,7 +100,8 @@ def iterate(of: Model, iteration: Iteration, evaluate: Callable[[int, Vector], T
     """Return the result of the corrections, with the descent check if the iteration has it."""
     variance = of.scale**2
     bounds = tuple(Signal(f"step_{u.name}", u.signal.unit, -u.step, u.step) for u in of.unknowns)
-    descent = Descent(iteration.corrections, bounds, SLACK * variance, iteration.convergence**2 * variance, ROUNDING)
+    tolerance = iteration.convergence**2 * variance
+    descent = Descent(iteration.corrections, bounds, SLACK * variance, tolerance, ROUNDING, iteration.scale)
     return (glsdc.descend if iteration.descent_check else glsdc.iterate)(evaluate, descent)
 
 

@@ -31,12 +31,14 @@ def emit(
     libm: bool = False,
     error: float | None = None,
     header_notes: Sequence[str] = (),
+    warning: str = "",
 ) -> EmittedCode:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
     Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
     variable become polynomials with a relative error of at most `error`, by default 2e-7 in float32 and 1e-14 in
     float64; with `libm` they remain calls of the C library. `header_notes` are further sentences of the header.
+    A `warning` stands in the first line of header and manifest, before anything else.
 
     For a Block that latches, the manifest documents its safety.
 
@@ -47,12 +49,12 @@ def emit(
     made = pipeline.c_source(rounded, scalar, libm, error)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
-        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes),
+        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning),
     }
     observed = diagnostics.manifest_entry(rounded, made.program)
     document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
-    texts["manifest.json"] = manifest.dumps(document)
+    texts["manifest.json"] = manifest.dumps(document, warning)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
     return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced)
 

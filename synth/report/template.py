@@ -74,7 +74,8 @@ def report(
     ]
     known = {**values(stage, rows), **extra.values}
     parts = [replaced.get(s.title, s) for s in computed]
-    return assemble(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
+    about = f"{stage.name}: {stage.warning} {stage.about}" if stage.warning else stage.about
+    return assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known)
 
 
 def assemble(

@@ -1,25 +1,21 @@
 """Position and yaw from four two-axis Hall sensors, with the field's amplitude estimated and a faulty sensor excluded.
 
-residuals   R(yaw) V_k - a B(phase_k),   phase_k = w (X, Y) + w R(yaw) r_k        of sensor k at r_k in the body
-unknowns    w X, w Y in rad, the yaw, and the amplitude a with a prior about 1
+The model is `glsdc.planar`, of the body's origin; the amplitude has a prior about 1.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from math import hypot, pi
+from math import pi
 from string import ascii_lowercase
-
-import casadi as ca
 
 from designs.hall_position.four import metres
 from designs.hall_position.four.parameters import Tuning
-from designs.hall_position.glsdc import channels
-from models import hall_planar
+from designs.hall_position.glsdc import channels, planar
 from models.hall_two_waves import PlanarArray
-from synth.block import Block, Exprs
+from synth.block import Block
 from synth.blocks import glsdc_estimator, glsdc_model, safety, screening
 from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Implicit, Phase, Unknown
+from synth.blocks.glsdc_model import Implicit, Unknown
 from synth.blocks.glsdc_search import Search
 from synth.blocks.glsdc_solution import Iteration
 from synth.composition import compose
@@ -55,16 +51,18 @@ def guard_and_locate(
 def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block:
     """Return the estimator of w X, w Y, the yaw and the amplitude."""
     volts = channels.voltages(len(array.positions))
-    count = len(volts)
+    count, w = len(volts), array.wave_number
+    arms = [(w * x, w * y) for x, y in array.positions]
+    field = partial(planar.field, len(array.positions), 0.0, amplitude="amplitude")
     return glsdc_estimator.estimator(
         "estimator",
         time,
-        Implicit(partial(_residuals, array)),
+        Implicit(planar.in_body_axes(field, len(array.positions)).residual),
         glsdc_model.covariance([array.deviation] * count, [tuning.model_error] * count),
         channels=volts,
         unknowns=_unknowns(tuning),
-        phases=_phases(array, tuning),
-        constants=[c for c in hall_planar.field_constants(array) if c.name.startswith("field")],
+        phases=planar.phases(arms, pi, tuning.phase_step, tuning.yaw_step),
+        constants=planar.field_constants(array),
         iteration=Iteration(tuning.corrections, held_jacobian=True),
         integrity=integrity(array, tuning),
         search=search(tuning),
@@ -111,34 +109,3 @@ def _unknowns(tuning: Tuning) -> list[Unknown]:
     amplitude = Signal("amplitude", "1", 1 - spread, 1 + spread, "field over that of the model")
     size = Unknown(amplitude, tuning.largest_amplitude, spread / 2, 1.0, prior=tuning.amplitude_prior, prior_value=1.0)
     return [*phases, yaw, size]
-
-
-def _phases(array: PlanarArray, tuning: Tuning) -> list[Phase]:
-    """Return the phase of each sensor along each axis."""
-    phases = []
-    for letter, place in zip(ascii_lowercase, array.positions, strict=False):
-        rx, ry = (array.wave_number * v for v in place)
-        reach = hypot(rx, ry)
-        for axis, arm in (("x", (rx, -ry)), ("y", (ry, rx))):
-            change = tuning.phase_step + (abs(rx) + abs(ry)) * tuning.yaw_step
-            phases.append(Phase(f"{letter}{axis}", _phase(axis, arm), pi + reach, change))
-    return phases
-
-
-def _phase(axis: str, arm: tuple[float, float]) -> Callable[[Exprs, Exprs], ca.SX]:
-    def phase(q: Exprs, k: Exprs) -> ca.SX:
-        return q[f"phase_{axis}"] + arm[0] * q["cos_yaw"] + arm[1] * q["sin_yaw"]
-
-    return phase
-
-
-def _residuals(array: PlanarArray, q: Exprs, y: Exprs, k: Exprs) -> Exprs:
-    """Return R(yaw) V - a B of each sensor, V, in the axes of the field."""
-    residuals, c, s = {}, q["cos_yaw"], q["sin_yaw"]
-    for letter in ascii_lowercase[: len(array.positions)]:
-        vx, vy = y[f"V_{letter}x"], y[f"V_{letter}y"]
-        for axis, v in (("x", c * vx - s * vy), ("y", c * vy + s * vx)):
-            p = q[f"sin_{letter}{axis}"]
-            field = p * (k["field_1"] + p**2 * (k["field_3"] + p**2 * k["field_5"]))
-            residuals[f"V_{letter}{axis}"] = v - q["amplitude"] * field
-    return residuals

@@ -22,14 +22,14 @@ Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using 
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import channels, numbers, planar_model, tracking
+from designs.hall_position.glsdc import channels, planar, tracking
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.glsdc.planar_model import Normal, Problem
-from models import hall_planar
+from designs.hall_position.glsdc.planar import Problem
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import glsdc, phasor
+from synth.blocks import phasor
 from synth.blocks.glsdc import NamedExpressions
+from synth.blocks.glsdc_solution import Normal
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -37,8 +37,8 @@ from synth.timing import Discrete
 REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
 DEFAULT_TUNING = Tuning()
-# Relative, of polynomials: an error of 3e-7 in a sine is an error of 3 nm in the position.
-SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
+# Relative, of polynomials: 2e-7 in a sine is 2 nm in the position, which a step of a search may magnify a hundredfold.
+SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 1.8e-7, np.float64: 1e-15}
 FLAGS = {
     "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
     "valid": "converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, "
@@ -56,26 +56,26 @@ def guarded_estimator(
 
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
     """Return the Block from held voltages, ``complete`` or, if redundant, ``fault_V_ax`` .. to X, Y and yaw."""
-    problem, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
+    problem, redundant = planar.problem(array, tuning), tracking.is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
         excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, problem)
-        heading = phasor.by_range_reduction(prediction["yaw"], 2, "yaw_fraction", named)
-        sensors = planar_model.sensors(u, prediction, k, heading, excluded, problem, named)
-        solution = glsdc.descend(planar_model.trial_function(sensors, problem, named), problem.descent)
+        solution, predicted = planar.solve(problem, u, prediction, k, excluded, named)
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
-        integrity = tracking.check_integrity(problem, solution, yaw, _prior_weight(normal, problem), excluded, u, x)
+        yaw_variance = _yaw_variance(normal, problem)
+        weight = _prior_weight(normal, yaw_variance, problem)
+        integrity = tracking.check_integrity(problem, solution, yaw, weight, excluded, u, x)
         after = tracking.advance(solution, integrity, prediction, x, problem)
-        lever = _lever(heading, after.yaw_change, array, named)
+        lever = _lever(predicted.turns[-1], after.yaw_change, array)
         known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
         accepted = after.inside if redundant else ca.logic_and(after.inside, u["complete"])
         freedom = channels.freedom(len(array.positions), 3, excluded)
-        output = _position(after.pose, lever, array) | _deviations(normal, lever, problem)
+        output = _position(after.pose, lever, array) | _deviations(normal, yaw_variance, lever, problem)
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
-        return Step(output, after.next, named, numbers=numbers.numbers(problem))
+        return Step(output, after.next, named, predicted.certified)
 
     return build(
         "estimator",
@@ -84,7 +84,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         inputs=channels.estimator_inputs(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
         states=tracking.states(problem),
-        constants=hall_planar.field_constants(array),
+        constants=planar.field_constants(array),
         tag="GLSDC, Fig. 9",
     )
 
@@ -95,40 +95,42 @@ def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     return [*outputs, tracking.excluded_sensor_number(array)] if tracking.is_redundant(array) else outputs
 
 
-def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: NamedExpressions) -> Phasor:
+def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray) -> Phasor:
     """Return the centre from the body's origin, m, at a heading that has changed by a yaw since the sample began."""
     x, y = array.centre
     if x == y == 0:
         return Phasor(ca.SX(0), ca.SX(0))
-    return heading.times(hall_planar.rotation_phasor(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
+    return heading.times(phasor.of(yaw)).times(Phasor(ca.SX(x), ca.SX(y)))
 
 
 def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX]:
     """Return X and Y of the body's origin, m, and the yaw."""
-    x, y = (pose[f"phase_{a}"] / array.wave_number + pose[f"pitch_{a}"] * array.pitch for a in planar_model.AXES)
+    x, y = (pose[f"phase_{a}"] / array.wave_number + pose[f"pitch_{a}"] * array.pitch for a in planar.AXES)
     return {"X": x - lever.cosine, "Y": y - lever.sine, "yaw": pose["yaw"]}
 
 
-def _deviations(normal: Normal, lever: Phasor, problem: Problem) -> dict[str, ca.SX]:
-    """Return the standard deviations of X, Y in m and of the yaw, rad."""
-    sigma, w = problem.array.deviation, problem.array.wave_number
-    yaw = 1 / _yaw_information(normal, problem)
+def _yaw_variance(normal: Normal, problem: Problem) -> ca.SX:
+    """Return the variance of the yaw over deviation^2, with the yaw damped as the phases are.
+
+    Its information, given the phases, is the last pivot, in which its prior is that of `yaw_damping_ratio`.
+    """
+    least = problem.damping * problem.array.radius**2
+    pivot = 1 / normal.factors.inverse[2]
+    return 1 / ca.fmax(pivot + (1 - problem.tuning.yaw_damping_ratio**2) * least, least)
+
+
+def _deviations(normal: Normal, yaw: ca.SX, lever: Phasor, problem: Problem) -> dict[str, ca.SX]:
+    """Return the standard deviations of X, Y in m and of the yaw, rad, from the variance of the yaw."""
+    sigma, w, factors = problem.array.deviation, problem.array.wave_number, normal.factors
     slopes = lever.sine, -lever.cosine  # X = X_centre - lever_x, whose derivative is lever_y
     deviations = {"deviation_yaw": sigma * ca.sqrt(yaw)}
-    for name, n, slope in zip("XY", normal.axes, slopes, strict=True):
-        by_yaw = n.coupling * n.inverse - w * slope
-        deviations[f"deviation_{name}"] = sigma / w * ca.sqrt(n.inverse + yaw * by_yaw**2)
+    for i, (name, slope) in enumerate(zip("XY", slopes, strict=True)):
+        by_yaw = factors.lower[2][i] - w * slope
+        deviations[f"deviation_{name}"] = sigma / w * ca.sqrt(factors.inverse[i] + yaw * by_yaw**2)
     return deviations
 
 
-def _prior_weight(normal: Normal, problem: Problem) -> ca.SX:
-    """Return the trace of (N + damping)^-1, 1/V^2; times the damping, how many parameters the prior decides."""
-    total, alone = ca.SX(problem.array.radius**2), ca.SX(0)
-    for n in normal.axes:
-        total, alone = total + (n.coupling * n.inverse) ** 2, alone + n.inverse
-    return total / _yaw_information(normal, problem) + alone
-
-
-def _yaw_information(normal: Normal, problem: Problem) -> ca.SX:
-    """Return the information of a sample on the yaw, with the damping of the phases."""
-    return normal.data_information + problem.damping * problem.array.radius**2
+def _prior_weight(normal: Normal, yaw: ca.SX, problem: Problem) -> ca.SX:
+    """Return the trace of the covariance over deviation^2; times the damping, how many parameters the prior decides."""
+    x, y = normal.factors.lower[2]
+    return yaw * (problem.array.radius**2 + x**2 + y**2) + normal.factors.inverse[0] + normal.factors.inverse[1]

@@ -25,15 +25,16 @@ from operator import add
 
 import casadi as ca
 
-from designs.hall_position.glsdc import channels, planar_model, restarts
+from designs.hall_position.glsdc import channels, restarts
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.glsdc.planar_model import AXES, Normal, Problem
+from designs.hall_position.glsdc.planar import AXES, POSE, Problem
 from models.hall_two_waves import PlanarArray
 from synth.block import Exprs, State
 from synth.blocks.glsdc import Solution, Vector
+from synth.blocks.glsdc_solution import Normal
 from synth.signals import Signal
 
-POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
+MOTION = ("motion_x", "motion_y", "motion_yaw")
 SUSPECT = 2  # samples
 CONTRAST = 25  # of squared residuals
 INCONSISTENT = 4.0  # standard deviations, rms of the residuals: above, the voltages are inconsistent
@@ -80,7 +81,8 @@ def states(problem: Problem) -> list[State]:
     reals += [Signal(f"pitch_{a}", "1", -n, n, f"number of whole pitches along {a}, from the middle one") for a in AXES]
     about = ("predicted change of phase per sample",) * 2 + ("predicted change of yaw per sample",)
     if problem.tuning.velocity_gain:
-        reals += [Signal(b.name, "rad", b.low, b.high, a) for b, a in zip(problem.descent.bounds, about, strict=True)]
+        sizes = zip(MOTION, problem.model.unknowns, about, strict=True)
+        reals += [Signal(name, "rad", -u.step, u.step, text) for name, u, text in sizes]
     counts = [restarts.RESIDUAL_FAULTS, restarts.SEARCHING]
     counts += [Signal("ambiguity_resolved", "1", 0, 1, "no other position has the same voltages")]
     counts += [Signal("acquired", "1", 0, 1, "position lock has been acquired since init"), restarts.LOCK_LOST]
@@ -136,7 +138,7 @@ def check_integrity(
     damped = weight > tuning.max_prior_weight / problem.damping
     gate = tuning.innovation_gate_sigma * array.deviation / sqrt(problem.damping)  # rad
     growing_gate = ca.SX(gate) if excluded is None else gate + gate * x["residual_faults"]
-    gate_exceeded = planar_model.squared_motion(last.at, array.radius) > growing_gate**2
+    gate_exceeded = last.at[0] ** 2 + last.at[1] ** 2 + array.radius**2 * last.at[2] ** 2 > growing_gate**2
     residuals_large = last.squares > freedom * tuning.residual_limit**2
     in_window = in_yaw_window(yaw, x, tuning)
     lost = ca.if_else(x["ambiguity_resolved"], gate_exceeded, ca.logic_and(x["searching"], ca.logic_not(in_window)))
@@ -169,7 +171,8 @@ def advance(
     pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
     limit, counted = valid_yaw_limit(problem.array, tuning), ca.SX(1)
     for a in AXES:
-        phase, turns = restarts.wrap(prediction[f"phase_{a}"] + by[f"phase_{a}"])
+        moved = prediction[f"phase_{a}"] + by[f"phase_{a}"]
+        phase, turns = restarts.wrap(moved)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
     size = ca.fabs(pose["yaw"])
@@ -177,7 +180,8 @@ def advance(
     next, restart = _search(solution, integrity, x, problem)
     unambiguous = ca.logic_and(integrity.unambiguous, inside)
     resolved = ca.logic_or(unambiguous, ca.logic_and(x["ambiguity_resolved"], ca.logic_not(integrity.damped)))
-    reliable = ca.logic_and(resolved, ca.logic_not(fault))
+    faultless = ca.logic_not(fault)
+    reliable = ca.logic_and(resolved, faultless)
     # An ambiguous estimate may track a wrong curve for a while, at yaws that the body does not have.
     outside = ca.logic_or(ca.logic_not(counted), size > ca.if_else(resolved, limit, 2 * limit))
     lost = ca.logic_and(x["acquired"], ca.logic_or(restart, outside))
@@ -191,7 +195,8 @@ def advance(
     if tuning.velocity_gain:
         gains = (tuning.velocity_gain, tuning.velocity_gain, tuning.velocity_gain / tuning.yaw_damping_ratio)
         motions = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
-        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
+        continued = {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
+        next |= continued
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 
@@ -214,8 +219,8 @@ def _search(
 
 def _largest_innovation(residuals: Vector, problem: Problem) -> tuple[ca.SX, ca.SX]:
     """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
-    n = len(problem.array.positions)
-    squares = [a**2 + b**2 for a, b in zip(residuals[:n], residuals[n:], strict=True)]
+    n, pairs = len(residuals) // 2, zip(residuals[::2], residuals[1::2], strict=True)
+    squares = [a**2 + b**2 for a, b in pairs]
     largest, number, others = squares[0], ca.SX(1), ca.SX(0)
     for k, square in enumerate(squares[1:], 2):
         number = ca.if_else(square > largest, k, number)

@@ -16,14 +16,14 @@ LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
-def header(block: Block, layout: Layout, program: Program, notes: Sequence[str] = ()) -> str:
-    """Return the text of <name>.h, with further sentences on the stage."""
+def header(block: Block, layout: Layout, program: Program, notes: Sequence[str] = (), warning: str = "") -> str:
+    """Return the text of <name>.h, with further sentences on the stage, and a warning before everything else."""
     types = routines.state_types(block, program)
     guard = f"{block.name.upper()}_H"
     structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
     return "\n".join(
         [
-            *_usage(block, layout, program, notes),
+            *_usage(block, layout, program, notes, warning),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             "\n\n".join(structs),
@@ -47,10 +47,12 @@ def step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str]) -> list[str]:
+def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str], warning: str) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
+        *([f"{name}: {warning}"] if warning else []),
+        f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and use its "
         "outputs at once. Nothing else may change the state.",
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
@@ -62,12 +64,12 @@ def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str])
         *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
     ]
-    rows = [f"/* {name}: one step every {period}, {layout.ctype}. Generated: do not edit."]
+    rows: list[str] = []
     for text in texts:
-        rows += [" *"] if not text.startswith(_ITEM) else []
+        rows += [""] if not text.startswith(_ITEM) else []
         indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
-        rows += [f" * {row}" for row in wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)]
-    return [*rows, " */"]
+        rows += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
+    return [f"/* {rows[1]}", *(f" * {row}".rstrip() for row in rows[2:]), " */"]
 
 
 def _observation(block: Block, program: Program) -> list[str]:

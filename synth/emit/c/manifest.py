@@ -111,9 +111,10 @@ def _judgement(judgement: Judgement) -> dict[str, Any]:
     return {"counts": judgement.counts, "at_once": judgement.at_once, "measurements": measurements}
 
 
-def dumps(document: Mapping[str, Any]) -> str:
-    """Return a JSON text with one field or row a line, ending in a newline."""
-    text = json.dumps(document, indent=1, allow_nan=False)
+def dumps(document: Mapping[str, Any], warning: str = "") -> str:
+    """Return a JSON text with one field or row a line, ending in a newline; a `warning` stands in its first line."""
+    text = json.dumps({"warning": warning, **document} if warning else document, indent=1, allow_nan=False)
+    text = text.replace("\n ", "", 1) if warning else text
     return _short_rows(text) + "\n"
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import config, stimuli
+from designs.hall_position import config, page, stimuli
+from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
 from synth import contents, testing, workspace
 from synth.check import Check
@@ -68,6 +69,30 @@ def test_its_manifest_says_when_it_latches(name: str) -> None:
     assert manifest["design"] == name and manifest["period_s"] == 1 / 800
     latched = [f for f in manifest["faults"] if f.get("latched")]
     assert len(manifest["faults"]) == 2 * len(config.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
+
+
+def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
+    """In header, manifest and report, with the fields for which the deviations hold; more sensors have no such line."""
+    words, fields = "two sensors have no fault protection", "hold for the field of the model only"
+    first_lines = {
+        (name, file): (GENERATED / name / file).read_text().splitlines()[0]
+        for name in (config.NAME, config.THREE, four.NAME)
+        for file in (f"{name}.h", "manifest.json")
+    }
+    assert {name for (name, _), line in first_lines.items() if words in line} == {config.NAME}
+    assert all(words in line for (name, _), line in first_lines.items() if name == config.NAME)
+    _, manifest = committed_files(config.NAME)
+    header = (GENERATED / config.NAME / f"{config.NAME}.h").read_text().replace("\n * ", " ")
+    for text in (header, manifest["warning"], page.ABOUT):
+        assert fields in text and "fabricated" in text
+    assert page.ABOUT.startswith(f"{config.NAME}: {words}")
+
+
+@pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.5), (config.THREE, 5), (four.NAME, 10)])
+def test_every_header_says_where_the_body_is_at_init(name: str, degrees: float) -> None:
+    header = (GENERATED / name / f"{name}.h").read_text().replace("\n * ", " ")
+    assert "within half a pitch of the counted origin" in header and "rests until the first valid sample" in header
+    assert f"within {degrees:g} degrees of yaw" in header
 
 
 def failed_names(checks: tuple[Check, ...]) -> list[str]:

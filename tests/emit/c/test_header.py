@@ -30,6 +30,15 @@ def test_the_header_states_the_notes_of_a_stage() -> None:
     assert " *\n * (n) is equation (n) of a paper.\n" in text and "(n)" not in emit(stage(), F32).files["stage.h"]
 
 
+def test_a_warning_stands_in_the_first_line_of_header_and_manifest() -> None:
+    warning = "one sensor has no fault protection."
+    first, second = (emit(stage(), F32, warning=text).files for text in (warning, ""))
+    assert first["stage.h"].splitlines()[0] == f"/* stage: {warning}"
+    assert first["manifest.json"].splitlines()[0] == f'{{"warning": "{warning}",'
+    assert json.loads(first["manifest.json"])["warning"] == warning and "warning" not in second["manifest.json"]
+    assert first["stage.h"].split(" *\n * ", 1)[1] == second["stage.h"].split("/* ", 1)[1]
+
+
 def test_the_header_states_what_a_caller_must_keep() -> None:
     text = emit(stage(), F32).files["stage.h"].replace("\n * ", " ")
     assert "Call stage_init once, then stage_step once every 0.00125 s" in text
