@@ -109,7 +109,7 @@ def test_the_header_says_when_a_law_decides_on_the_latch() -> None:
     sentence = (
         "When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init"
     )
-    assert [n for n, text in said.items() if sentence in text] == ["maglev_5dof"]
+    assert [n for n, text in said.items() if sentence in text] == ["maglev_5dof", "maglev_5dof_precise"]
     assert "When a measurement is refused in 5 samples in a row" in said["planar_6dof_lqg"]
 
 
