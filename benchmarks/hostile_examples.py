@@ -104,7 +104,7 @@ def example_regulator() -> Call:
 
 
 def example_predictive_servo() -> Call:
-    measured, reference, demand = (Signal(n, u, -1.0, 1.0) for n, u in (("q", "m"), ("r", "m"), ("w", "m/s^2")))
+    measured, reference, demand = (Signal(n, u, -1.0, 1.0) for n, u in (("q", "m"), ("q_ref", "m"), ("w", "m/s^2")))
     signals = {"measured": measured, "reference": reference, "demand": demand}
     limits = predictive_servo.Limits(1e-3, 0.1, 1.0)
     numbers = {"frequencies": [0.0, 6.0], "cancelled": 0.8, "disturbance": 1.0, "limits": limits}

@@ -83,7 +83,8 @@ def test_a_trajectory_keeps_a_status_apart_from_faults(status: bool) -> None:
     controller = host.load(made.files, made.manifest)
     assert controller.status_mask == (1 << 5 if status else 0)
     words = np.array([1 << 5, 1 << 5 | 1, 1 << 31], np.uint32)
-    run = closed_loop.trajectory(PID.PLANT, [controller], np.arange(3.0), _columns(), words, {})
+    units = closed_loop.column_units(PID.PLANT, [controller])
+    run = closed_loop.trajectory(units, controller.status_mask, np.arange(3.0), _columns(), words, {})
     np.testing.assert_array_equal(run.faults, [0, 1, 1 << 31] if status else words)
     np.testing.assert_array_equal(run.status, [1 << 5, 1 << 5, 0] if status else [0, 0, 0])
 

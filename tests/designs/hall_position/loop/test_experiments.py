@@ -150,6 +150,7 @@ def test_both_controllers_have_the_same_wires() -> None:
     assert signal_names(source.inputs) == signal_names(sections.inputs) and signal_names(
         source.outputs
     ) == signal_names(sections.outputs)
-    of_sections = (BRAKING_BIT, hall_sections.AMPLITUDE_BIT)  # this loop neither brakes nor estimates the amplitude
+    # This loop neither brakes nor estimates the amplitude, and no bit says that a set-point is followed late.
+    of_sections = (BRAKING_BIT, hall_sections.AMPLITUDE_BIT, *lqg.LATE.values())
     assert source.faults == tuple(f for f in sections.faults if f.bit not in of_sections)
     assert planar_stage.hall_places(plant)[1][0] == plant.parameter("spacing").value
