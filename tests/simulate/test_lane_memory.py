@@ -1,10 +1,17 @@
 """Memory of loops in lanes: alignment, and that it serves again only once no array needs it."""
 
 import numpy as np
+import pytest
 
 from synth.simulate import lane_memory
 
 LONG = lane_memory.LARGE // 4  # doubles: more than a large page
+
+
+@pytest.fixture(autouse=True)
+def pages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No page of an earlier run is free."""
+    monkeypatch.setattr(lane_memory, "_PAGES", type(lane_memory._PAGES)())
 
 
 def test_arrays_start_where_vectors_need_it() -> None:
