@@ -83,8 +83,7 @@ def observe(state: Columns, q: Array, ready: NDArray[np.bool_], k: Constants) ->
 
 def currents(w: Array, ahead: Array) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) for the demands w at the pose `ahead`, and the accelerations of x and z."""
-    # Demands far beyond the limits cancel in these sums: in double precision their rounding would show.
-    p, w, (y, _, _, phi, theta) = Parameters(), w.astype(np.longdouble), ahead.astype(np.longdouble)
+    p, (y, _, _, phi, theta) = Parameters(), ahead
     tilts = np.array([y - p.r * phi, y + p.r * theta, y + p.r * phi, y - p.r * theta])
     low, high = (by_row(ends, tilts) for ends in zip(ODD, EVEN, ODD, EVEN, strict=True))
     m = motor(np.clip(tilts, low, high), p)
@@ -102,7 +101,7 @@ def currents(w: Array, ahead: Array) -> tuple[Array, Array]:
     f = np.array([odd - d, even + e, odd + d, even - e]) / 2
     i_d = np.clip(2 * f / (m.b + np.sqrt(np.maximum(m.b**2 - 4 * m.c * f, 0))), -MAX_I_D, MAX_I_D)
     u = limit_thrust(demanded, i_d[[1, 0]], i_d[[3, 2]])
-    return np.concatenate([i_d, u]).astype(float), (-u * h / masses).astype(float)
+    return np.concatenate([i_d, u]), -u * h / masses
 
 
 def law(

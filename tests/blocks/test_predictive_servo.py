@@ -1,5 +1,6 @@
 """The servo of a voice coil axis: errors at its modes vanish for a wrong plant, and a step causes no kick."""
 
+import re
 from math import pi
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from synth.block import Block
 from synth.blocks import predictive_servo, predictor
 from synth.blocks.axis_regulator import internal_weights
+from synth.emit.write import emit
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
@@ -86,6 +88,33 @@ def test_a_step_causes_no_kick_and_does_not_wind_up() -> None:
     free, _ = run(servo(predictive_servo.Limits(1.0, 0.05, 1.0)), references, still)
     assert x.max() - 1e-3 < 0.25 * (free.max() - 1e-3)
     assert abs(x[-1] - 1e-3) < 1e-6
+
+
+def test_internal_models_stay_as_they_are_at_the_limit_of_their_norm() -> None:
+    most = 4e-4
+    law, free = servo(predictive_servo.Limits(5e-5, 0.05, most)), servo(predictive_servo.Limits(5e-5, 0.05, 1.0))
+    eta = [k for k, s in enumerate(law.states) if s.signal.name != "r"]
+    assert len(eta) == 3
+    inputs = [3e-5 if s.name == X.name else 0.0 for s in law.inputs]
+    bounded, unbounded, stayed = law.initial, free.initial, 0
+    for _ in range(40):
+        before = bounded
+        bounded, _ = (np.asarray(v).ravel() for v in law.function()(before, inputs))
+        unbounded, _ = (np.asarray(v).ravel() for v in free.function()(unbounded, inputs))
+        unlimited, _ = (np.asarray(v).ravel() for v in free.function()(before, inputs))
+        fits = np.linalg.norm(unlimited[eta]) <= most
+        assert (bounded[eta] == (unlimited if fits else before)[eta]).all()
+        stayed += not fits
+    assert 10 < stayed < 40
+    assert np.linalg.norm(bounded[eta]) <= most < np.linalg.norm(unbounded[eta])
+
+
+def test_the_c_states_the_bounds_that_the_norm_implies() -> None:
+    text = emit(servo(), np.float32).files["servo_x.c"]
+    for name in ("sum_next", "p1_next", "q1_next"):
+        assert re.search(
+            rf"if \(.* <= 1\.0f\) {{\n(?: +/\*@.*\n)* +/\*@ admit -1\.0+\d*f <= {name} <= 1\.0+\d*f; \*/", text
+        )
 
 
 def test_a_set_point_at_its_end_leaves_the_last_one_inside_its_bounds() -> None:

@@ -17,9 +17,9 @@ from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
 from synth.emit.c.lines import Line, comment, prose
-from synth.emit.c.printer import guard_function
 from synth.emit.lower import Program
 from synth.emit.operations import LIBM
+from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
 
 
@@ -32,7 +32,7 @@ def source(
     if any("@ admit" in line.text for line in body):
         parts += ["/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */"]
     parts += [f'#include "{block.name}.h"', "#include <float.h>"]
-    symmetric = any(n.op == "guard" and guard_function(program, n).endswith("_within") for n in program.nodes)
+    symmetric = any(n.op == "guard" and guard_function(n).endswith("_within") for n in program.nodes)
     parts += ["#include <math.h>"] if symmetric or used & (LIBM | {"clamp"}) else []
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
@@ -105,7 +105,7 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
     """Return the functions that guard an input, one for each form of range and fallback."""
     lines: list[str] = []
     t = layout.ctype
-    forms = {guard_function(program, n): n for n in program.nodes if n.op == "guard"}
+    forms = {guard_function(n): n for n in program.nodes if n.op == "guard"}
     for name, node in forms.items():
         two = len(node.args) == 5
         test = "(low <= value) && (value <= high)" if two else f"{'fabsf' if t == 'float' else 'fabs'}(value) <= high"

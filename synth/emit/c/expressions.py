@@ -1,6 +1,7 @@
 """C expressions: the text of each node of a program, with parentheses where precedence or compilers need them."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from synth.emit.c import kinds as carriers
 from synth.emit.c.layout import CTYPES
 from synth.emit.lower import Node, Program
 from synth.emit.operations import LIBM, LOGICAL
+from synth.emit.proof.conditions import bounds_of_squares
 from synth.errors import EmitError
 
 INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
@@ -61,6 +63,11 @@ def signed_constant(node: Node) -> Text:
     return Text(f"-{constant(node.name)}", 6) if node.value < 0 else Text(constant(node.name))
 
 
+def admission(name: str, low: str, high: str) -> str:
+    """Return the comment that states the bounds of a local, for Frama-C."""
+    return f"/*@ admit {low} <= {name} <= {high}; */"
+
+
 def literal(value: float, scalar: type[np.floating]) -> Text:
     """Return the shortest literal that reads back as `value` in the scalar type.
 
@@ -88,6 +95,13 @@ class Expressions:
     ) -> None:
         self.p, self.kinds, self.scalar, self.name, self.late = program, kinds, scalar, name, late
         self.text: dict[int, Text] = {}
+
+    def bounds_of_squares(self, condition: int) -> Iterator[str]:
+        """Yield the bounds of locals that a condition on the sum of their squares implies: Eva does not see them."""
+        for k, bound in bounds_of_squares(self.p.nodes, condition, self.scalar).items():
+            high = literal(bound, self.scalar).c
+            if self.text[k].c.isidentifier():
+                yield admission(self.text[k].c, f"-{high}", high)
 
     def ctype(self, k: int) -> str:
         """Return the type of a variable that holds node k."""

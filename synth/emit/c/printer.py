@@ -12,12 +12,13 @@ import numpy as np
 from synth.block import Block
 from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
-from synth.emit.c.expressions import Expressions, Text, literal, mask, signed_constant
+from synth.emit.c.expressions import Expressions, Text, admission, literal, mask, signed_constant
 from synth.emit.c.kinds import kinds
 from synth.emit.c.lines import Line, opening, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
+from synth.emit.passes.guards import guard_function
 from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
@@ -169,7 +170,7 @@ class _Printer:
         self._put(f"const {self.c.ctype(k)} {name} = {text.c};", depth)
         if node.op == "within":
             low, high = (self.c.value(a).c for a in node.args[1:])
-            self._put(f"/*@ admit {low} <= {name} <= {high}; */", depth)
+            self._put(admission(name, low, high), depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
         for c, start in s.choices:
@@ -185,6 +186,8 @@ class _Printer:
         sides = []
         for side in (s.then, s.other):
             self.printed, self.tag, self.shown = [], tag, tag
+            for bound in self.c.bounds_of_squares(s.condition) if side is s.then else ():
+                self._put(bound, depth + 1)
             self._block(side, depth + 1)
             sides.append(self.printed)
         (then, other), self.printed, self.tag, self.shown = sides, before, tag, tag
@@ -222,7 +225,7 @@ class _Printer:
         kept = f"&state->{self._path(node.name)}" if node.name else self.c.operand(fallback).c
         limits = [self.c.value(b).c for b in bounds]
         passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
-        call = f"{self.block.name}_{guard_function(self.p, node)}({', '.join(passed)});"
+        call = f"{self.block.name}_{guard_function(node)}({', '.join(passed)});"
         name = self.locals.name.get(k) or self._new_name(source)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
@@ -293,8 +296,3 @@ class _Printer:
         self.naming.made |= set() if node.op in LOADS else {name}
         self.naming.named[k] = name
         return name
-
-
-def guard_function(p: Program, node: Node) -> str:
-    """Return the name of the function of a guard, without the program's prefix."""
-    return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")

@@ -28,6 +28,11 @@ class Check:
     state: str
 
 
+def guard_function(node: Node) -> str:
+    """Return the name of the C function of a guard, without the program's prefix."""
+    return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")
+
+
 def guarded(p: Program) -> Program:
     """Return the program with a guard for each input whose refusal sets a bit of the fault word."""
     checks = list(_checks(p))

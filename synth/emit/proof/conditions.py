@@ -147,6 +147,17 @@ def _propagate(nodes: Sequence[Node], k: int, a: Interval) -> Narrowing:
     return {k: a}
 
 
+def bounds_of_squares(nodes: Sequence[Node], condition: int, scalar: type[np.floating]) -> dict[int, float]:
+    """Map each u of a condition u^2 + v^2 + .. <= h with a number h to the bound of |u| where the condition holds."""
+    node = nodes[condition]
+    if node.op not in ("le", "lt") or nodes[node.args[1]].op != "literal":
+        return {}
+    at_most = Interval(np.zeros((), scalar), np.asarray(scalar(nodes[node.args[1]].value)), np.zeros((), bool))
+    narrowed = _propagate(nodes, node.args[0], at_most)
+    squared = [nodes[k].args[0] for k in narrowed if _is_square(nodes[k])]
+    return {u: float(narrowed[u].high) for u in squared}
+
+
 def _upper_root(high: Array) -> Array:
     """Return a bound of |u| where the rounded u^2 is at most `high`; it is negative where there is none."""
     above = high.dtype.type(inf)

@@ -65,6 +65,28 @@ def test_the_interval_of_x_is_narrowed(nodes: list[Node], holds: bool, expected:
     assert narrow(*nodes, holds=holds, x=(-3, 5, True)).get(0, (-3, 5, True)) == pytest.approx(expected, abs=1e-44)
 
 
+SQUARES = (Node("sq", (0,)), Node("mul", (1, 1)), Node("add", (3, 4)))
+
+
+def test_a_sum_of_squares_bounds_each_of_its_terms_tightly() -> None:
+    bounds = conditions.bounds_of_squares((*LOADS, *SQUARES, Node("le", (5, 2))), 6, F32)
+    assert bounds.keys() == {0, 1}
+    assert 1 <= min(bounds.values()) <= max(bounds.values()) == ABOVE
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        (*SQUARES, Node("le", (2, 5))),  # a lower bound
+        (*SQUARES, Node("le", (5, 1))),  # the limit is not a number
+        (*SQUARES, Node("not", (5,))),
+        (Node("sq", (0,)), Node("add", (3, 1)), Node("le", (4, 2))),  # y may be negative
+    ],
+)
+def test_another_condition_bounds_nothing(condition: tuple[Node, ...]) -> None:
+    assert conditions.bounds_of_squares((*LOADS, *condition), len(condition) + 2, F32) == {}
+
+
 @pytest.mark.parametrize(("op", "holds"), [("eq", False), ("ne", True)])
 def test_inequality_of_values_narrows_nothing(op: str, holds: bool) -> None:
     assert set(narrow(Node(op, (0, 2)), holds=holds, x=(-3, 5, True))) == {3}
