@@ -7,6 +7,7 @@ Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using 
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from string import ascii_lowercase
 
 import casadi as ca
@@ -64,10 +65,15 @@ def static_voltages(bench: Bench, poses: Array) -> Array:
             f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is tabulated up to "
             f"{1e3 * (built_matrix.MAX_REACH + built_matrix.TABLE_MARGIN):.4g} mm: measure nearer"
         )
+    return readonly(_voltages(bench, len(poses))(poses.T).full().T)
+
+
+@lru_cache(maxsize=32)
+def _voltages(bench: Bench, poses: int) -> ca.Function:
+    """Return the voltages as a function of so many poses; a simulation evaluates it at every sample."""
     x = {name: ca.SX.sym(name) if name in POSE else ca.SX(0) for name in planar_stage.AXES}
     volts = ca.vcat(list(built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
-    voltages = ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts])
-    return readonly(voltages.map(len(poses))(poses.T).full().T)
+    return ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts]).map(poses)
 
 
 def sampled_voltages(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:

@@ -125,12 +125,8 @@ def calibrate(unit: Unit, stage: str = STAGES[-1]) -> UnitCalibration:
     """Return the calibration of a unit up to a stage; raise ModelError for an unknown one."""
     if stage not in STAGES:
         raise ModelError(f"'{stage}' is not a stage of the calibration: give one of {', '.join(STAGES)}")
-    log, test = units.scan(unit), units.held_out(unit)
-    return _evaluate_stage(stage, log, test)
-
-
-def _evaluate_stage(stage: str, log: Log, test: Log) -> UnitCalibration:
-    fit, of = _fit_map(log) if stage == "map" else (_fit(stage, log), None)
+    test = units.held_out(unit)
+    fit, of = _fit_map(unit) if stage == "map" else (_fit_stage(stage, unit), None)
     table = _table(fit, of) if stage in ("waves", "map") else None
     predicted = predict(fit, table, test.columns(tuple(units.REFERENCES)))
     h = test.columns(tuple(units.READINGS)) - fit.residuals(test)
@@ -140,9 +136,15 @@ def _evaluate_stage(stage: str, log: Log, test: Log) -> UnitCalibration:
     return UnitCalibration(stage, fit, table, calibration.assess(fit, test, corrections), along, turn)
 
 
-def _fit_map(log: Log) -> tuple[Calibration, ResidualMap]:
+@cache
+def _fit_stage(stage: str, unit: Unit) -> Calibration:
+    """Return the fit of a stage to the scan of a unit: the map begins with that of the waves."""
+    return _fit(stage, units.scan(unit))
+
+
+def _fit_map(unit: Unit) -> tuple[Calibration, ResidualMap]:
     """Return the parameters and the map, fitted in turn."""
-    fit = _fit("waves", log)
+    fit, log = _fit_stage("waves", unit), units.scan(unit)
     of, readings = _map(fit, log), log.columns(tuple(units.READINGS))
     for _ in range(PASSES):
         left = readings - _map_voltages(fit, of, log.columns(tuple(units.REFERENCES)))

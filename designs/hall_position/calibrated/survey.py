@@ -19,7 +19,6 @@ from designs.hall_position.calibrated.estimator import GAIN_DRIFT
 from designs.hall_position.four import config, trust
 from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.four.trust import ColdStart, Samples, World
-from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
 from models.hall_motions import Numbers, Pose
 from synth.execute import build, host
 from synth.simulate import stanford
@@ -42,9 +41,12 @@ class Case:
 
 @cache
 def compile_unit(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
-    """Return the C of a calibrated unit in single precision, and its tuning."""
+    """Return the C of a calibrated unit in single precision, and its tuning.
+
+    It calls sinf and cosf of the C library: each unit has its own ranges, and no C of a unit is shipped.
+    """
     block, tuning = estimator.of_unit(field, seed, stage, budget)
-    return build.compile_block(block, np.float32, error=SURROGATE_ERROR[np.float32]), tuning
+    return build.compile_block(block, np.float32, libm=True), tuning
 
 
 def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[int] = ()) -> World:
@@ -61,7 +63,10 @@ def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[i
     return World(read)
 
 
-def run(case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: Sequence[int] = ()) -> Samples:
+@cache
+def run(
+    case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: tuple[int, ...] = ()
+) -> Samples:
     """Return the samples after a fault, some sensors being `refused`; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
     controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget)

@@ -55,6 +55,7 @@ def draw(field: str, seed: int) -> Unit:
     return Unit(Bench(tuple(map(tuple, placed)), tolerances), gains, size * trust.ANGLE * rng.uniform(-1, 1, 4))
 
 
+@cache
 def scan(unit: Unit, seed: int = 0) -> Log:
     """Return the scan of the calibration."""
     rng, along = np.random.default_rng(seed), np.arange(-REACH, REACH + SPACING / 2, SPACING)
@@ -64,6 +65,7 @@ def scan(unit: Unit, seed: int = 0) -> Log:
     return measure(unit, np.clip(points + jitter, -limits, limits), rng)
 
 
+@cache
 def held_out(unit: Unit, seed: int = 1, poses: int = HELD_OUT) -> Log:
     """Return readings at random poses, for residuals that the calibration has not seen."""
     rng = np.random.default_rng(seed)

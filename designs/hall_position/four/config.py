@@ -38,6 +38,7 @@ REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # 
 REFUSED, DEAD, FROZEN = slice(300, 304), slice(450, 550), slice(700, 760)  # samples of faults
 
 
+@cache
 def array() -> Array:
     """Return the array: positions, field in V and noise."""
     made = Stage().array(PLACES)

@@ -169,9 +169,10 @@ def simulate(
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
+    rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
-        V = of.read(pose) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
+        V = (of.read(pose) if rest is None else rest) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
         if k >= BEFORE:
             pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
             failed = FAULTS[fault](pair, before, k - BEFORE)
