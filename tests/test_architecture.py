@@ -25,6 +25,7 @@ VOCABULARY = (
     "kinds",
     "arguments",
     "numeric",
+    "column_maps",
     "check",
     "strict_json",
     "show",

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import column_maps
 from synth.block import Block
 from synth.emit.c import casadi_c
 from synth.errors import SignalError
@@ -201,7 +202,7 @@ class CasadiWitness:
 
     def __call__(self, states: Columns, inputs: Columns) -> StepResults:
         """Return one step from each of N states."""
-        return self._unstack(*(np.asarray(r) for r in self.function(*self._stack(states, inputs))))
+        return self._unstack(*column_maps.map_columns(self.function, *self._stack(states, inputs)))
 
     def run(self, states: Columns, inputs: Columns) -> StepResults:
         """Return N consecutive steps from one state; CasADi's mapaccum runs the loop, which avoids a call per step."""
@@ -209,7 +210,7 @@ class CasadiWitness:
         x, recorded = x.reshape(-1, 1), []
         for first in range(0, u.shape[1], CHUNK):
             part = u[:, first : first + CHUNK]
-            after, y, word = (np.asarray(r) for r in self.function.mapaccum(part.shape[1])(x, part))
+            after, y, word = column_maps.chain_columns(self.function, x, part)
             x = after[:, -1:]
             recorded.append((y, word))
         outputs, words = (np.hstack(rows) for rows in zip(*recorded, strict=True))

@@ -16,14 +16,12 @@ of Statistical Learning", section 7.2 (error of a test sample).
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
 
 import casadi as ca
 import numpy as np
 from scipy import stats
 
-from synth import arguments, numeric, show
+from synth import arguments, column_maps, numeric, show
 from synth import law as laws
 from synth.block import Constant, Exprs
 from synth.errors import ModelError, SignalError
@@ -50,34 +48,14 @@ class Channels:
     def evaluate(self, log: Log, values: Array) -> tuple[Array, Array, Array]:
         """Return h (N, m), dh/dk (N, m, p) and dh/dq (N, m, n) for the rows of a log."""
         q, (N, m) = log.columns(tuple(self.references)), (len(log), len(self.readings))
-        results = _mapped(self.function, N)(np.ascontiguousarray(q), np.tile(values, (N, 1)))
-        h, by_k, by_q = (np.ascontiguousarray(v.reshape(N, -1, m).transpose(2, 0, 1)) for v in results)
-        return h[..., 0].T, by_k.transpose(1, 0, 2), by_q.transpose(1, 0, 2)
+        h, *slopes = column_maps.map_columns(self.function, q.T, values[:, None])
+        by_k, by_q = (each.reshape(m, N, -1).transpose(1, 0, 2) for each in slopes)
+        return h.T, by_k, by_q
 
     def deviations(self, by_q: Array) -> Array:
         """Return w (m,): noise of the readings, and of the references as it acts on them."""
         spread = np.array(list(self.references.values()))
         return np.sqrt(np.array(list(self.readings.values())) ** 2 + ((by_q * spread) ** 2).sum(axis=2).mean(axis=0))
-
-
-@lru_cache(maxsize=8)
-def _mapped(function: ca.Function, rows: int) -> Callable[[Array, Array], list[Array]]:
-    """Return the results of a function of (rows, n) and (rows, p), each flat, through buffers: no slow conversions."""
-    mapped = function.map(rows)
-    buffer: Any  # CasADi's annotations want a size with the array
-    buffer, evaluate = mapped.buffer()
-    results = [np.zeros(mapped.numel_out(i)) for i in range(mapped.n_out())]
-
-    # `evaluate` alone does not keep the buffer alive: the default argument does.
-    def at(q: Array, k: Array, _owner: object = buffer) -> list[Array]:
-        for i, argument in enumerate((q, k)):
-            buffer.set_arg(i, argument.data)
-        for i, result in enumerate(results):
-            buffer.set_res(i, result.data)
-        evaluate()
-        return results
-
-    return at
 
 
 @show.result

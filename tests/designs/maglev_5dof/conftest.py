@@ -5,7 +5,7 @@ import pytest
 
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
-from synth import standard_tasks
+from synth import standard_tasks, tasks
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
@@ -40,4 +40,4 @@ def emitted_rig() -> Rig:
 
 @pytest.fixture(scope="session")
 def evidence() -> Evidence:
-    return DESIGN.verify(lambda _: None, True)
+    return tasks.verification(DESIGN, True).result(lambda _: None)

@@ -10,6 +10,7 @@ from designs.maglev import motions, platen
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.experiments import LIMITS
+from synth import tasks
 from synth.block import Block, Constant
 from synth.check import Check
 from synth.execute import build, host
@@ -20,7 +21,7 @@ from synth.simulate.rig import Rig
 
 @pytest.fixture(scope="module")
 def all_runs() -> dict[str, Experiment]:
-    return {e.name: e for e in DESIGN.simulate(lambda _: None)}
+    return {e.name: e for e in tasks.simulation(DESIGN).result(lambda _: None)}
 
 
 def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:

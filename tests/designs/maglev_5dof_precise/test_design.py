@@ -6,6 +6,7 @@ import pytest
 from designs.maglev_5dof.design import DESIGN as PAPER
 from designs.maglev_5dof_precise import control, reference
 from designs.maglev_5dof_precise.design import DESIGN
+from synth import tasks
 from synth.analyse import robustness
 from synth.simulate.experiment import Experiment
 from synth.testing import (
@@ -28,7 +29,7 @@ LEAST_DELAY = 3e-3  # s
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Experiment]:
-    return {e.name: e for e in DESIGN.simulate(lambda _: None)}
+    return {e.name: e for e in tasks.simulation(DESIGN).result(lambda _: None)}
 
 
 def test_every_experiment_keeps_its_limits(runs: dict[str, Experiment]) -> None:
