@@ -125,3 +125,14 @@ def test_a_calibration_without_a_table_is_refused() -> None:
     of = stages.of_unit("fabricated", 0, "sensors")
     with pytest.raises(ModelError, match="stage 'sensors' has no table of the field: calibrate to"):
         corrections.corrections(of, hall.TIME, {})
+
+
+def test_runs_and_voltages_that_are_kept_belong_to_their_arguments() -> None:
+    """Another seed and other sensors are another run, and another unit's bench has its own voltages."""
+    first, second = (survey.run(CASE, "none", 20, seed=seed) for seed in (0, 1))
+    assert (first.errors != second.errors).any() and survey.run(CASE, "none", 20, refused=(0, 1)).valid.sum() == 0
+    poses = np.array([[1e-3, -2e-3, 0.01]])
+    assert (units.draw("built", SEED).read(poses) != units.draw("built", OTHER).read(poses)).all()
+    assert len(units.scan(units.draw("built", SEED))) == len(units.scan(units.draw("built", OTHER)))
+    scans = (units.scan(units.draw("built", seed)).columns(("V_ax",)) for seed in (SEED, OTHER))
+    assert (next(scans) != next(scans)).all()
