@@ -31,7 +31,6 @@ import numpy as np
 
 from designs.planar_6dof import interface, motion, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
-from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models.hall_sections import READY
 from models.planar_allocation import HORIZONTAL
@@ -212,13 +211,8 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
     return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 
 
-def sensing_blocks(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
-    return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
-
-
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
     axes = [following.Axis(MEASURED[axis], REFERENCES[axis], most, LATE[axis]) for axis, most in ERROR.items()]
     blocks = [*motion.add_braking(plant, TIME, law(plant, variant, regulate)), following.block(TIME, axes)]
-    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)
+    return interface.controller(NAME, plant, TIME, motion.sensing_blocks(plant, TIME), blocks, interface.BRAKED)

@@ -12,7 +12,7 @@ shipped     (21), (22) with reduced gains; for (23)-(25) see `vertical`
 Compensators are sampled by Tustin's rule. Margins with the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
-from designs.planar_6dof import filtering, interface, vertical
+from designs.planar_6dof import filtering, interface, motion, vertical
 from designs.planar_6dof.vertical import Variant
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -47,7 +47,13 @@ def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     return [*six, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 
+def filters() -> list[Block]:
+    """Return the filters of x, y and phi. Sensing takes the predictions of `motion` instead of theirs."""
+    return [b.renamed({s.name: f"filter_{s.name}" for s in sensing.PREDICTED.values()}) for b in filtering.blocks(TIME)]
+
+
 def controller(plant: Plant, variant: Variant = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    sensed = [sensing.sensing(plant, TIME), *filtering.blocks(TIME)]
-    return interface.controller(NAME, plant, TIME, sensed, law(plant, variant))
+    sensed = [*motion.sensing_blocks(plant, TIME), *filters()]
+    blocks = [*motion.add_braking(plant, TIME, law(plant, variant)), motion.delay(plant, TIME)]
+    return interface.controller(NAME, plant, TIME, sensed, blocks, interface.BRAKED)
