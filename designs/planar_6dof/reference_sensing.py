@@ -32,7 +32,7 @@ HEIGHT = 3e-3  # m
 SENSITIVITY = 0.4 * 21  # V/T, section 3.1
 DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
-BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
+FASTEST = {"x": 4.0, "y": 4.0, "phi": 7.0}  # m/s, rad/s: beyond it a filter restarts
 MAX_RAW_YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
@@ -51,12 +51,13 @@ TERMS, POINTS = 4, 64  # of the fitted position
 
 @dataclass(frozen=True)
 class Constants:
-    """Amplitude in V, fits of position, slope and power, and the gains of the filters (k_p, k_s, k_h) by axis."""
+    """Amplitude in V, fits of position, slope and power, period, and gains (k_p, k_s, k_h) of the filters by axis."""
 
     amplitude: float
     position: Array
     slope: Array
     power: Array
+    period_s: float
     gain: Mapping[str, Array]
 
 
@@ -80,6 +81,7 @@ def constants(period_s: float) -> Constants:
         position * PITCH / (2 * pi),
         1.5 * pi * slope / A ** np.array([2, 4]),
         power * A ** np.array([2.0, -2.0, -6.0]),
+        period_s,
         {axis: gain(q, period_s) for axis, q in DENSITY.items()},
     )
 
@@ -279,12 +281,12 @@ def filter_positions(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
     out, after = {}, {}
-    for axis, bound in BOUND.items():
+    for axis, fastest in FASTEST.items():
         measured = raw[f"{axis}_raw"]
         predicted = [state[f"filter_{axis}_{part}"] for part in "psh"]
         p, s, h = (v + K * (measured - predicted[0]) for v, K in zip(predicted, k.gain[axis], strict=True))
         next = [p + s + h, s + 2 * h, h]
-        in_bounds = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
+        in_bounds = (ready > 0) & (np.abs(s + h) + np.abs(h) <= fastest * k.period_s)
         out[axis] = np.where(in_bounds, p, measured)
         at_rest = measured, np.zeros_like(measured), np.zeros_like(measured)
         for part, value, rest in zip("psh", next, at_rest, strict=True):

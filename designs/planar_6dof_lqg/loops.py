@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof import lqg, motion
+from designs.planar_6dof import lqg
 from designs.planar_6dof.loops import LoopParts, OpenLoop
 from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
 from designs.planar_6dof.paper import rows
@@ -50,7 +50,7 @@ def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
     """Return the controller of a law on measured positions."""
-    return shared.rounded_controller(plant, TIME, motion.sensing_blocks(plant, TIME), law)
+    return shared.rounded_controller(plant, TIME, lqg.sensing_blocks(plant), law)
 
 
 def law_of_printed_weights(plant: Plant) -> list[Block]:

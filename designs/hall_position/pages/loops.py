@@ -17,7 +17,7 @@ import numpy as np
 from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
-from designs.planar_6dof import loops, lqg, motion
+from designs.planar_6dof import loops, lqg
 from designs.planar_6dof.loops import PHASES, SENSED, LoopParts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
@@ -43,7 +43,7 @@ def section(points: int = PLACES) -> page.Section:
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = open_loop(source, block, {})
     open_loops = loops.of_parts(parts, HORIZONTAL, ESTIMATE)
-    by_sections = loops.rounded_controller(plant, lqg.TIME, motion.sensing_blocks(plant, lqg.TIME), lqg.law(plant))
+    by_sections = loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), lqg.law(plant))
     open_loops += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
     return standard.loops(open_loops, blocks=(_over_pitch(source, block, points),))
 

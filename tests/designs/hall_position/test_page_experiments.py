@@ -13,7 +13,7 @@ from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
-from designs.planar_6dof import loops, lqg, motion
+from designs.planar_6dof import loops, lqg
 from models import hall_chain, planar_stage
 from synth.blocks import error_map, lookup_table
 from synth.report.page import Figure
@@ -88,7 +88,7 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
     law = lqg.law(plant)
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, law, source).rounded(np.float32)
     place = {"x": 4e-3, "y": -7e-3}
-    other = loops.parts(plant, loops.rounded_controller(plant, lqg.TIME, motion.sensing_blocks(plant, lqg.TIME), law), place)
+    other = loops.parts(plant, loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), law), place)
     hertz = np.array([5.0, 12.0, 30.0])
     z = np.exp(2j * np.pi * hertz / 800)
 
