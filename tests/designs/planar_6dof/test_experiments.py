@@ -234,7 +234,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
     wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
-    monkeypatch.setattr(loops, "_position_controller", lambda time: wrong)
+    monkeypatch.setattr(loops, "_inner_signals", lambda block: wrong)
     experiment = leadlag_experiments.circle_experiment(lead, "circle")
     assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
