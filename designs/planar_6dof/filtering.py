@@ -83,7 +83,7 @@ def block(axis: str, time: Discrete) -> Block:
         prediction = {"p": now + (v + a), "s": (v + a) + a, "h": a}
         limited = [(s, clip(prediction[n], s)) for n, s in limits.items()]
         in_bounds = ca.logic_and(u["ready"], ca.fabs(v + a) + ca.fabs(a) <= fastest)
-        restart = {"p": u[raw.name], "s": 0, "h": 0}
+        restart = {"p": u[raw.name], "s": ca.SX(0), "h": ca.SX(0)}
         next = {n: ca.if_else(in_bounds, value, restart[n]) for n, (_, value) in zip("psh", limited, strict=True)}
         output = {axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}
         bound = Constant("fastest", fastest, predicted.unit, "T times the speed beyond which the filter restarts")

@@ -34,7 +34,7 @@ DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 FASTEST = {"x": 4.0, "y": 4.0, "phi": 7.0}  # m/s, rad/s: beyond it a filter restarts
 MAX_RAW_YAW = 0.025  # rad
-COUNT = 2  # pitches to either side
+COUNT, FARTHEST = 2, 0.16  # pitches to either side; m: of a raw position
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
 RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
@@ -169,11 +169,6 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def predicted_pose(state: Columns) -> dict[str, Array]:
-    """Return x, y and phi as the filters predict them."""
-    return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
-
-
 def sense(
     state: Columns,
     v: Columns,
@@ -228,7 +223,7 @@ def sense(
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
         expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
-        bridge = expected + offset if reckoned else predicted[axis]
+        bridge = expected + offset if reckoned else np.clip(predicted[axis], -FARTHEST, FARTHEST)
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], bridge)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
@@ -292,12 +287,3 @@ def filter_positions(
         for part, value, rest in zip("psh", next, at_rest, strict=True):
             after[f"filter_{axis}_{part}"] = np.where(in_bounds, value, rest)
     return out, after
-
-
-def step(
-    state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, flags, predicted_pose(state), k)
-    pose, after_filters = filter_positions(state, raw, flags[0], k)
-    return raw | pose, after | after_filters
