@@ -207,9 +207,11 @@ def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> 
     """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
     if not predicted:
         return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
+    if not reckoned:
+        return {a: clip(u[s.name], RAW[a]) for a, s in PREDICTED.items()}
     predictions = {a: u[s.name] for a, s in PREDICTED.items()}
     # Not in a contradicted sample: a wrong channel has shifted the last innovation.
-    last = ca.if_else(u["complete"], 0, x[INNOVATION.name]) if reckoned else 0
+    last = ca.if_else(u["complete"], 0, x[INNOVATION.name])
     return predictions | {"phi": predictions["phi"] + last}
 
 

@@ -5,12 +5,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from designs.planar_6dof import artefacts, cost_stimuli, interface, loop, verification
+from designs.planar_6dof import artefacts, cost_stimuli, faults, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, papers, planar_stage
 from models import hall_sections as sensing
 from synth import stage, standard_tasks
-from synth.declaration import Interface
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
@@ -36,17 +35,15 @@ def design(
     experiments: Sequence[Run],
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
-    declared: Interface = interface.INTERFACE,
     **fields: Any,
 ) -> Design:
     """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `declared` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows
-    of the paper's audit, computed with the shipped loop.
+    `fields` are further ones of the stage. `audit` yields the rows of the audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
-        interface.declare_controller(name, time, lambda: subject().block, declared),
+        interface.declare_controller(name, time, lambda: subject().block, interface.BRAKED),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
@@ -56,6 +53,7 @@ def design(
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,
+        faults=faults.CAMPAIGN,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
         audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
         cost_stimuli=partial(standard_tasks.cost_stimuli, further_steps=cost_stimuli.stimuli, floor=cost_stimuli.FLOOR),

@@ -56,14 +56,14 @@ def _record(controller: host.Controller, name: str, rng: np.random.Generator, ya
     """
     pose = poses(rng, 1.0 if yaw_share is None else yaw_share)
     recorded = steps.record(controller, name, travel(rng, pose, yaw_share))
-    if "reckoning_x_position" not in (recorded.states.dtype.names or ()):
-        return recorded
     states, pitch = recorded.states.copy(), planar_stage.plant().parameter("l").value
     healthy = {"guard_latched": 0, "guard_ready": 1, "guard_left": states["guard_left"].max()}
     healthy |= {"sensing_contradiction_left": 0, "sensing_contradiction_confirmed": 0}
     consistent = {f"reckoning_{axis}_position": pose[axis] for axis in allocation.HORIZONTAL}
     consistent |= {f"sensing_offset_{axis}": pitch * np.round(pose[axis] / pitch) for axis in "xy"}
     consistent["sensing_phi_raw"] = pose["phi"]
+    if "filter_x_p" in (states.dtype.names or ()):
+        consistent |= {f"filter_{axis}_p": pose[axis] for axis in allocation.HORIZONTAL}
     for field, values in {**healthy, **consistent}.items():
         states[field][1:] = values if np.ndim(values) == 0 else np.asarray(values)[1:]
     return replace(recorded, states=states)

@@ -73,23 +73,12 @@ def measured_positions(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
 
 
 def positions_of_run(run: Trajectory, block: Block) -> dict[str, Array]:
-    """Return the raw positions and residuals of a run as its controller computes them, and filtered ones with filters.
+    """Return the raw positions and residuals of a run as its controller computes them, up to the latch.
 
-    A controller without filters predicts from its demands: its own Block shows them, up to the latch.
+    The positions behind the filters (6)-(16) are beside them, for a controller without filters too.
     """
-    view = _position_controller(block.time) if filters_positions(block) else _inner_signals(block)
-    columns = view.replay(run.measured).outputs
+    columns = _inner_signals(block).replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
-
-
-def filters_positions(block: Block) -> bool:
-    """Return whether the law of a controller works behind filters of the positions."""
-    return any(s.name.startswith("filter_") for s in block.states)
-
-
-@cache
-def _position_controller(time: Discrete) -> host.Controller:
-    return compile_block(position_block(time))
 
 
 @cache

@@ -31,7 +31,6 @@ import numpy as np
 
 from designs.planar_6dof import interface, motion, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
-from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models.hall_sections import READY
 from models.planar_allocation import HORIZONTAL
@@ -53,6 +52,7 @@ PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # m/s^2/A, rad/s^2/A, (26)
 WEIGHTS = (1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1)  # reproduces (49) in all its digits
 PRINTED_WEIGHTS = (1e3, 1e4, 1e3, 1e9, 1e8, 1e8, 1e2, 1e2, 1e2)  # (47), which does not
 OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 12.0}  # rad/s, of the prediction
 RATES = {"x": "d", "y": "f", "phi": "v"}
 ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
 LATE = {"x": 27, "y": 28}  # bits of the fault word: an error is beyond ERROR
@@ -214,11 +214,12 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 def sensing_blocks(plant: Plant) -> list[Block]:
     """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
-    return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
+    return motion.sensing_blocks(plant, TIME, BANDWIDTH)
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
     axes = [following.Axis(MEASURED[axis], REFERENCES[axis], most, LATE[axis]) for axis, most in ERROR.items()]
-    blocks = [*motion.add_braking(plant, TIME, law(plant, variant, regulate)), following.block(TIME, axes)]
+    whole = motion.add_braking(plant, TIME, law(plant, variant, regulate), BANDWIDTH)
+    blocks = [*whole, following.block(TIME, axes)]
     return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

@@ -3,25 +3,27 @@
     raw positions ---->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
     acting demands ----^          '---------> predicted rates -------> [ braking ]---> demands
 
-The demand d that was achieved in the sample before acts until the next one; the law has it as a state. Each axis is
-q'' = b d with d in A; b follows from force constant, arm and inertia. The poles are a
-compromise: a faster filter has forgotten the motion when a channel that sticks is noticed, a slower one contradicts a
-sound measurement where the force differs from its model. Figures: docs/decisions/planar_faults.md.
+The demand d that was achieved in the sample before acts until the next one. The LQG law has it as a state, another law
+needs `delay`. Each axis is q'' = b d with d in A; b follows from force constant, arm and inertia. Both poles of an axis
+are r = 1 - w T. The bandwidths w are a compromise of each design: a faster filter has forgotten the motion when a
+channel that sticks is noticed, a slower one contradicts a sound measurement where the force differs from its model.
+Figures: docs/decisions/planar_faults.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from designs.planar_6dof import vertical
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models.planar_allocation import HORIZONTAL
-from synth.block import Block
+from synth.block import Block, Exprs, State, Step, build
 from synth.blocks import braking, dead_reckoning
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
-POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
+Bandwidth = Mapping[str, float]  # of x, y and phi, rad/s
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
@@ -33,7 +35,20 @@ def acting(plant: Plant, axis: str) -> Signal:
     return Signal(f"acting_{axis}", achieved.unit, -most, most, "demand that acts until the next sample")
 
 
-def axes(plant: Plant) -> list[dead_reckoning.Axis]:
+def delay(plant: Plant, time: Discrete) -> Block:
+    """Return the Block from the achieved demands to those that act: a delay of one sample."""
+    later = {axis: acting(plant, axis) for axis in HORIZONTAL}
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        achieved = {axis: u[vertical.ACHIEVED_DEMAND[axis].name] for axis in HORIZONTAL}
+        return Step({signal.name: x[axis] for axis, signal in later.items()}, achieved)
+
+    inputs, outputs = [vertical.ACHIEVED_DEMAND[axis] for axis in HORIZONTAL], list(later.values())
+    states = [State(replace(signal, name=axis), 0.0) for axis, signal in later.items()]
+    return build("delay", time, law, inputs=inputs, outputs=outputs, states=states, tag="delay of one sample")
+
+
+def axes(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[dead_reckoning.Axis]:
     """Return x, y and phi with their accelerations per A of demand."""
     scales = allocation.scales(plant)
     return [
@@ -44,22 +59,27 @@ def axes(plant: Plant) -> list[dead_reckoning.Axis]:
             acting(plant, axis),
             scales[axis] / plant.parameter(INERTIA[axis]).value,
             FASTEST[axis],
-            POLE[axis],
+            1 - bandwidth[axis] * time.period_s,
         )
         for axis in HORIZONTAL
     ]
 
 
-def prediction(plant: Plant, time: Discrete) -> Block:
+def prediction(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> Block:
     """Return the Block from raw positions and acting demands to predicted positions and rates."""
-    return dead_reckoning.block("reckoning", time, axes(plant))
+    return dead_reckoning.block("reckoning", time, axes(plant, time, bandwidth))
 
 
-def add_braking(plant: Plant, time: Discrete, law: Sequence[Block]) -> list[Block]:
+def sensing_blocks(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[Block]:
+    """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
+    return [sensing.sensing(plant, time, reckoned=True), prediction(plant, time, bandwidth)]
+
+
+def add_braking(plant: Plant, time: Discrete, law: Sequence[Block], bandwidth: Bandwidth) -> list[Block]:
     """Return a law whose horizontal demands brake before the latch."""
     passed = {axis: vertical.DEMAND[axis] for axis in HORIZONTAL}
     demanded = {a: Signal(f"law_{a}", s.unit, s.low, s.high, "demand of the law") for a, s in passed.items()}
     names = {s.name: demanded[a].name for a, s in passed.items()}
     blocks = [b.renamed(names) if {s.name for s in b.outputs} & set(names) else b for b in law]
     demands = {axis: (demanded[axis], passed[axis]) for axis in HORIZONTAL}
-    return [*blocks, braking.block("braking", time, axes(plant), demands, SHARE)]
+    return [*blocks, braking.block("braking", time, axes(plant, time, bandwidth), demands, SHARE)]

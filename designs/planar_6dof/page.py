@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import drawings, filtering, loops
+from designs.planar_6dof import drawings, loops
 from designs.planar_6dof import loop as simulated
 from models import halbach, hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
@@ -88,7 +88,7 @@ def report(
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
     computed = {
-        **_stage(plant, block, design.filters_positions),
+        **_stage(plant, block),
         **_at_rest(runs, time, design),
         **_run_figures(runs, design),
     }
@@ -117,12 +117,11 @@ def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
     return {f"f_{motor}": f.y for motor, f in planar_stage.motor_forces(x, u, p).items()}
 
 
-def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Content]:
+def _stage(plant: Plant, block: Block) -> dict[str, Content]:
     """Return figures and tables of the stage: derived parameters, sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
-    filters = filtering.blocks(block.time) if filtered else []
-    silent = sensing_maps.zero_voltages(plant, block.time, MAP_POINTS, filters)
-    failed = {"zero": silent, "stuck": sensing_maps.stuck_voltages(plant, block.time, PLACES, filters)}
+    silent = sensing_maps.zero_voltages(plant, block.time, MAP_POINTS)
+    failed = {"zero": silent, "stuck": sensing_maps.stuck_voltages(plant, block.time, PLACES)}
     margins_by_place = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
     return {
         "stage.derived": [

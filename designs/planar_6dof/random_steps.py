@@ -33,7 +33,7 @@ PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
 RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
 TINY = 1e-100  # V: the square of a smaller voltage may underflow
-LAW = ("loop_", "lqg_")  # its Blocks
+LAW = ("loop_", "lqg_", "delay_")  # its Blocks
 SENSING, UNCONSTRAINED = (
     ("sensing_", "filter_", "reckoning_"),
     ("sensing_contradiction_left", "sensing_first_"),

@@ -5,11 +5,12 @@ Each axis is the double integrator q'' = b d, sampled with d held over a period:
     (q, v) <- (q + T v + b d T^2/2, v + b d T)
 
 A measured position corrects the prediction by a Luenberger observer whose two poles coincide, placed by the
-characteristic polynomial (z - r)^2. A bridged one replaces it. d acts one sample late. While it brakes, d is what
-halves the predicted rate.
+characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it. d acts one sample late. While it
+brakes, d is what halves the predicted rate.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from designs.planar_6dof import reference_control as control
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
-POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
 MASS, INERTIA = 1.52, 0.0022  # kg, kg m^2
 INERTIAS = {"x": MASS, "y": MASS, "phi": INERTIA}
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s
@@ -29,15 +29,29 @@ BRAKING = 24  # samples
 REMAINING = 0.5  # of the rate, after a braking sample
 
 
+@dataclass(frozen=True)
+class Sample:
+    """What a sample tells about the motion: positions (m, rad), whether to trust them, the demands in A that act.
+
+    `T` is the period in s, and `w` has the bandwidth of each axis in rad/s.
+    """
+
+    measured: Columns
+    trusted: Array
+    acting: Columns
+    T: float
+    w: Mapping[str, float]
+
+
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate")]
+    names = [f"reckoning_{axis}_{part}" for axis in INERTIAS for part in ("position", "rate")]
     return {name: np.array(0.0) for name in names}
 
 
 def predicted_pose(state: Columns) -> dict[str, Array]:
     """Return x, y and phi as predicted for this sample, m and rad."""
-    return {axis: state[f"reckoning_{axis}_position"] for axis in POLE}
+    return {axis: state[f"reckoning_{axis}_position"] for axis in INERTIAS}
 
 
 def acceleration(axis: str) -> float:
@@ -45,26 +59,26 @@ def acceleration(axis: str) -> float:
     return control.scales()[axis] / INERTIAS[axis]
 
 
-def correct(axis: str, state: Columns, measured: Array, trusted: Array, T: float) -> tuple[Array, Array]:
+def correct(axis: str, state: Columns, now: Sample) -> tuple[Array, Array]:
     """Return position and rate (m and m/s, rad and rad/s) after the measurement.
 
     At the first good sample, and where the sample is not complete, the position is that measured or bridged, and the
     rate stays as predicted.
     """
-    r, e = POLE[axis], measured - state[f"reckoning_{axis}_position"]
+    T, r, e = now.T, 1 - now.w[axis] * now.T, now.measured[axis] - state[f"reckoning_{axis}_position"]
     A, C = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     characteristic = A @ A - 2 * r * A + r * r * np.eye(2)
     M = np.linalg.solve(A, characteristic @ np.linalg.solve(np.vstack([C, C @ A]), [0.0, 1.0]))
-    position, rate = (np.where(trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
+    position, rate = (np.where(now.trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
     return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / T + rate * e
 
 
-def next_rates(state: Columns, measured: Columns, trusted: Array, T: float) -> dict[str, Array]:
+def next_rates(state: Columns, now: Sample) -> dict[str, Array]:
     """Return the rates of the next sample, when the demands of this one begin to act, m/s and rad/s."""
     rates = {}
-    for axis, q in measured.items():
-        _, v = correct(axis, state, q, trusted, T)
-        rates[axis] = v + acceleration(axis) * T * state[f"lqg_{axis}_achieved"]
+    for axis, acting in now.acting.items():
+        _, v = correct(axis, state, now)
+        rates[axis] = v + acceleration(axis) * now.T * acting
     return rates
 
 
@@ -77,12 +91,12 @@ def brake(demands: Columns, rates: Columns, stops: Array, T: float) -> dict[str,
     return after
 
 
-def next_state(state: Columns, measured: Columns, trusted: Array, T: float) -> dict[str, Array]:
+def next_state(state: Columns, now: Sample) -> dict[str, Array]:
     """Return the next predictions; what the law achieved in the sample before acts until the next one."""
-    after: dict[str, Array] = {}
-    for axis, q in measured.items():
-        at, v = correct(axis, state, q, trusted, T)
-        acting = acceleration(axis) * state[f"lqg_{axis}_achieved"]
+    T, after = now.T, dict[str, Array]()
+    for axis, demand in now.acting.items():
+        at, v = correct(axis, state, now)
+        acting = acceleration(axis) * demand
         values = {"position": at + T * v + acting * T**2 / 2, "rate": (v + acting * T) * T}
         bounds = {"position": FARTHEST[axis], "rate": FASTEST[axis] * T}
         after |= {f"reckoning_{axis}_{n}": np.clip(u, -bounds[n], bounds[n]) for n, u in values.items()}

@@ -32,9 +32,9 @@ HEIGHT = 3e-3  # m
 SENSITIVITY = 0.4 * 21  # V/T, section 3.1
 DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
-BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
+FASTEST = {"x": 4.0, "y": 4.0, "phi": 7.0}  # m/s, rad/s: beyond it a filter restarts
 MAX_RAW_YAW = 0.025  # rad
-COUNT = 2  # pitches to either side
+COUNT, FARTHEST = 2, 0.16  # pitches to either side; m: of a raw position
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
 RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
@@ -51,12 +51,13 @@ TERMS, POINTS = 4, 64  # of the fitted position
 
 @dataclass(frozen=True)
 class Constants:
-    """Amplitude in V, fits of position, slope and power, and the gains of the filters (k_p, k_s, k_h) by axis."""
+    """Amplitude in V, fits of position, slope and power, period, and gains (k_p, k_s, k_h) of the filters by axis."""
 
     amplitude: float
     position: Array
     slope: Array
     power: Array
+    period_s: float
     gain: Mapping[str, Array]
 
 
@@ -80,6 +81,7 @@ def constants(period_s: float) -> Constants:
         position * PITCH / (2 * pi),
         1.5 * pi * slope / A ** np.array([2, 4]),
         power * A ** np.array([2.0, -2.0, -6.0]),
+        period_s,
         {axis: gain(q, period_s) for axis, q in DENSITY.items()},
     )
 
@@ -167,11 +169,6 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def predicted_pose(state: Columns) -> dict[str, Array]:
-    """Return x, y and phi as the filters predict them."""
-    return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
-
-
 def sense(
     state: Columns,
     v: Columns,
@@ -226,7 +223,7 @@ def sense(
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
         expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
-        bridge = expected + offset if reckoned else predicted[axis]
+        bridge = expected + offset if reckoned else np.clip(predicted[axis], -FARTHEST, FARTHEST)
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], bridge)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
@@ -279,23 +276,14 @@ def filter_positions(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
     out, after = {}, {}
-    for axis, bound in BOUND.items():
+    for axis, fastest in FASTEST.items():
         measured = raw[f"{axis}_raw"]
         predicted = [state[f"filter_{axis}_{part}"] for part in "psh"]
         p, s, h = (v + K * (measured - predicted[0]) for v, K in zip(predicted, k.gain[axis], strict=True))
         next = [p + s + h, s + 2 * h, h]
-        in_bounds = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
+        in_bounds = (ready > 0) & (np.abs(s + h) + np.abs(h) <= fastest * k.period_s)
         out[axis] = np.where(in_bounds, p, measured)
         at_rest = measured, np.zeros_like(measured), np.zeros_like(measured)
         for part, value, rest in zip("psh", next, at_rest, strict=True):
             after[f"filter_{axis}_{part}"] = np.where(in_bounds, value, rest)
     return out, after
-
-
-def step(
-    state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, flags, predicted_pose(state), k)
-    pose, after_filters = filter_positions(state, raw, flags[0], k)
-    return raw | pose, after | after_filters

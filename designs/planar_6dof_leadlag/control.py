@@ -6,13 +6,17 @@
                                             ^              |
                                             +-- achieved --+
 
+The set-points' loops work on filtered positions. `motion` predicts x, y and phi from the achieved demands, which act a
+sample later; it bridges bad samples and brakes before the latch. The filters cannot: they do not know the demands, and
+learn the motion that a stuck channel shows.
+
 published   (21), (22) as printed
 shipped     (21), (22) with reduced gains; for (23)-(25) see `vertical`
 
 Compensators are sampled by Tustin's rule. Margins with the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
-from designs.planar_6dof import filtering, interface, vertical
+from designs.planar_6dof import filtering, interface, motion, vertical
 from designs.planar_6dof.vertical import Variant
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -24,6 +28,7 @@ from synth.timing import Discrete
 NAME = "planar_6dof_leadlag"
 TIME = Discrete(1e-3)
 PUBLISHED = {"x": (1.5e4, 0.11), "y": (1.5e4, 0.11), "phi": (35.0, 0.12)}  # gain, lead in s
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 8.0}  # rad/s, of the prediction
 LAG, RESET = 0.00088, 0.1  # s, of (21) and (22)
 GAIN_SHARE = {"x": 0.4, "y": 0.4, "phi": 0.5}  # of the published gain
 
@@ -47,7 +52,13 @@ def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     return [*six, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 
+def filters() -> list[Block]:
+    """Return the filters of x, y and phi. Sensing takes the predictions of `motion` instead of theirs."""
+    return [b.renamed({s.name: f"filter_{s.name}" for s in sensing.PREDICTED.values()}) for b in filtering.blocks(TIME)]
+
+
 def controller(plant: Plant, variant: Variant = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    sensed = [sensing.sensing(plant, TIME), *filtering.blocks(TIME)]
-    return interface.controller(NAME, plant, TIME, sensed, law(plant, variant))
+    sensed = [*motion.sensing_blocks(plant, TIME, BANDWIDTH), *filters()]
+    blocks = [*motion.add_braking(plant, TIME, law(plant, variant), BANDWIDTH), motion.delay(plant, TIME)]
+    return interface.controller(NAME, plant, TIME, sensed, blocks, interface.BRAKED)

@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from designs.planar_6dof import filtering, loops, page
+from designs.planar_6dof import loops, motion, page
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.control import TIME
-from models import hall_sections as sensing
 from models.planar_allocation import AXES, HORIZONTAL
 from synth.block import Block
 from synth.plant import Plant
@@ -42,10 +41,10 @@ def contents(plant: Plant) -> page.Contents:
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; a printed loop of one axis is closed with the others as shipped."""
     shipped, printed = control.law(plant), control.law(plant, "published")
-    open_loops = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    open_loops = loops.of_block(plant, whole(plant, control.filters(), shipped), AXES, "as shipped")
     for axis in AXES:
         law = loops.with_axis_of(shipped, printed, axis)
-        open_loops += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        open_loops += loops.of_block(plant, whole(plant, control.filters(), law), [axis], "as printed")
         if axis in HORIZONTAL:
             open_loops += loops.of_block(
                 plant, whole(plant, without_filter(axis), law), [axis], "as printed, unfiltered"
@@ -54,15 +53,16 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
 
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
-    """Return the controller with some filters and a law."""
-    return loops.rounded_controller(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
+    """Return the controller with some filters and a law, without braking."""
+    sensed = [*motion.sensing_blocks(plant, TIME, control.BANDWIDTH), *filters]
+    return loops.rounded_controller(plant, TIME, sensed, [*law, motion.delay(plant, TIME)])
 
 
 def without_filter(axis: str) -> list[Block]:
-    """Return the filters; that of one axis outputs its raw position and still predicts."""
+    """Return the filters; that of one axis outputs its raw position."""
     return [
         replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b
-        for b in filtering.blocks(TIME)
+        for b in control.filters()
     ]
 
 

@@ -1,6 +1,7 @@
 """The lead-lag controller of the planar positioner, one step of 1 ms: NumPy reference of the generated C.
 
-    guard, sensing and filters, six compensators (21)-(25), motors and phases: `reference_sensing`, `reference_control`
+    sensing and filters: `reference_sensing`; prediction and braking: `reference_motion`
+    guard, six compensators (21)-(25), motors and phases: `reference_control`
 
 Every function takes scalars or columns (n,) of n independent controllers. Lengths in m, angles in rad, currents in A.
 """
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_control as shared
+from designs.planar_6dof import reference_motion as motion
 from designs.planar_6dof import reference_sensing as sensing
 from designs.planar_6dof.reference_control import AXES, Compensator
 
@@ -24,6 +26,7 @@ PERIOD = Fraction(1, 1000)  # s
 GAIN = {"x": "15000", "y": "15000", "phi": "35"}  # (21), (22)
 GAIN_SHARE = {"x": "0.4", "y": "0.4", "phi": "0.5"}  # factor on it in the shipped controller
 LEAD = {"x": "0.11", "y": "0.11", "phi": "0.12"}  # s
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 8.0}  # rad/s, of the prediction
 LAG, RESET = Fraction("0.00088"), Fraction("0.1")  # s
 
 
@@ -40,21 +43,46 @@ def compensators() -> dict[str, Compensator]:
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    return shared.initial_state(AXES) | sensing.initial_state() | sensing.initial_filter_state()
+    filters = sensing.initial_filter_state() | {f"delay_{axis}": np.array(0.0) for axis in GAIN}
+    guard_and_law = shared.initial_state(AXES, motion.BRAKING)
+    return guard_and_law | sensing.initial_reckoned_state() | motion.initial_state() | filters
+
+
+def sense(state: Columns, v: Columns, complete: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the pose with raw and filtered positions, and the next states of sensing and filters."""
+    k, ready, predicted = (
+        sensing.constants(float(PERIOD)),
+        np.asarray(state["guard_ready"]),
+        motion.predicted_pose(state),
+    )
+    raw, after = sensing.sense(state, v, (ready, complete), predicted, k, True)
+    filtered, after_filters = sensing.filter_positions(state, raw, ready, k)
+    return raw | filtered | shared.vertical_kinematics(v), after | after_filters
+
+
+def sample(state: Columns, pose: Columns) -> motion.Sample:
+    """Return what a sample tells about the motion; the demands achieved in the sample before act until the next one."""
+    trusted = (np.asarray(state["guard_ready"]) > 0) & pose["measured"]
+    measured = {axis: pose[f"{axis}_raw"] for axis in GAIN}
+    acting = {axis: state[f"delay_{axis}"] for axis in GAIN}
+    return motion.Sample(measured, trusted, acting, float(PERIOD), BANDWIDTH)
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    guarded = shared.guard(state, inputs)
+    guarded = shared.guard(state, inputs, motion.BRAKING)
     values, after, word = guarded.values, guarded.after, guarded.word
-    flags = np.asarray(state["guard_ready"]), guarded.complete
-    pose, after_sensing = sensing.step(state, values, flags, sensing.constants(float(PERIOD)))
-    pose |= shared.vertical_kinematics(values)
+    pose, after_sensing = sense(state, values, guarded.complete)
+    now = sample(state, pose)
+    after |= after_sensing | motion.next_state(state, now)
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}
     k = compensators()
     demand = {axis: shared.demand(axis, k[axis], e[axis], state) for axis in AXES}
+    rates = motion.next_rates(state, now)
+    demand |= motion.brake({axis: demand[axis] for axis in GAIN}, rates, guarded.braked, now.T)
     currents, achieved = shared.allocate(demand, pose["phi"])
     for axis in AXES:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    next_state, out = shared.finish_step(state, after | after_sensing, shared.phases(currents, pose), PERIOD)
+    after |= {f"delay_{axis}": achieved[axis] / shared.scales()[axis] for axis in GAIN}
+    next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache, partial
 from typing import Any
 
-from designs.planar_6dof import artefacts, assembly, faults, interface, lqg, vertical
+from designs.planar_6dof import artefacts, assembly, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
 from designs.planar_6dof_lqg import experiments, reference
@@ -81,6 +81,4 @@ def report(*arguments: Any) -> str:
     return page.report(*arguments)
 
 
-DESIGN = assembly.design(
-    lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report, interface.BRAKED, faults=faults.CAMPAIGN
-)
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report)

@@ -32,6 +32,7 @@ FORCE = PER_AMPERE * 1.52  # N/A
 WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
 ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": np.inf}  # m, rad
 LATE = {"x": 27, "y": 28}  # bits of the fault word: the error is beyond ERROR
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 12.0}  # rad/s, of the prediction
 POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
 HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
@@ -155,8 +156,10 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
-    reckoned = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, (ready > 0) & pose["measured"], float(PERIOD)
-    rates = motion.next_rates(state, *reckoned)
+    measured = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}
+    acting = {axis: state[f"lqg_{axis}_achieved"] for axis in HORIZONTAL}
+    now = motion.Sample(measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
+    rates = motion.next_rates(state, now)
     demands = motion.brake(demands, rates, guarded.braked, float(PERIOD))
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
@@ -164,7 +167,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | motion.next_state(state, *reckoned)
+    after |= after_sensing | motion.next_state(state, now)
     word = word | late_bits(loop_inputs, guarded)
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

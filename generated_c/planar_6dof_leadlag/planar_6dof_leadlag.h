@@ -6,14 +6,15 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init, and the outputs
- * move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
+ * last of them until init, and the outputs move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB,
+ * i_CC to 0 A at 126 A/s.
  *
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
- *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s
- *     (phi)
- *   - in motion the machine reaches 0.15 m/s (x) and 0.022 rad/s (phi)
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00014 m/s (z) and 0.0034 rad/s
+ *     (theta)
+ *   - in motion the machine reaches 0.0039 m/s (x) and 0.071 rad/s (psi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -49,12 +50,6 @@ typedef struct {
     float integral;                     /* A: integral of the error */
     float lead;                         /* A: state of the lead filter */
 } planar_6dof_leadlag_loop_state_t;
-
-typedef struct {
-    float p;                            /* m or rad: predicted position */
-    float s;                            /* m or rad: predicted velocity times T */
-    float h;                            /* m or rad: predicted acceleration times T^2/2 */
-} planar_6dof_leadlag_filter_state_t;
 
 typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
@@ -96,7 +91,7 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
@@ -110,18 +105,36 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_within_x;             /* m, -0.0274 .. 0.0274: raw position along x, from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0274 .. 0.0274: raw position along y, from the middle of its pitch */
+    float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
+    float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
-    planar_6dof_leadlag_filter_state_t filter_x;
-    planar_6dof_leadlag_filter_state_t filter_y;
-    planar_6dof_leadlag_filter_state_t filter_phi;
+    float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
+    float reckoning_x_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float reckoning_y_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
+    float reckoning_y_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
+    float reckoning_phi_rate;           /* rad, -0.04 .. 0.04: predicted rate times the sample period */
+    float filter_x_p;                   /* m, -0.2 .. 0.2: predicted position */
+    float filter_x_s;                   /* m, -0.00400004 .. 0.00400004: predicted velocity times T */
+    float filter_x_h;                   /* m, -0.00400004 .. 0.00400004: predicted acceleration times T^2/2 */
+    float filter_y_p;                   /* m, -0.2 .. 0.2: predicted position */
+    float filter_y_s;                   /* m, -0.00400004 .. 0.00400004: predicted velocity times T */
+    float filter_y_h;                   /* m, -0.00400004 .. 0.00400004: predicted acceleration times T^2/2 */
+    float filter_phi_p;                 /* rad, -0.05 .. 0.05: predicted position */
+    float filter_phi_s;                 /* rad, -0.00700007 .. 0.00700007: predicted velocity times T */
+    float filter_phi_h;                 /* rad, -0.00700007 .. 0.00700007: predicted acceleration times T^2/2 */
     planar_6dof_leadlag_loop_state_t loop_x;
     planar_6dof_leadlag_loop_state_t loop_y;
     planar_6dof_leadlag_loop_state_t loop_phi;
-    planar_6dof_leadlag_loop_state_t loop_z;
-    planar_6dof_leadlag_loop_state_t loop_theta;
-    planar_6dof_leadlag_loop_state_t loop_psi;
+    float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_z_lead;                  /* A, -3.1652 .. 3.1652: state of the lead filter */
+    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: integral of the error */
+    float loop_theta_lead;              /* A, -5.91031 .. 5.91031: state of the lead filter */
+    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_psi_lead;                /* A, -6.50134 .. 6.50134: state of the lead filter */
+    float delay_x;                      /* A, -1.449 .. 1.449: demand that acts until the next sample */
+    float delay_y;                      /* A, -2.6145 .. 2.6145: demand that acts until the next sample */
+    float delay_phi;                    /* A, -2.52 .. 2.52: demand that acts until the next sample */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -137,11 +150,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 224u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 260u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_224[(sizeof(planar_6dof_leadlag_state_t) == 224u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_260[(sizeof(planar_6dof_leadlag_state_t) == 260u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -171,13 +184,15 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
  *   bit 29  all Hall voltages have another amplitude than the field
+ *   bit 30  brakes, a latch follows
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD,
+ * 5 i_CD. */
 typedef struct {
     float suspect_V_ax;                 /* 1: V_ax contradicts the others */
     float suspect_V_ay;                 /* 1: V_ay contradicts the others */
@@ -195,18 +210,25 @@ typedef struct {
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
     float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
+    float measured;                     /* 1: the positions are measured in this sample */
+    float x_advance;                    /* m: predicted rate times the sample period */
+    float y_advance;                    /* m: predicted rate times the sample period */
+    float phi_advance;                  /* rad: predicted rate times the sample period */
     float x;                            /* m: filtered */
     float y;                            /* m: filtered */
     float phi;                          /* rad: filtered */
     float z;                            /* m: height above the nominal gap */
     float theta;                        /* rad: tilt about X */
     float psi;                          /* rad: tilt about Y */
-    float d_x;                          /* A: demand of x over its scale */
-    float d_y;                          /* A: demand of y over its scale */
-    float d_phi;                        /* A: demand of phi over its scale */
+    float law_x;                        /* A: demand of x over its scale */
+    float law_y;                        /* A: demand of y over its scale */
+    float law_phi;                      /* A: demand of phi over its scale */
     float d_z;                          /* A: demand of z over its scale */
     float d_theta;                      /* A: demand of theta over its scale */
     float d_psi;                        /* A: demand of psi over its scale */
+    float d_phi;                        /* A: demand of phi over its scale */
+    float d_x;                          /* A: demand of x over its scale */
+    float d_y;                          /* A: demand of y over its scale */
     float i_AQ;                         /* A: quadrature current of motor A, peak of a phase */
     float i_BQ;                         /* A: quadrature current of motor B, peak of a phase */
     float i_CQ;                         /* A: quadrature current of motor C, peak of a phase */

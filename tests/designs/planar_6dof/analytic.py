@@ -1,11 +1,11 @@
 """The planar positioner's loops written out, for comparison: no Block, no linearisation, no state-space algebra.
 
-L(z) = C(z) g X(z) / (1 - rho P(z)) z^-1 G(z)                 rest at the middle of the travel
+L(z) = C(z) g X(z) / (1 - rho/z) z^-1 G(z)                    rest at the middle of the travel
 
 G      q'' = b f - k q with f held:  b T^2/2 (z + 1)/(z - 1)^2,  b (1 - cos wT)/w^2 (z + 1)/(z^2 - 2 cos wT z + 1)
 z^-1   a sample of computation
-g, rho raw = g q + rho predicted: what the calibration makes of the slope of the field, and of the predicted yaw
-X, P   the filter (6)-(16) from raw to its position and to its prediction, or 1 and 1/z
+g, rho raw = g q + rho raw/z: what the calibration makes of the slope of the field, and of the yaw of the sample before
+X      the filter (6)-(16) from raw to its position, or 1
 C      the compensator
 """
 
@@ -34,9 +34,9 @@ def loop(plant: Plant, axis: str, C: Transfer, time: Discrete, filtered: bool, d
     def L(z: Array) -> Array:
         if axis in SPRING:
             return C(z) * z**-delay * held_plant(plant, axis, time.period_s, z)
-        g, rho = sensor_slopes(plant, axis, sensing.REGULARISATION if filtered else sensing.RECKONED_REGULARISATION)
-        X, P = kalman(axis, time, z) if filtered else (np.ones_like(z), 1 / z)
-        return C(z) * g * X / (1 - rho * P) * z**-delay * held_plant(plant, axis, time.period_s, z)
+        g, rho = sensor_slopes(plant, axis)
+        X = kalman(axis, time, z) if filtered else np.ones_like(z)
+        return C(z) * g * X / (1 - rho / z) * z**-delay * held_plant(plant, axis, time.period_s, z)
 
     return L
 
@@ -54,7 +54,7 @@ def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
     return b * (1 - np.cos(w * T)) / w**2 * (z + 1) / (z**2 - 2 * np.cos(w * T) * z + 1)
 
 
-def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float, float]:
+def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle (S is 0), after two samples of the scale."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
@@ -67,15 +67,15 @@ def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float
         r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
     h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
-    information = 2 * h**2 + regularisation * cal.amplitude**2
+    information = 2 * h**2 + sensing.RECKONED_REGULARISATION * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
 
-def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
+def kalman(axis: str, time: Discrete, z: Array) -> Array:
     T, K = time.period_s, filtering.estimator(axis, time).M
     A, C = np.array([[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]), np.eye(1, 3)
     predicted = np.array([np.linalg.solve(v * np.eye(3) - A @ (np.eye(3) - K @ C), A @ K)[:, 0] for v in z])
-    return predicted[:, 0] + K[0, 0] * (1 - predicted[:, 0]), predicted[:, 0]
+    return predicted[:, 0] + K[0, 0] * (1 - predicted[:, 0])
 
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:

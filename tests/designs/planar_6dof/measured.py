@@ -112,7 +112,10 @@ def reference_step(
     is_amplitude = (confirmed > 0) & reference_sensing.is_amplitude(state, A)
     suspicion |= {"suspected": confirmed, "other_amplitude": is_amplitude}
     if predicted:
-        out, after = reference_sensing.step(state, v, flags, REFERENCE)
+        poses = {axis: state[f"filter_{axis}_p"] for axis in filtering.AXES}
+        raw, after = reference_sensing.sense(state, v, flags, poses, REFERENCE)
+        filtered, after_filters = reference_sensing.filter_positions(state, raw, flags[0], REFERENCE)
+        out, after = raw | filtered, after | after_filters
     else:
         last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
         last["phi"] = state["sensing_phi_raw"]

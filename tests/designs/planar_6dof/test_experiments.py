@@ -173,7 +173,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
         f = failures.fail(lead, channel, "nan")
         assert (
             f.failure.samples_to_detection == 0
-            and f.failure.samples_to_latch == 4
+            and f.failure.samples_to_latch == 4 + interface.BRAKING
             and not f.others
             and f.contradicted is None
         )
@@ -234,7 +234,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
     wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
-    monkeypatch.setattr(loops, "_position_controller", lambda time: wrong)
+    monkeypatch.setattr(loops, "_inner_signals", lambda block: wrong)
     experiment = leadlag_experiments.circle_experiment(lead, "circle")
     assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
@@ -281,13 +281,13 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: R
     def changed(f: failures.Failed, **fields: Any) -> failures.Failed:
         return replace(f, failure=replace(f.failure, **fields))
 
-    before = np.arange(len(run.time)) < sample + 4
+    before = np.arange(len(run.time)) < sample + 4 + interface.BRAKING
     still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
     assert not caught(good) and 0 < good.failure.max_slew_rate() <= failures.SLEW
     assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
     assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
-    assert caught(changed(good, sample=sample - 1)) == {"samples until the latch"}
+    assert caught(changed(good, sample=sample - 1)) == {"samples until it brakes", "samples until the latch"}
     assert caught(changed(good, sample=sample + 1)) == {"samples with a fault before the failure"}
     early = failures.fail(lead, "V_cx", "zero", speed=failures.SPEED)
     assert early.contradicted is not None

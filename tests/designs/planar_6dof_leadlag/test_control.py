@@ -91,7 +91,7 @@ def test_a_bad_measurement_for_long_takes_the_currents_to_zero(c64: host.Control
     inputs["d1"][10:] = np.nan
     got = c64.replay(inputs)
     latched = got.faults >> safety.LATCH_BIT > 0
-    assert latched.argmax() == 10 + interface.BAD_SAMPLES - 1
+    assert latched.argmax() == 10 + interface.BAD_SAMPLES - 1 + interface.BRAKING
     size = np.max([np.abs(got.outputs[s.name]) for s in interface.OUTPUTS], axis=0)
     assert size[latched.argmax() - 1] > 1e-3 and not size[-1]
     assert (np.diff(size[latched]) <= 0).all()

@@ -11,20 +11,23 @@ from designs.planar_6dof import failures, faults, interface, lqg, motion
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_lqg.design import DESIGN, subject
 from models import hall_sections, planar_stage
-from synth import standard_tasks
-from synth.block import Block
-from synth.progress import silent
-from synth.simulate import campaign, injections
+from synth.simulate import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.statespace import Array
+from tests.designs.planar_6dof.faulty_runs import (
+    FAILS,
+    LARGEST_SPEED,
+    LARGEST_YAW_RATE,
+    SPEEDS,
+    after_sticking,
+    campaign_excursions,
+    excursion,
+    ramp,
+    rates,
+    run,
+)
 
-SPEEDS = ({"x": 0.115, "y": -0.08}, {"x": -0.099, "y": -0.099})  # m/s, 0.14 together
-FAILS, DURATION = 0.4, 0.9  # s
-STUCK_DURATION, COAST = 2.4, 0.5  # s; after the latch
-LARGEST_SPEED, LARGEST_YAW_RATE = 0.05, 0.2  # m/s, rad/s
-SHORT_LOSS = "V_ax", "not finite", "short"
 WRONG_PLANTS = (8, 1, 2, 3, 6)  # of the campaign, those with the largest torques that are not modelled
 AMPLITUDE, BRAKING, LATCH = 1 << hall_sections.AMPLITUDE_BIT, 1 << 30, 1 << 31
 
@@ -32,38 +35,6 @@ AMPLITUDE, BRAKING, LATCH = 1 << hall_sections.AMPLITUDE_BIT, 1 << 30, 1 << 31
 @cache
 def rig() -> Rig:
     return loops.of(subject().block)
-
-
-def ramp(rate: float, start: float, time: Array) -> Array:
-    """Return set-points (N,) that rest for 0.1 s and then move as far as the travel allows."""
-    return np.clip(start + rate * np.maximum(time - 0.1, 0), -0.098, 0.098)
-
-
-def run(
-    rig: Rig,
-    channel: str = "",
-    samples: int = 0,
-    value: float = np.nan,
-    speed: Mapping[str, float] = SPEEDS[0],
-    duration: float = DURATION,
-) -> Trajectory:
-    """Run a ramp in which a channel shows a value in some samples."""
-    time = sample_times(duration, rig.period_s)
-    start = {axis: -0.17 * v for axis, v in speed.items()}  # within half a pitch of the middle, as init needs it
-    references = {axis: ramp(v, start[axis], time) for axis, v in speed.items()}
-    first = round(FAILS / rig.period_s)
-    bad = np.isin(np.arange(len(time)), range(first, first + samples))
-    overrides = {channel: Override(bad, np.full(len(time), value))} if channel else {}
-    return loops.simulate(rig, duration, references, start, overrides=overrides)
-
-
-def excursion(one: Trajectory, other: Trajectory) -> float:
-    return max(float(np.abs(one[axis] - other[axis]).max()) for axis in "xy")
-
-
-def rates(result: Trajectory) -> tuple[Array, Array]:
-    """Return speed and yaw rate (N,)."""
-    return np.hypot(result["vx"], result["vy"]), np.abs(result["wphi"])
 
 
 # Bridged
@@ -87,20 +58,9 @@ def test_a_wrong_prediction_does_not_bridge() -> None:
     assert healthy.faults.any() or excursion(healthy, faulty) > 5e-6
 
 
-def campaign_excursions(block: Block, plant: int) -> Array:
-    """Return the excursions (2, 2) of x and y, m, after four bad samples of V_ax in the campaign's motion."""
-    assert DESIGN.stage is not None
-    declared = standard_tasks.rig(DESIGN.stage, DESIGN.scalar)
-    stage = campaign.with_stops(replace(declared, controller=loops.of(block).controller))
-    moving = next(c for c in campaign.motion_and_standstill(stage) if c.name == campaign.IN_MOTION)
-    losses = [i for i in injections.derive(stage.stage) if (i.target, i.kind, i.duration) == SHORT_LOSS]
-    _, runs = campaign.run(stage, plant, moving, silent, losses)
-    return np.array([[r.excursion[axis] for axis in "xy"] for r in runs])
-
-
 @pytest.mark.parametrize("plant", WRONG_PLANTS)
 def test_four_bad_samples_cost_50_um_at_most_where_torques_are_not_modelled(plant: int) -> None:
-    assert campaign_excursions(subject().block, plant).max() < faults.BRIDGED
+    assert campaign_excursions(DESIGN, subject().block, plant).max() < faults.BRIDGED
 
 
 def test_without_the_last_innovation_the_yaw_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,7 +68,7 @@ def test_without_the_last_innovation_the_yaw_jumps(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(
         hall_sections, "_bridge", lambda u, *_: {a: u[s.name] for a, s in hall_sections.PREDICTED.items()}
     )
-    assert campaign_excursions(lqg.controller(planar_stage.plant()), WRONG_PLANTS[0]).max() > faults.BRIDGED
+    assert campaign_excursions(DESIGN, lqg.controller(planar_stage.plant()), WRONG_PLANTS[0]).max() > faults.BRIDGED
 
 
 # Braked
@@ -132,20 +92,6 @@ def test_without_braking_the_platen_coasts(monkeypatch: pytest.MonkeyPatch) -> N
     assert rates(result)[0][-1] > LARGEST_SPEED
 
 
-def after_sticking(rig: Rig, channel: str) -> Array:
-    """Return (N, 2) speed and yaw rate half a second after the latch, for a channel that sticks in six motions."""
-    left = []
-    for size in (0.02, 0.08, 0.14):
-        for direction in (0.5, 3.9):
-            speed = {"x": size * np.cos(direction), "y": size * np.sin(direction)}
-            healthy = run(rig, speed=speed, duration=STUCK_DURATION)
-            value = float(np.asarray(healthy.measured[channel])[round(FAILS / rig.period_s)])
-            result = run(rig, channel, 10_000, value, speed, STUCK_DURATION)
-            at = int(np.argmax(result.faults >> 31 & 1)) + round(COAST / rig.period_s)
-            left.append([r[min(at, len(r) - 1)] for r in rates(result)] if result.faults[-1] >> 31 else [9.0, 9.0])
-    return np.array(left)
-
-
 @pytest.mark.parametrize("channel", planar_stage.HALL)
 def test_a_stuck_channel_leaves_no_speed(channel: str) -> None:
     assert (after_sticking(rig(), channel).max(axis=0) < (LARGEST_SPEED, LARGEST_YAW_RATE)).all()
@@ -153,7 +99,7 @@ def test_a_stuck_channel_leaves_no_speed(channel: str) -> None:
 
 def test_fast_filters_learn_the_motion_of_a_stuck_channel(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted: the poles of the prediction are 0.8."""
-    monkeypatch.setattr(motion, "POLE", dict.fromkeys(motion.POLE, 0.8))
+    monkeypatch.setattr(lqg, "BANDWIDTH", dict.fromkeys(lqg.BANDWIDTH, 0.2 / lqg.TIME.period_s))
     left = after_sticking(loops.of(lqg.controller(planar_stage.plant())), "V_ay")
     assert (left > (LARGEST_SPEED, LARGEST_YAW_RATE)).any()
 

@@ -1,0 +1,80 @@
+"""Runs of a planar controller in which a Hall channel fails, and what is left of the motion."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from designs.planar_6dof import loop as loops
+from synth import standard_tasks
+from synth.block import Block
+from synth.progress import silent
+from synth.simulate import campaign, injections
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.statespace import Array
+from synth.workspace import Design
+
+SPEEDS = ({"x": 0.115, "y": -0.08}, {"x": -0.099, "y": -0.099})  # m/s, 0.14 together
+FAILS, DURATION = 0.4, 0.9  # s
+STUCK_DURATION, COAST = 2.4, 0.5  # s; after the latch
+LARGEST_SPEED, LARGEST_YAW_RATE = 0.05, 0.2  # m/s, rad/s
+SHORT_LOSS = "V_ax", "not finite", "short"
+
+
+def ramp(rate: float, start: float, time: Array) -> Array:
+    """Return set-points (N,) that rest for 0.1 s and then move as far as the travel allows."""
+    return np.clip(start + rate * np.maximum(time - 0.1, 0), -0.098, 0.098)
+
+
+def run(
+    rig: Rig,
+    channel: str = "",
+    samples: int = 0,
+    value: float = np.nan,
+    speed: Mapping[str, float] = SPEEDS[0],
+    duration: float = DURATION,
+) -> Trajectory:
+    """Run a ramp in which a channel shows a value in some samples."""
+    time = sample_times(duration, rig.period_s)
+    start = {axis: -0.17 * v for axis, v in speed.items()}  # within half a pitch of the middle, as init needs it
+    references = {axis: ramp(v, start[axis], time) for axis, v in speed.items()}
+    first = round(FAILS / rig.period_s)
+    bad = np.isin(np.arange(len(time)), range(first, first + samples))
+    overrides = {channel: Override(bad, np.full(len(time), value))} if channel else {}
+    return loops.simulate(rig, duration, references, start, overrides=overrides)
+
+
+def excursion(one: Trajectory, other: Trajectory) -> float:
+    return max(float(np.abs(one[axis] - other[axis]).max()) for axis in "xy")
+
+
+def rates(result: Trajectory) -> tuple[Array, Array]:
+    """Return speed and yaw rate (N,)."""
+    return np.hypot(result["vx"], result["vy"]), np.abs(result["wphi"])
+
+
+def after_sticking(rig: Rig, channel: str) -> Array:
+    """Return (N, 2) speed and yaw rate half a second after the latch, for a channel that sticks in six motions."""
+    left = []
+    for size in (0.02, 0.08, 0.14):
+        for direction in (0.5, 3.9):
+            speed = {"x": size * np.cos(direction), "y": size * np.sin(direction)}
+            healthy = run(rig, speed=speed, duration=STUCK_DURATION)
+            value = float(np.asarray(healthy.measured[channel])[round(FAILS / rig.period_s)])
+            result = run(rig, channel, 10_000, value, speed, STUCK_DURATION)
+            at = int(np.argmax(result.faults >> 31 & 1)) + round(COAST / rig.period_s)
+            left.append([r[min(at, len(r) - 1)] for r in rates(result)] if result.faults[-1] >> 31 else [9.0, 9.0])
+    return np.array(left)
+
+
+def campaign_excursions(design: Design, block: Block, plant: int) -> Array:
+    """Return the excursions (2, 2) of x and y, m, after four bad samples of V_ax in the campaign's motion."""
+    assert design.stage is not None
+    declared = standard_tasks.rig(design.stage, design.scalar)
+    stage = campaign.with_stops(replace(declared, controller=loops.of(block).controller))
+    moving = next(c for c in campaign.motion_and_standstill(stage) if c.name == campaign.IN_MOTION)
+    losses = [i for i in injections.derive(stage.stage) if (i.target, i.kind, i.duration) == SHORT_LOSS]
+    _, runs = campaign.run(stage, plant, moving, silent, losses)
+    return np.array([[r.excursion[axis] for axis in "xy"] for r in runs])
