@@ -60,6 +60,10 @@ REASON = (
     "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "
 )
+UNTESTED = (
+    f"A frozen reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop may hold the "
+    "platen, its test is off."
+)
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS),
     "degraded",

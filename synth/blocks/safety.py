@@ -153,7 +153,7 @@ def guard(
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
-    faults += [Fault(BRAKING_BIT, BRAKING.name, about="brakes, a latch follows")] if braking else []
+    faults += [Fault(BRAKING_BIT, BRAKING.name, about=_course(braking))] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None
@@ -283,6 +283,10 @@ def _check_guard(
                 f"suspected are {', '.join(suspected)}, but '{name}' is not a measurement or one is listed twice: "
                 f"name each once, among {', '.join(measured) or 'no measurements'}"
             )
+
+
+def _course(braking: int) -> str:
+    return f"brakes in the {braking - 1} samples from the next one on, then latches; set until init"
 
 
 def _replacement(g: GuardedInput) -> Constant:
