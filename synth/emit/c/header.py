@@ -119,10 +119,10 @@ def _replacements(block: Block) -> list[str]:
     texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
     if not texts:
         return []
-    judged = block.safety is not None and block.safety.judgement is not None
+    replaces_readings = block.safety is not None and block.safety.judgement is not None
     later = "; once all measurements were good in one sample, a refused measurement is replaced by what the others or "
-    later += "a prediction say" if judged else ""
-    return [f"A refused input is replaced {', or '.join(texts)}{later if judged else ''}."]
+    later += "a prediction say" if replaces_readings else ""
+    return [f"A refused input is replaced {', or '.join(texts)}{later if replaces_readings else ''}."]
 
 
 def _missed_calls(block: Block) -> list[str]:
