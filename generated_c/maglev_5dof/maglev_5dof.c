@@ -862,6 +862,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched (continued) */
+    const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
     }
@@ -880,6 +881,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
+    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
+        (faults | 0x00040000u);
+    uint32_t fault_word;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -898,7 +905,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
-        faults |= 0x80000000u;
+        fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
         const bool free = regular && (observer_y_q < 0.0305f);
@@ -989,6 +996,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_disturbance = observer_x.disturbance;
@@ -1036,6 +1044,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
              *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
              *     q1_next = q1 - (p1 + c1 * q1) + e_theta if |q1 - (p1 + c1 * q1) + e_theta| <= 600, else q1 */
             w_theta = w_theta_tracking;
+            fault_word = faults_before;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->w_y_tracking = w_y_tracking;
@@ -1350,11 +1359,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
-    const float missed_calls = in->missed_calls;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
-    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

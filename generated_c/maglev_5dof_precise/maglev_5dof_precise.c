@@ -947,6 +947,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
+    const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
     }
@@ -965,6 +966,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
+    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
+        (faults | 0x00040000u);
+    uint32_t fault_word;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -983,7 +990,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
-        faults |= 0x80000000u;
+        fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
         const bool free = regular && (observer_y_q < 0.0305f);
@@ -1171,6 +1178,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_disturbance = observer_x.disturbance;
@@ -1211,6 +1219,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             /* servo_theta_fast: predictive servo with internal models
              *     r_next = theta_ref_held */
             w_theta = w_theta_tracking;
+            fault_word = faults_before;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->w_y_tracking = w_y_tracking;
@@ -1505,11 +1514,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 #endif
     }
-    const float missed_calls = in->missed_calls;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
-    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

@@ -251,7 +251,9 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
  *   bit 16  z: contradicts the others
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 30  status, no fault: lands until it latches on its stop; only init ends that
  *   bit 31  latched: safe output until init
+ * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out);
 

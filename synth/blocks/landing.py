@@ -11,11 +11,12 @@ From the sample on in which ``regular`` is lost for `patience` samples in a row,
 
 in place of the tracking demands. Each r starts at the estimate, with the rate of the estimate. No integrator takes
 part, and the history of the tracking has no influence: the observer's disturbance d does the work of an integrator.
-The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does.
+The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does. Until the latch
+a status bit of the fault word says that the machine lands, ``lands``: all readings may be good again meanwhile.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -23,8 +24,11 @@ from synth import arguments
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import safety
 from synth.errors import SignalError
+from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
+
+LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop; only init ends that")
 
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
@@ -90,7 +94,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
     ``<q>_rate`` and ``<q>_disturbance``, for one that is levelled ``<q>_measured`` and for one that is released
-    ``<q>``; further ``regular`` and ``ready``.
+    ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the machine lands.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
     positive.
@@ -103,7 +107,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
         left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
         due = ca.logic_and(waiting, x["left"] <= 1)
         landing = ca.if_else(due, 1, x["landing"])
-        output, next = {}, {"left": left, "landing": landing}
+        output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
         for c, w in zip(courses, demands, strict=True):
             if isinstance(c, Release):
                 released = -c.spring * u[c.coordinate]
@@ -137,11 +141,12 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     ]
     for c in moving:
         states += _states(c)
-    return build(
+    made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over")], states=states,
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over"), LANDS], states=states,
         tag="ramps and state feedback",
     )  # fmt: skip
+    return replace(made, faults=(Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),))
 
 
 def _descent_rate(c: Descent, r: ca.SX) -> ca.SX:
@@ -177,7 +182,7 @@ def _inputs(courses: Sequence[Course], demands: Sequence[Signal]) -> list[Signal
         if isinstance(c, Levelling):
             inputs.append(Signal(f"{c.coordinate}_measured", "1", 0, 1))
         inputs.append(Signal(f"{w.name}_tracking", w.unit, w.low, w.high))
-    return [*inputs, Signal("regular", "1", 0, 1), Signal("ready", "1", 0, 1)]
+    return [*inputs, *(Signal(flag, "1", 0, 1) for flag in ("regular", "ready", "latched"))]
 
 
 def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> None:
