@@ -237,6 +237,9 @@ def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
     rest = {f"{n}_{of}": 0.0 for n in "yt" for of in ("rate", "disturbance")} | {
         "w_y_tracking": 0.0,
         "w_t_tracking": 0.0,
+        "regular": 0.0,
+        "ready": 1.0,
+        "latched": 0.0,
     }
     demands = [
         Runner(block)(
