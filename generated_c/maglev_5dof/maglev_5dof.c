@@ -588,6 +588,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y2_expected = observer_y_q + theta_2;
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -783,12 +785,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
 
-    /* guard: range acceptance, hold, latch (continued) */
+    /* kinematics: pose from the gaps, F(5)
+     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+
+    /* landing: ramps and state feedback (continued) */
     const float pole = (theta_measured) ? 40.0f : 14.0f;
     bool enough = complete;
     float theta_disturbance = 0.0f;
@@ -806,17 +812,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
         theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
             200.0f);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
+
+        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
         y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
@@ -827,6 +841,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
     if (enough) {
@@ -852,16 +868,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
+    /* handover: direct currents without x or z */
+    const bool lost_1 = !x_trusted;
+
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
-    const bool lost_1 = !x_trusted;
     const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
     out->x_commutation = x_commutation;
     const bool lost_2 = !z_trusted;
     const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
     out->z_commutation = z_commutation;
 
-    /* safe_output: slew to the safe output once latched (continued) */
+    /* guard: range acceptance, hold, latch (continued) */
     const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
@@ -888,6 +906,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         (faults | 0x00040000u);
     uint32_t fault_word;
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -902,8 +921,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-
-        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
@@ -952,7 +969,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
             float r_w_y = landing_r_y;
             float dr_w_y = y_rate;
             float r_w_x = observer_x.estimate;
@@ -984,8 +1000,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = ahead_w_y;
             state->landing_dr_y = faster_w_y;
-
-            /* landing: ramps and state feedback (continued) */
             const float faster_w_x = maglev_5dof_slew(dr_w_x, 0.0f, 0.004f);
             state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
@@ -1008,41 +1022,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         } else {
-            /* regulator_y: F(14)-(16)
-             *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
             w_y = w_y_tracking;
-
-            /* regulator_x: F(14)-(17)
-             *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
             w_x_unprobed = w_x_tracking;
-
-            /* regulator_z: F(14)-(17)
-             *     w_z_tracking = k_e * e_z + k_de * de_z + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_z + sum_excess * excess_z if |sum + e_z + sum_excess * excess_z| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_z if |p1 + c1 * q1 + p1_excess * excess_z| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z| <= 600, else q1 */
             w_z_unprobed = w_z_tracking;
-
-            /* regulator_phi: F(14)-(16)
-             *     w_phi_tracking = k_e * e_phi + k_de * de_phi + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_phi if |sum + e_phi| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_phi if |q1 - (p1 + c1 * q1) + e_phi| <= 600, else q1 */
             w_phi = w_phi_tracking;
-
-            /* regulator_theta: F(14)-(16)
-             *     w_theta_tracking = k_e * e_theta + k_de * de_theta + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_theta if |sum + e_theta| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_theta if |q1 - (p1 + c1 * q1) + e_theta| <= 600, else q1 */
             w_theta = w_theta_tracking;
             fault_word = faults_before;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -1210,10 +1193,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
-        /* handover: direct currents without x or z */
+        /* handover: direct currents without x or z (continued) */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            /* safe_output: slew to the safe output once latched (continued) */
             const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
                 ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
             const bool of_x = 0.0f < transfer;
@@ -1255,16 +1237,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
+
+        /* thrust_allocation: F(6)
+         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* delay: delay of one sample (continued) */
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
+
+        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
+
+        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;

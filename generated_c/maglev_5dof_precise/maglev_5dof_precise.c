@@ -655,6 +655,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float y2_expected = observer_y_q + theta_2;
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -859,19 +861,41 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
 
-    /* guard: range acceptance, hold, latch (continued) */
+    /* kinematics: pose from the gaps, F(5)
+     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+
+    /* observer_y_fast: predictive observer, alpha-beta-gamma
+     *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
+     *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
+     *     y_fast_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_fast_ahead = max(min(y_fast_estimate + 0.0005 * (y_fast_rate + y_fast_rate + 0.001 *
+     *         (delay_w_y_last + y_fast_disturbance)), 0.0345), 0.0145)
+     *     y_fast_rate_ahead = limit(y_fast_rate + 0.001 * (delay_w_y_last + y_fast_disturbance), 4) */
     const float observer_y_fast_q = state->observer_y_fast_q;
     const float nu_y_fast_estimate = y - observer_y_fast_q;
     const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
         (observer_y_fast_gamma * nu_y_fast_estimate), 50.0f);
+
+    /* kinematics: pose from the gaps, F(5) (continued) */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+
+    /* observer_phi_fast: predictive observer, alpha-beta-gamma
+     *     phi_fast_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+     *     phi_fast_rate = v + beta * (phi - q) if guard_ready is set, else 0
+     *     phi_fast_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     phi_fast_ahead = limit(phi_fast_estimate + 0.0005 * (phi_fast_rate + phi_fast_rate + 0.001 *
+     *         (delay_w_phi_last + phi_fast_disturbance)), 0.02)
+     *     phi_fast_rate_ahead = limit(phi_fast_rate + 0.001 * (delay_w_phi_last + phi_fast_disturbance), 4) */
     const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
     const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
         (observer_phi_fast_gamma * nu_phi_fast_ahead), 200.0f);
+
+    /* landing: ramps and state feedback (continued) */
     const float pole = (theta_measured) ? 40.0f : 14.0f;
     bool enough = complete;
     float y_fast_estimate = y;
@@ -893,20 +917,38 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
+
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
         y_fast_estimate = observer_y_fast_q + (observer_y_fast_alpha * nu_y_fast_estimate);
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
+
+        /* servo_phi_fast: predictive servo with internal models
+         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
+         *         limit(e_phi, 0.0001))^2 <= 16, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
+         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
         w_phi_tracking_part = 0.8f * phi_fast_ahead_part;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
         theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
             (observer_theta_gamma * nu_theta_disturbance), 200.0f);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
+
+        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
         y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
@@ -920,6 +962,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     } else {
         y_fast_disturbance = 0.0f;
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
     if (enough) {
@@ -937,16 +981,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->guard_ready = 1u;
     }
 
+    /* handover: direct currents without x or z */
+    const bool lost_1 = !x_trusted;
+
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
-    const bool lost_1 = !x_trusted;
     const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
     out->x_commutation = x_commutation;
     const bool lost_2 = !z_trusted;
     const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
     out->z_commutation = z_commutation;
 
-    /* safe_output: slew to the safe output once latched */
+    /* guard: range acceptance, hold, latch (continued) */
     const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
@@ -973,6 +1019,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         (faults | 0x00040000u);
     uint32_t fault_word;
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched */
         state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -987,8 +1034,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-
-        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
@@ -1003,13 +1048,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
-        /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
-         *         limit(e_phi, 0.0001))^2 <= 16, else p1
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
-         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
+        /* servo_phi_fast: predictive servo with internal models (continued) */
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
@@ -1038,13 +1077,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
         state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, 4.0f);
 
-        /* observer_y_fast: predictive observer, alpha-beta-gamma
-         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     y_fast_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
-         *     y_fast_ahead = max(min(y_fast_estimate + 0.0005 * (y_fast_rate + y_fast_rate + 0.001 *
-         *         (delay_w_y_last + y_fast_disturbance)), 0.0345), 0.0145)
-         *     y_fast_rate_ahead = limit(y_fast_rate + 0.001 * (delay_w_y_last + y_fast_disturbance), 4) */
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
         const float faster_y_fast_ahead = y_fast_rate + (0.001f * (delay_w_y_last + y_fast_disturbance));
         const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
             (0.0005f * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
@@ -1127,6 +1160,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         } else {
             landing = landing_landing;
         }
+
+        /* servo_phi_fast: predictive servo with internal models (continued) */
         float w_phi;
         float w_theta;
         float w_x_unprobed;
@@ -1134,7 +1169,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
+            /* landing: ramps and state feedback (continued) */
             float r_w_x = observer_x.estimate;
             float dr_w_x = observer_x.rate;
             float r_w_y = landing_r_y;
@@ -1166,8 +1201,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = ahead_w_y;
             state->landing_dr_y = faster_w_y;
-
-            /* landing: ramps and state feedback (continued) */
             const float faster_w_x = maglev_5dof_precise_slew(dr_w_x, 0.0f, 0.004f);
             state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_precise_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
@@ -1190,19 +1223,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         } else {
-            /* servo_y_fast: predictive servo with internal models
-             *     r_next = y_ref_held */
             w_y = w_y_tracking;
-
-            /* servo_x_fast: predictive servo with internal models
-             *     r_next = x_ref_held */
             w_x_unprobed = w_x_tracking;
-
-            /* servo_z_fast: predictive servo with internal models
-             *     r_next = z_ref_held */
             w_z_unprobed = w_z_tracking;
-
-            /* servo_phi_fast: predictive servo with internal models (continued) */
             const float w_phi_tracking_part_2 = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
             const float moved_w_phi_tracking = phi_ref_held - state->servo_phi_fast_r;
@@ -1215,9 +1238,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 (servo_phi_fast_k_q1 * servo_phi_fast_q1);
             const float w_phi_tracking = w_phi_tracking_part_4 - w_phi_tracking_part;
             w_phi = w_phi_tracking;
-
-            /* servo_theta_fast: predictive servo with internal models
-             *     r_next = theta_ref_held */
             w_theta = w_theta_tracking;
             fault_word = faults_before;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
@@ -1231,6 +1251,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         }
+
+        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
@@ -1398,10 +1420,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
 
-        /* handover: direct currents without x or z */
+        /* handover: direct currents without x or z (continued) */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            /* safe_output: slew to the safe output once latched (continued) */
             const float transfer = maglev_5dof_precise_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
                 ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
             const bool of_x = 0.0f < transfer;

@@ -358,6 +358,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool suspect_V_by = suspect_V_by_test || is_any;
         const bool suspect_V_cx = suspect_V_cx_test || is_any;
         const bool suspect_V_cy = suspect_V_cy_test || is_any;
+
+        /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -404,9 +406,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->guard_left = guard_left - 1u;
         }
     }
-
-    /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched */
         state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
         state->safe_output_last_i_AB = planar_6dof_leadlag_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
@@ -425,8 +426,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
-
-        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
@@ -436,8 +435,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* filter_x: Kalman filter, (6)-(16) */
         const float filter_x_p = state->filter_x.p;
 
-        /* sensing: position and yaw, (1)-(5) (continued) */
+        /* filter_y: Kalman filter, (6)-(16) */
         const float filter_y_p = state->filter_y.p;
+
+        /* sensing: position and yaw, (1)-(5) (continued) */
         bool accepted_x_raw = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;

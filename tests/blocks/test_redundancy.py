@@ -242,10 +242,7 @@ def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
         "latched": 0.0,
     }
     demands = [
-        Runner(block)(
-            **rest, y_estimate=0.02, t_estimate=1e-3, t_measured=measured, regular=0.0, ready=1.0, latched=0.0
-        )["w_t"]
-        for measured in (1.0, 0.0)
+        Runner(block)(**rest, y_estimate=0.02, t_estimate=1e-3, t_measured=measured)["w_t"] for measured in (1.0, 0.0)
     ]
     assert demands == [pytest.approx(-1.6), pytest.approx(-0.4)]  # rad/s^2: p^2 q
 
