@@ -11,7 +11,7 @@ import casadi as ca
 from designs.maglev_5dof.design import DESIGN
 from synth.block import Block, State, Step, build
 from synth.composition import compose
-from synth.emit.write import EmittedCode, emit
+from synth.emit.write import emit
 from tests.emit.dyadic import TIME, signal
 from tests.emit.passes.test_guards import F32
 
@@ -19,7 +19,7 @@ GENERATED = Path(__file__).parents[3] / "generated_c"
 LOCAL = re.compile(r"^ +const (?:float|bool|uint32_t) (\w+) = ")
 
 
-def misplaced(block: Block, text: str, trace: Mapping[str, list[list[int]]]) -> list[str]:
+def wrong_places(block: Block, text: str, trace: Mapping[str, list[list[int]]]) -> list[str]:
     """Return the signals whose local stands in the section of another Block than the ones that compute its value."""
     tags = {n: tag.split(":")[0] for tag, runs in trace.items() for a, b in runs for n in range(a, b + 1)}
     owners: dict[str, set[str]] = {}
@@ -28,10 +28,6 @@ def misplaced(block: Block, text: str, trace: Mapping[str, list[list[int]]]) -> 
         owners.setdefault(named.signal.name, set()).update(same)
     names = {n: match[1] for n, line in enumerate(text.splitlines(), 1) if (match := LOCAL.match(line)) and n in tags}
     return [name for n, name in names.items() if name in owners and tags[n] not in owners[name]]
-
-
-def emitted(block: Block) -> EmittedCode:
-    return emit(block, F32)
 
 
 def latch_of_an_angle() -> Block:
@@ -53,11 +49,11 @@ def latch_of_an_angle() -> Block:
 
 def test_values_for_a_later_signal_stand_in_their_own_sections() -> None:
     block = latch_of_an_angle()
-    made = emitted(block)
+    made = emit(block, F32)
     trace = made.manifest["trace"]
-    assert not misplaced(block, made.files["stage.c"], trace)
+    assert not wrong_places(block, made.files["stage.c"], trace)
     moved = dict(zip(trace, [*list(trace.values())[1:], next(iter(trace.values()))], strict=True))
-    assert misplaced(block, made.files["stage.c"], moved)
+    assert wrong_places(block, made.files["stage.c"], moved)
 
 
 def test_each_signal_of_the_maglev_controller_stands_in_its_section() -> None:
@@ -65,8 +61,8 @@ def test_each_signal_of_the_maglev_controller_stands_in_its_section() -> None:
     text = (folder / f"{DESIGN.name}.c").read_text()
     trace = json.loads((folder / "manifest.json").read_text())["trace"]
     assert DESIGN.stage is not None
-    assert not misplaced(DESIGN.stage.controller.block, text, trace)
+    assert not wrong_places(DESIGN.stage.controller.block, text, trace)
     guard = next(tag for tag in trace if tag.startswith("guard:"))
     kinematics = next(tag for tag in trace if tag.startswith("kinematics:"))
     planted = {**trace, guard: [*trace[guard], *trace[kinematics]], kinematics: []}
-    assert {"theta", "phi"} <= set(misplaced(DESIGN.stage.controller.block, text, planted))
+    assert {"theta", "phi"} <= set(wrong_places(DESIGN.stage.controller.block, text, planted))
