@@ -32,7 +32,7 @@ import casadi as ca
 
 from synth import arguments
 from synth.analyse.parity import Relation
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import isolation, safety
 from synth.blocks.isolation import FRESH
 from synth.errors import SignalError
@@ -125,7 +125,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
-        return Step(output, next)
+        return Step(output, next, numbers=_numbers(by_name, relations, decision))
 
     return build(
         safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
@@ -204,6 +204,23 @@ def _vote(
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
     return _Vote(value, suspects, next, regular, sufficient, agreement)
+
+
+def _numbers(signals: Mapping[str, Signal], relations: Sequence[Relation], decision: Decision) -> list[Constant]:
+    """Return the numbers that the C names."""
+    numbers = [
+        Constant(f"threshold_{i}", r.threshold, signals[next(iter(r.weights))].unit, "largest |r| without a fault")
+        for i, r in enumerate(relations)
+    ]
+    for n, gate in decision.gate.items():
+        low, high = decision.travel[n]
+        at = "an end of the travel, where a stop may hold it"
+        numbers += [
+            Constant(f"gate_{n}", gate, signals[n].unit, "larger motion of the prediction that a code must follow"),
+            Constant(f"travel_high_{n}", high, signals[n].unit, at),
+            *([] if low == -high else [Constant(f"travel_low_{n}", low, signals[n].unit, at)]),
+        ]
+    return numbers + (isolation.numbers(signals[next(iter(relations[0].weights))].unit) if relations else [])
 
 
 def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:

@@ -50,10 +50,10 @@ class Naming:
         made = made or (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
-            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else self._unserved(node)
+            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else self._last_resort(node)
         return made
 
-    def _unserved(self, node: Node) -> str:
+    def _last_resort(self, node: Node) -> str:
         bits = any(self.p.nodes[a].op == "bit" for a in node.args)
         return "faults_before" if bits else "value"
 
