@@ -108,7 +108,10 @@ def _with_free_range(w: Signal) -> Signal:
 def accelerations(plant: Plant) -> Block:
     """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
     values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
-    inverses = [plant.constant(f"inverse_M_{n}", "1/kg", lambda p, n=n: 1 / p[f"M_{n}"]) for n in "xz"]
+    inverses = [
+        plant.constant("inverse_M_x", "1/kg", lambda p: 1 / p["M_x"]),
+        plant.constant("inverse_M_z", "1/kg", lambda p: 1 / p["M_z"]),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]

@@ -335,15 +335,15 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
-    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
-    /* m; an end of the travel, where a stop may hold it, also travel_high_x, also travel_high_z */
-    static const float travel_high = 0.0499f;
-    /* m; larger motion of the prediction that a code must follow, also gate_x, also gate_z */
-    static const float gate = 4e-05f;
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
+    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
+     * travel_high_z */
+    static const float travel = -0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
     static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
     static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
-    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
     static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
@@ -510,16 +510,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool z_unanswered = 5u <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
+     *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+     *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
      *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
      *         z_unchanged
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next
      *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
      *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
-    const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
-    const float r_suspect_y1 = suspect_y1_part - y4_accepted;
-    const float size = fabsf(r_suspect_y1);
+    const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
@@ -540,7 +542,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (-travel_high < x_accepted) && (x_accepted < travel_high) &&
+    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
@@ -561,7 +563,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (-travel_high < z_accepted) && (z_accepted < travel_high) &&
+    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -657,57 +659,57 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspects_y4 = suspect_y1_test;
                 determined = agreeing;
             } else {
+                const bool residual_0_positive = 0.0f < residual_0;
+                const float E_y1_part = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = E_y1_part * (y1_accepted - y1_expected);
+                const float E_y2_part = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
+                const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
+                const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
                 const bool still_y1_at_least_3 = 3u <= still_y1;
                 const float least_E = candidate_part * size;
-                const bool r_suspect_y1_positive = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_2 = (r_suspect_y1_positive) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
                 const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
                 const bool still_y2_at_least_3 = 3u <= still_y2;
-                const float suspect_y1_part_3 = (r_suspect_y1_positive) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
                 const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
                 const bool still_y3_at_least_3 = 3u <= still_y3;
-                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
                 const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
                 const bool still_y4_at_least_3 = 3u <= still_y4;
-                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
                 const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+                const bool first = candidates != 0u;
                 const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
                     maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
-                const bool first = candidates != 0u;
-                uint32_t suspect_y1_part_4 = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
+                uint32_t suspect_y1_part = 0u;
                 if (moving == 3u) {
                     const bool flag_y1 = 8u <= still_y1;
-                    const bool flag_y2 = 8u <= still_y2;
-                    const bool flag_y3 = 8u <= still_y3;
-                    const bool flag_y4 = 8u <= still_y4;
-                    suspect_y1_part_4 = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
-                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
                     preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    const bool flag_y2 = 8u <= still_y2;
                     preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    const bool flag_y3 = 8u <= still_y3;
                     preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    const bool flag_y4 = 8u <= still_y4;
                     preferred_y4 = (flag_y4) ? second_rule : 0.0f;
+                    suspect_y1_part = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
+                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                 }
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
                 const float score_y1 = E_y1 +
                     (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
-                const float best_y1 = maglev_5dof_max(-preference, score_y1);
                 const float score_y2 = E_y2 +
                     (preference * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
-                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
                 const float score_y3 = E_y3 +
                     (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
-                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
                 const float score_y4 = E_y4 +
                     (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part) != 0u;
+                const float best_y1 = maglev_5dof_max(-preference, score_y1);
+                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
                 const float best = maglev_5dof_max(best_y3, score_y4);
                 const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
                     maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
@@ -724,15 +726,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspects_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
                 suspects_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f),
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? residual_0 : 0.0f),
                     0.0322f), 0.0168f);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f),
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? residual_0 : 0.0f),
                     0.0366f), 0.0124f);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f),
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? residual_0 : 0.0f),
                     0.0322f), 0.0168f);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? residual_0 : 0.0f),
                     0.0366f), 0.0124f);
-                determined = waited == 0u;
                 bool contradictory_y1 = least_upto_score_y1;
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
@@ -747,13 +748,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
                 const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
                     maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
                     maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
                     maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                determined = waited == 0u;
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
+                    (redundancy_contradictions_0 + 1u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -773,11 +775,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
-            float predicted_y4 = suspect_y1_part;
+            float predicted_y4 = residual_0_part;
             if (missing_at_most_1) {
-                predicted_y1 = y1_accepted - r_suspect_y1;
-                predicted_y2 = y2_accepted + r_suspect_y1;
-                predicted_y3 = y3_accepted - r_suspect_y1;
+                predicted_y1 = y1_accepted - residual_0;
+                predicted_y2 = y2_accepted + residual_0;
+                predicted_y3 = y3_accepted - residual_0;
             } else {
                 predicted_y4 = y4_expected;
             }
