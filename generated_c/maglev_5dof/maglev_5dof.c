@@ -133,26 +133,29 @@ typedef struct {
 } maglev_5dof_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
- *         set, else 0
+ *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+ *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
  *         0
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
- *         0.1)
- *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), 2)
+ *         largest_position)
+ *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
  *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
  *         x_trusted is set, else 0) if guard_ready is set, else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if
- *         x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+ *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
     bool trusted, float held, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.1f;                 /* m; bound of the prediction */
+    static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
     static const float learnt_decay = 0.96875f;                 /* 1; part of the learnt rate that stays */
     static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
@@ -166,7 +169,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         const float v = state->v;
         const float learnt = state->learnt;
         if (trusted) {
-            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
+            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
             d_next = d_part;
             const float correction = beta * nu;
             rate_part = v + correction;
@@ -186,8 +189,8 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     }
     const float g = state->g;
     const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(q + (half_T * (rate_part + faster)), 0.1f);
-    state->v = maglev_5dof_limit(faster, 2.0f);
+    state->q = maglev_5dof_limit(q + (half_T * (rate_part + faster)), largest_position);
+    state->v = maglev_5dof_limit(faster, largest_rate);
     state->d = d_next;
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
@@ -348,8 +351,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
     static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
+    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
     static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
     static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
     static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
@@ -379,11 +384,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
     static const float inverse_M_x = 0.094339624f;              /* 1/kg; 1 / M_x, M_x = 10.6 kg */
     static const float inverse_M_z = 0.11627907f;               /* 1/kg; 1 / M_z, M_z = 8.6 kg */
+    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
     static const float T = 0.001f;                              /* s; sample period */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
+    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
+    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
+    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
     static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
     static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
     static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
@@ -433,18 +444,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t guard_ready = state->guard_ready;
 
     /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
      *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
      *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
-     *         0.1)
-     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), 2)
+     *         largest_position)
+     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
      *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
      *         x_trusted is set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if
-     *         x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
@@ -460,43 +471,44 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
      *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-     *         phi_disturbance)), 0.02)
-     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), 4) */
+     *         phi_disturbance)), largest_position)
+     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
     const float observer_phi_q = state->observer_phi_q;
 
     /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
      *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
      *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
      *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), 4) */
+     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
     const float observer_y_q = state->observer_y_q;
 
     /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
+     *         0
      *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
      *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
-     *         theta_disturbance)), 0.031)
-     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), 4) */
+     *         theta_disturbance)), largest_position)
+     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
     const float observer_theta_q = state->observer_theta_q;
 
     /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
      *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
      *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
-     *         0.1)
-     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), 2)
+     *         largest_position)
+     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
      *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if
      *         z_trusted is set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if
-     *         z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
+     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
@@ -873,8 +885,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
-            200.0f);
+        const float theta_disturbance_part = maglev_5dof_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
+        theta_disturbance = theta_disturbance_part;
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -884,7 +897,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+            observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
 
@@ -892,7 +906,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate), 200.0f);
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+            observer_phi_largest_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
@@ -1328,18 +1343,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
         state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
             0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, 4.0f);
+        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)), 0.02f);
-        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, 4.0f);
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
-            0.031f);
-        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, 4.0f);
+            observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
 
         /* landing: ramps and state feedback (continued) */
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);

@@ -1,5 +1,4 @@
 /* maglev_5dof_precise. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise.h"
 #include <float.h>
 #include <math.h>
@@ -137,27 +136,30 @@ typedef struct {
 } maglev_5dof_precise_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
- *         set, else 0
+ *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+ *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
  *         0
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
- *         0.1)
- *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), 2)
+ *         largest_position)
+ *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
  *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
  *         x_trusted is set, else 0) if guard_ready is set, else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if
- *         x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+ *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
     float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.1f;                 /* m; bound of the prediction */
+    static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
     static const float learnt_decay = 0.96875f;                 /* 1; part of the learnt rate that stays */
     static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
@@ -171,7 +173,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
         const float v = state->v;
         const float learnt = state->learnt;
         if (trusted) {
-            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), 20.0f);
+            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), largest_disturbance);
             d_next = d_part;
             const float correction = beta * nu;
             rate_part = v + correction;
@@ -191,8 +193,8 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     }
     const float g = state->g;
     const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_precise_limit(q + (half_T * (rate_part + faster)), 0.1f);
-    state->v = maglev_5dof_precise_limit(faster, 2.0f);
+    state->q = maglev_5dof_precise_limit(q + (half_T * (rate_part + faster)), largest_position);
+    state->v = maglev_5dof_precise_limit(faster, largest_rate);
     state->d = d_next;
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
     return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
@@ -201,7 +203,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
 typedef struct {
     float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
     float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
-    float high;
+    float largest_step;                 /* m; a larger change of the set-point has no rate */
     float k_step;                       /* 1/s^2; predictive servo with internal models: k_de over the period */
     float k_sum;                        /* 1/s^2; predictive servo with internal models: gain on sum */
     float k_p1;                         /* 1/s^2; predictive servo with internal models: gain on p1 */
@@ -210,8 +212,8 @@ typedef struct {
     float k_q2;                         /* 1/s^2; predictive servo with internal models: gain on q2 */
     float k_p3;                         /* 1/s^2; predictive servo with internal models: gain on p3 */
     float k_q3;                         /* 1/s^2; predictive servo with internal models: gain on q3 */
-    float high_2;
-    float high_3;
+    float low;
+    float largest_error;                /* m; a larger error counts as this in the internal models */
 } maglev_5dof_precise_servo_fast_parameters_t;
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
@@ -220,15 +222,17 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float value, float e)
 {
+    static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
     static const float c1 = 2.2206568e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00942478 */
     static const float c2 = 8.8825785e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
     static const float c3 = 0.00019985616f;
+    static const float squared_memory = 16.0f; /* m^2; square of the largest norm of the internal models */
 
     const float sum = state->sum;
-    const float e_2 = maglev_5dof_precise_limit(e, parameters->high_3);
+    const float e_2 = maglev_5dof_precise_limit(e, parameters->largest_error);
     const float sum_next = sum + e_2;
     const float p1 = state->p1;
     const float q1 = state->q1;
@@ -244,14 +248,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float q3 = state->q3;
     const float p3_next = p3 + (c3 * q3);
     const float q3_next = q3 - p3_next + e_2;
-    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
-        /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p2_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q2_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p3_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q3_next <= 4.0000005f; */
+    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= squared_memory) {
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -264,7 +261,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     state->r = ref_held;
     const float moved = ref_held - r_2;
     float w_tracking_part = 0.0f;
-    if (fabsf(moved) <= parameters->high) {
+    if (fabsf(moved) <= parameters->largest_step) {
         w_tracking_part = parameters->k_step * moved;
     }
     const float w_tracking_part_2 = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
@@ -273,7 +270,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3);
     float w_tracking_part_4 = 0.0f;
     if (ready != 0u) {
-        w_tracking_part_4 = 0.8f * value;
+        w_tracking_part_4 = cancelled * value;
     }
     return w_tracking_part_3 + (parameters->k_q3 * q3) - w_tracking_part_4;
 }
@@ -281,10 +278,10 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
 typedef struct {
     float alpha;                        /* 1; triple pole exp(-w T), w = 400 rad/s */
     float beta;                         /* 1/s; triple pole exp(-w T), w = 400 rad/s */
-    float high;
-    float high_2;
-    float high_3;
-    float high_4;
+    float low;
+    float largest_position;             /* m; bound of the prediction */
+    float low_2;
+    float largest_rate;                 /* m/s; bound of the predicted rate */
 } maglev_5dof_precise_observer_fast_parameters_t;
 
 typedef struct {
@@ -295,30 +292,32 @@ typedef struct {
 /* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma
  *     x_fast_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_fast_rate = v + beta * (x_held - q) if guard_ready is set, else 0
- *     x_fast_disturbance = limit(d + gamma * (x_held - q), 20) if guard_ready is set, else 0
+ *     x_fast_disturbance = limit(d + gamma * (x_held - q), largest_disturbance) if guard_ready is set,
+ *         else 0
  *     x_fast_ahead = limit(x_fast_estimate + half_T * (x_fast_rate + x_fast_rate + T * (delay_a_x_last +
- *         x_fast_disturbance)), 0.1)
- *     x_fast_rate_ahead = limit(x_fast_rate + T * (delay_a_x_last + x_fast_disturbance), 2) */
+ *         x_fast_disturbance)), largest_position)
+ *     x_fast_rate_ahead = limit(x_fast_rate + T * (delay_a_x_last + x_fast_disturbance), largest_rate) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_fast_state_t *state,
-    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float value, float value_2,
-    float value_3, float before)
+    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float nu, float value,
+    float value_2, float before)
 {
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float T = 0.001f;                              /* s; sample period */
 
-    float x_fast_estimate = value_2;
+    float x_fast_estimate = value;
     float x_fast_rate = 0.0f;
-    float x_fast_disturbance = value_3;
+    float x_fast_disturbance = value_2;
     if (ready != 0u) {
-        x_fast_estimate = state->q + (parameters->alpha * value);
-        x_fast_rate = state->v + (parameters->beta * value);
+        x_fast_estimate = state->q + (parameters->alpha * nu);
+        x_fast_rate = state->v + (parameters->beta * nu);
     } else {
         x_fast_disturbance = 0.0f;
     }
     const float faster = x_fast_rate + (T * (before + x_fast_disturbance));
-    state->q = maglev_5dof_precise_limit(x_fast_estimate + (half_T * (x_fast_rate + faster)), parameters->high_2);
-    state->v = maglev_5dof_precise_limit(faster, parameters->high_4);
+    state->q = maglev_5dof_precise_limit(x_fast_estimate + (half_T * (x_fast_rate + faster)),
+        parameters->largest_position);
+    state->v = maglev_5dof_precise_limit(faster, parameters->largest_rate);
     state->d = x_fast_disturbance;
     return (maglev_5dof_precise_observer_fast_t){.fast_ahead = state->q, .fast_rate_ahead = state->v};
 }
@@ -380,15 +379,27 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const float observer_y_fast_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
     static const float T = 0.001f;                              /* s; sample period */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float observer_y_fast_largest_rate = 4.0f;     /* m/s; bound of the predicted rate */
+    static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
+    static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+    static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+    static const float observer_phi_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    /* rad; a larger error counts as this in the internal models, also servo_phi_fast_largest_error, also
+     * servo_phi_fast_largest_step */
+    static const float servo_phi_fast_largest = 1e-04f;
+    static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
     static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
     static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
     static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
     static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
     static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
     static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
     static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
@@ -408,9 +419,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
     static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
+    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float squared_memory = 16.0f; /* m^2; square of the largest norm of the internal models */
+    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
+    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
+    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
+    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
     static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
     static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
     static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
@@ -445,29 +463,30 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
     static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-        .k_de = -125.761116f, .high = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+        .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
         .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-        .high_2 = -0.0003f, .high_3 = 0.0003f};
+        .low = -0.0003f, .largest_error = 0.0003f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
         .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .high_2 = -0.001f, .high_3 = 0.001f};
+        .low = -0.001f, .largest_error = 0.001f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
         .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .high_2 = -0.001f, .high_3 = 0.001f};
+        .low = -0.001f, .largest_error = 0.001f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-        .k_de = -93.11564f, .high = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+        .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
         .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-        .high_2 = -0.0003f, .high_3 = 0.0003f};
+        .low = -0.0003f, .largest_error = 0.0003f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.02f, .high_2 = 0.02f, .high_3 = -4.0f, .high_4 = 4.0f};
+        .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f, .largest_rate = 4.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
-        {.alpha = 0.5276334f, .beta = 130.55266f, .high = -0.031f, .high_2 = 0.031f, .high_3 = -4.0f, .high_4 = 4.0f};
+        {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
+        .largest_rate = 4.0f};
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -501,18 +520,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const uint32_t guard_ready = state->guard_ready;
 
     /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
      *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
      *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
-     *         0.1)
-     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), 2)
+     *         largest_position)
+     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
      *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
      *         x_trusted is set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if
-     *         x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
@@ -529,43 +548,44 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
      *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-     *         phi_disturbance)), 0.02)
-     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), 4) */
+     *         phi_disturbance)), largest_position)
+     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
     const float observer_phi_q = state->observer_phi_q;
 
     /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
      *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
      *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
      *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), 4) */
+     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
     const float observer_y_q = state->observer_y_q;
 
     /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
+     *         0
      *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
      *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
-     *         theta_disturbance)), 0.031)
-     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), 4) */
+     *         theta_disturbance)), largest_position)
+     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
     const float observer_theta_q = state->observer_theta_q;
 
     /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
      *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
      *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
-     *         0.1)
-     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), 2)
+     *         largest_position)
+     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
      *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if
      *         z_trusted is set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if
-     *         z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
+     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
@@ -933,14 +953,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* observer_y_fast: predictive observer, alpha-beta-gamma
      *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     y_fast_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
      *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
      *         y_fast_disturbance)), 0.0345), 0.0145)
-     *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), 4) */
+     *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
     const float observer_y_fast_q = state->observer_y_fast_q;
     const float nu_y_fast_estimate = y - observer_y_fast_q;
     const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
-        (observer_y_fast_gamma * nu_y_fast_estimate), 50.0f);
+        (observer_y_fast_gamma * nu_y_fast_estimate), observer_y_fast_largest_disturbance);
 
     /* kinematics: pose from the gaps, F(5) (continued) */
     const float y2_minus_y4 = y2_held - y4_held;
@@ -951,13 +971,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* observer_phi_fast: predictive observer, alpha-beta-gamma
      *     phi_fast_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_fast_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_fast_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     phi_fast_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else
+     *         0
      *     phi_fast_ahead = limit(phi_fast_estimate + half_T * (phi_fast_rate + phi_fast_rate + T *
-     *         (delay_w_phi_last + phi_fast_disturbance)), 0.02)
-     *     phi_fast_rate_ahead = limit(phi_fast_rate + T * (delay_w_phi_last + phi_fast_disturbance), 4) */
+     *         (delay_w_phi_last + phi_fast_disturbance)), largest_position)
+     *     phi_fast_rate_ahead = limit(phi_fast_rate + T * (delay_w_phi_last + phi_fast_disturbance),
+     *         largest_rate) */
     const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
     const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
-        (observer_phi_fast_gamma * nu_phi_fast_ahead), 200.0f);
+        (observer_phi_fast_gamma * nu_phi_fast_ahead), observer_phi_fast_largest_disturbance);
 
     /* landing: ramps and state feedback (continued) */
     const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
@@ -987,18 +1009,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
 
         /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
-         *         limit(e_phi, 0.0001))^2 <= 16, else p1
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
-         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
-        w_phi_tracking_part = 0.8f * phi_fast_ahead_part;
+         *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= squared_memory, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
+         *         + limit(e_phi, largest))^2 <= squared_memory, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
+         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= squared_memory, else q1 */
+        w_phi_tracking_part = cancelled * phi_fast_ahead_part;
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
-            (observer_theta_gamma * nu_theta_disturbance), 200.0f);
+        const float theta_disturbance_part = maglev_5dof_precise_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
+        theta_disturbance = theta_disturbance_part;
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -1008,7 +1031,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+            observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
 
@@ -1016,8 +1040,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_precise_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
-            200.0f);
+        const float phi_disturbance_part = maglev_5dof_precise_limit(state->observer_phi_d +
+            (observer_phi_gamma * nu_phi_estimate), observer_phi_largest_disturbance);
+        phi_disturbance = phi_disturbance_part;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
@@ -1114,7 +1139,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* servo_phi_fast: predictive servo with internal models (continued) */
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
-        const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
+        const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
         const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
         const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
@@ -1122,10 +1147,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
         const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
-        if (servo_phi_fast_sum_part <= 16.0f) {
-            /*@ admit -4.0000005f <= servo_phi_fast_sum_next <= 4.0000005f; */
-            /*@ admit -4.0000005f <= servo_phi_fast_p1_next <= 4.0000005f; */
-            /*@ admit -4.0000005f <= servo_phi_fast_q1_next <= 4.0000005f; */
+        if (servo_phi_fast_sum_part <= squared_memory) {
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
@@ -1139,13 +1161,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
         state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
             (half_T * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, 4.0f);
+        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, observer_y_largest_rate);
 
         /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
         const float faster_y_fast_ahead = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
         const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
             (half_T * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
-        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, 4.0f);
+        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, observer_y_fast_largest_rate);
         state->observer_y_fast_q = y_fast_ahead;
         state->observer_y_fast_v = y_fast_rate_ahead;
         state->observer_y_fast_d = y_fast_disturbance;
@@ -1160,7 +1182,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_x: predictive observer, alpha-beta-gamma (continued) */
         const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
         const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
-            (observer_x_fast_gamma * nu_x_fast_ahead), 20.0f);
+            (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_x_fast =
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
             nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
@@ -1176,7 +1198,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_z: predictive observer, alpha-beta-gamma (continued) */
         const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
         const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
-            (observer_z_fast_gamma * nu_z_fast_ahead), 20.0f);
+            (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_z_fast =
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
             nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
@@ -1190,8 +1212,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
         state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
-            0.02f);
-        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, 4.0f);
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, observer_phi_largest_rate);
         const maglev_5dof_precise_observer_fast_t observer_phi_fast =
             maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
             nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
@@ -1202,11 +1224,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
         state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
-            (half_T * (theta_rate + faster_observer_theta_q)), 0.031f);
-        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, 4.0f);
+            (half_T * (theta_rate + faster_observer_theta_q)), observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, observer_theta_largest_rate);
         const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
-            (observer_theta_fast_gamma * nu_theta_fast_ahead), 200.0f);
+            (observer_theta_fast_gamma * nu_theta_fast_ahead), observer_theta_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_theta_fast =
             maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
             guard_ready, nu_theta_fast_ahead, theta, theta_fast_ahead_part, delay_w_theta_last);
@@ -1298,7 +1320,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
             const float moved_w_phi_tracking = phi_ref_held - state->servo_phi_fast_r;
             float w_phi_tracking_part_3 = 0.0f;
-            if (fabsf(moved_w_phi_tracking) <= 1e-04f) {
+            if (fabsf(moved_w_phi_tracking) <= servo_phi_fast_largest) {
                 w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
             }
             const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
@@ -1593,7 +1615,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->i_d4_balanced = i_d4_balanced;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= 4.0f) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000001u : 0u;
             diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000008u : 0u;
