@@ -212,7 +212,7 @@ typedef struct {
     float k_q2;                         /* 1/s^2; predictive servo with internal models: gain on q2 */
     float k_p3;                         /* 1/s^2; predictive servo with internal models: gain on p3 */
     float k_q3;                         /* 1/s^2; predictive servo with internal models: gain on q3 */
-    float low;
+    float low;                          /* minus the upper end of a limit */
     float largest_error;                /* m; a larger error counts as this in the internal models */
 } maglev_5dof_precise_servo_fast_parameters_t;
 
@@ -278,9 +278,9 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
 typedef struct {
     float alpha;                        /* 1; triple pole exp(-w T), w = 400 rad/s */
     float beta;                         /* 1/s; triple pole exp(-w T), w = 400 rad/s */
-    float low;
+    float low;                          /* minus the upper end of a limit */
     float largest_position;             /* m; bound of the prediction */
-    float low_2;
+    float low_2;                        /* minus the upper end of a limit */
     float largest_rate;                 /* m/s; bound of the predicted rate */
 } maglev_5dof_precise_observer_fast_parameters_t;
 

@@ -157,14 +157,14 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag
 
 /* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
 PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_loop_update(planar_6dof_leadlag_loop_state_t *state,
-    float lead_input, float achieved, float value)
+    float lead_input, float achieved, float error)
 {
     static const float integral_decay = 0.9900498f;             /* 1; (21): zero of the integral action in z */
     static const float integral_input = 0.0099502485f;          /* 1; (21): 1 - integral_decay */
     static const float lead_pole = 0.2753623f;                  /* 1; (21): pole of the lead filter in z */
 
     state->integral = (integral_decay * state->integral) + (integral_input * achieved);
-    state->lead = (lead_input * value) + (lead_pole * state->lead);
+    state->lead = (lead_input * error) + (lead_pole * state->lead);
 }
 
 void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
