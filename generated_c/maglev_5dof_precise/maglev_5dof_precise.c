@@ -1123,6 +1123,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {

@@ -426,6 +426,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {

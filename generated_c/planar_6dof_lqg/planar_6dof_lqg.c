@@ -397,6 +397,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         fault_word = faults | 0x80000000u;
     } else {
@@ -602,6 +604,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             phi_next_part = reckoning_phi_rate + (reckoning_phi_rate_gain * phi_next_part_2);
             state->sensing_innovation_phi = phi_next_part_2;
         } else {
+            /* sensing: position and yaw, (1)-(5) (continued) */
             state->sensing_innovation_phi = 0.0f;
         }
 

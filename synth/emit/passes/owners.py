@@ -40,7 +40,7 @@ class Owners:
             parts = Counter(part for part in self._parts(s) if part)
             return current if current in parts or not parts else parts.most_common(1)[0][0]
         if isinstance(s, Store):
-            silent = self.p.nodes[s.node].op == "literal" or current in self.all[s.node]
+            silent = self.p.nodes[s.node].op != "literal" and current in self.all[s.node]
             owner = self.p.owner(s.name) if s.struct == "state" else self.outputs.get(s.name, "")
             return "" if silent else owner
         if isinstance(s, Let):
