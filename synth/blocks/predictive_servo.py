@@ -81,7 +81,6 @@ def block(
     numbers = [
         Constant("largest_error", limits.error, unit, "a larger error counts as this in the internal models"),
         Constant("largest_step", limits.fastest * T, unit, "a larger change of the set-point has no rate"),
-        Constant("squared_memory", limits.memory**2, f"{unit}^2", "square of the largest norm of the internal models"),
         Constant("cancelled", cancelled, "1", "part of the disturbance that is cancelled"),
     ]
 
