@@ -7,7 +7,7 @@ from synth import arguments
 from synth.errors import SignalError
 
 LATCH_BIT = 31  # of the fault word: it has latched
-BRAKING_BIT = 30  # it brakes before the latch
+BRAKING_BIT = 30  # it brakes or lands before the latch
 
 
 @dataclass(frozen=True)

@@ -68,9 +68,15 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
-    block, notes = _with_measured_safe_output(stage), [*_call_order(stage), *stage.header_notes]
+    block, notes = _with_measured_safe_output(stage), [*_call_order(stage), *_start(stage), *stage.header_notes]
     files = write.emit(
-        block, scalar, {"design": gains_document}, error=error, header_notes=notes, warning=stage.warning
+        block,
+        scalar,
+        {"design": gains_document},
+        error=error,
+        header_notes=notes,
+        warning=stage.warning,
+        latency=_latency(stage),
     )
     controller = host.load(files.files, files.manifest)
     record_inputs = stage.recording or record
@@ -94,10 +100,22 @@ def _emit_companion(
     drives = stage.drive is not None and companion.block in stage.drive.blocks
     order, error = _call_order(stage) if drives else [], stage.surrogate_error.get(scalar)
     notes = [*order, *(companion.header_notes or stage.header_notes)]
-    files = write.emit(companion.block, scalar, document, error=error, header_notes=notes)
+    latency = _latency(stage) if drives else 0
+    files = write.emit(companion.block, scalar, document, error=error, header_notes=notes, latency=latency)
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
     return _with_vectors(files, companion_inputs, companion_replay)
+
+
+def _latency(stage: Stage) -> int:
+    return stage.interface.delay if stage.interface.actuators else 0
+
+
+def _start(stage: Stage) -> list[str]:
+    """Return the state of the machine that init assumes, of a stage with actuators."""
+    if not stage.interface.actuators:
+        return []
+    return ["At init the machine is at rest under the safe output, which acts until the first outputs of the step do."]
 
 
 def _call_order(stage: Stage) -> list[str]:

@@ -4,13 +4,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from designs.maglev import fault_campaign, motions, platen, verification
+from designs.maglev import commutation, fault_campaign, fault_handling, motions, platen, verification
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
 from synth.block import Block
 from synth.plant import Plant
 from synth.stage import Companion, Drive
 from synth.workspace import Design
+
+EQUATIONS = f"F(n) and (n) are equation (n) of {papers.FULFORD}."
+START = (
+    "The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its "
+    f"stop at {platen.GAP[1] * 1e3:g} mm."
+)
 
 
 def design(
@@ -29,11 +35,11 @@ def design(
         "velocities": maglev_stage.RATE,
         "wires": motions.WIRES,
         "faults": fault_campaign.FAULTS,
-        "header_notes": [f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
+        "header_notes": [START, fault_handling.UNTESTED, EQUATIONS],
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),
         "recording": verification.vectors,
-        "companions": [Companion(phases)],
+        "companions": [Companion(phases, header_notes=[commutation.FADING, EQUATIONS])],
         "drive": Drive(maglev_phases.plant(), (phases,)),
     }
     return stage.design(controller, plant, **(common | fields))

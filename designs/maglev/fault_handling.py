@@ -30,7 +30,7 @@ from designs.maglev.platen import (
 from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
-from synth.block import Block, Exprs, Step, build
+from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks import landing, missed_calls, predictor, probe, redundancy
 from synth.fault import Fault
 from synth.plant import Plant
@@ -59,6 +59,10 @@ MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17
 REASON = (
     "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "
+)
+UNTESTED = (
+    f"A frozen reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop may hold the "
+    "platen, its test is off."
 )
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS),
@@ -104,11 +108,16 @@ def _with_free_range(w: Signal) -> Signal:
 def accelerations(plant: Plant) -> Block:
     """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
     values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
+    inverses = [
+        plant.constant("inverse_M_x", "1/kg", lambda p: 1 / p["M_x"]),
+        plant.constant("inverse_M_z", "1/kg", lambda p: 1 / p["M_z"]),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         thrust = {f"u_{n}": u[s.name] for n, s in zip("xz", currents, strict=True)}
-        return Step({f"a_{n}": a for n, a in maglev_stage.thrust_accelerations(thrust, motors, values).items()})
+        accelerations = maglev_stage.thrust_accelerations(thrust, motors, values)
+        return Step({f"a_{n}": a for n, a in accelerations.items()}, numbers=inverses)
 
     outputs = [acceleration(a) for a in AXES if a.excess]
     return build("accelerations", TIME, law, inputs=[*HELD, *currents], outputs=outputs, tag="F(6)")
@@ -143,8 +152,9 @@ def sufficiency() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         one = ca.logic_or(u["x_trusted"], u["z_trusted"])
         free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
-        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free})
+        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free}, numbers=[lifted])
 
+    lifted = Constant("lifted", LIFTED, "m", "at a larger gap a stop may hold the platen")
     outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled"), Signal("free", "1", 0, 1, "no stop holds it")]
     return build("sufficiency", TIME, law, inputs=[*flags, height], outputs=outputs, tag="it can land, is probed")
 
@@ -157,7 +167,8 @@ def positions_to_commutate() -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         lost = {n: ca.logic_and(u["latched"], ca.logic_not(u[f"{n}_trusted"])) for n in COMMUTATED}
-        return Step({s.name: ca.if_else(lost[n], LOST, u[f"{n}_held"]) for n, s in COMMUTATED.items()})
+        positions = {s.name: ca.if_else(lost[n], LOST, u[f"{n}_held"]) for n, s in COMMUTATED.items()}
+        return Step(positions, numbers=[Constant("not_known", LOST, "m", "outside the range of x and z: it is lost")])
 
     flags = [Signal(f, "1", 0, 1) for f in ("latched", *(f"{n}_trusted" for n in COMMUTATED))]
     inputs, outputs = [*(INTERFACE.held(n) for n in COMMUTATED), *flags], [*COMMUTATED.values()]

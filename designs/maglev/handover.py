@@ -13,13 +13,17 @@ import casadi as ca
 
 from designs.maglev.platen import COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
 from models import maglev_phases
-from synth.block import Block, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.signals import Signal
 
 FADE = 25  # samples: 2.5 A at the slew rate of 100 A/s
 OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
 TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 DIRECT = [INTERFACE.computed_output(f"i_d{j}") for j in MOTORS]
+NUMBERS = [
+    Constant("fade_step", 1 / FADE, "1", f"1 / {FADE}: the handover takes {FADE} samples"),
+    Constant("current_limit", CURRENT, "A", "largest hypot(i_d, i_q) of a motor, rms"),
+]
 BALANCED = {s.name: s.name.replace("computed", "balanced") for s in DIRECT}
 
 
@@ -66,7 +70,7 @@ def block() -> Block:
         remainder = {n: 1 - part[n] for n in OF_AXIS}
         kept = {j: remainder[n] * taken[j] for n, motors in OF_AXIS.items() for j in motors}
         output = {s.name: ca.if_else(active, kept[j], direct[j]) for j, s in zip(MOTORS, DIRECT, strict=True)}
-        return Step(output, {"transfer": ca.if_else(active, transfer, x["transfer"])})
+        return Step(output, {"transfer": ca.if_else(active, transfer, x["transfer"])}, numbers=NUMBERS)
 
     inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted]
     states, tag = [State(TRANSFER, 0.0)], "direct currents without x or z"

@@ -29,7 +29,8 @@ CURRENT = maglev_stage.PEAK  # A rms, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # A rms, limit of i_d: keeps sqrt(CURRENT^2 - i_d^2) away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 BAD_SAMPLES = 5
-SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap of 18.1 mm or more
+SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap; with 2 A the magnets hold it at the upper stop
+PULLED_UP = 28.7e-3  # m: gap of balance without current, rounded down
 SLEW = 100.0  # A/s
 RESOLUTION = 10e-6  # m, F section II
 SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is accurate to some 1e-3
@@ -58,7 +59,9 @@ INTERFACE = stage.interface(
         *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
     ],
     bad_samples=BAD_SAMPLES,
-    reason="zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above",
+    reason=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; the safe output, "
+    f"{SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to {GAP[1] * 1e3:g} mm, "
+    "also with all parameters at their tolerances",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (

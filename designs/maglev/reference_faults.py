@@ -263,6 +263,7 @@ def step(
         | (1 << np.arange(11, 17)) @ suspects
         | (flag["degraded"].astype(np.uint32) << 17)
         | (exceeds_limit(inputs["missed_calls"]).astype(np.uint32) << 18)
+        | ((next["landing_landing"] & ~latched).astype(np.uint32) << 30)
         | (latched.astype(np.uint32) << 31)
     )
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference_stage.QUADRATURE]]), strict=True))

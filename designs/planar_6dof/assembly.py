@@ -22,7 +22,9 @@ START = (
 )
 CONTRADICTION = (
     "Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the "
-    f"first within {sensing.MEMORY} samples. Their fault bits are set from that sample on."
+    f"first within {sensing.MEMORY} samples. Up to then no bit is set, the two samples are not used, and predictions "
+    "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
+    "even if they agree again, so the latch follows."
 )
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 

@@ -1446,7 +1446,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
     out->tracking = tracking ? 1.0f : 0.0f;
+
+    /* metres
+     *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
+     *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
+     *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
+     *         likewise pitch_y_next */
     const uint32_t metres_counting = state->metres_counting;
+
+    /* estimator: weighted least squares (continued) */
     const bool accepted = phases_valid_test && passes;
     float X_part = 0.0f;
     float Y_part = 0.0f;
@@ -1456,6 +1464,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float tracked_2_motion_phase_y = 0.0f;
     float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
+        /* metres (continued) */
         const float metres_pitch_x = state->metres_pitch_x;
         float X_part_2 = metres_pitch_x;
         if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
@@ -1492,6 +1501,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         Y_part = 0.0508f * Y_part_2;
         count_x = X_part_2;
         count_y = Y_part_2;
+
+        /* estimator: weighted least squares (continued) */
         if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
@@ -1628,11 +1639,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, 0.1f);
     out->lost = lost ? 1.0f : 0.0f;
 
-    /* metres
-     *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
-     *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
-     *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
-     *         likewise pitch_y_next */
+    /* metres (continued) */
     const float X = (0.008085071f * phase_x) + X_part;
     out->X = X;
     const float Y = (0.008085071f * phase_y) + Y_part;

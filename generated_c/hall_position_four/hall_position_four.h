@@ -9,6 +9,9 @@
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
+ * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy,
+ * V_dx, V_dy).
+ *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
  * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
  * sensor. A lost track needs init.

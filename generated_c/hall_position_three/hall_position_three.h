@@ -9,6 +9,8 @@
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
+ * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
+ *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 5 degrees of yaw 0. It rests
  * until the first valid sample. A lost position lock needs init.
  *

@@ -133,24 +133,31 @@ typedef struct {
 } maglev_5dof_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
- *         set, else 0
+ *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+ *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
  *         0
- *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
- *         x_disturbance)), 0.1)
- *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0
- *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+ *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
+ *         largest_position)
+ *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
+ *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
+ *         x_trusted is set, else 0) if guard_ready is set, else 0
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+ *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
     bool trusted, float held, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.1f;                 /* m; bound of the prediction */
+    static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
+    static const float learnt_decay = 0.96875f;                 /* 1; part of the learnt rate that stays */
+    static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
     float d_next = 0.0f;
     float q = held;
@@ -162,16 +169,16 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         const float v = state->v;
         const float learnt = state->learnt;
         if (trusted) {
-            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
+            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
             d_next = d_part;
             const float correction = beta * nu;
             rate_part = v + correction;
             if (1u <= unchanged) {
-                state->learnt = (0.96875f * learnt) + correction;
+                state->learnt = (learnt_decay * learnt) + correction;
             } else {
                 state->learnt = 0.0f;
             }
-            g_part = 0.03f * (a_before * d_part);
+            g_part = learning_step * (a_before * d_part);
         } else {
             rate_part = v - learnt;
             state->learnt = 0.0f;
@@ -181,9 +188,9 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         state->learnt = 0.0f;
     }
     const float g = state->g;
-    const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
-    state->v = maglev_5dof_limit(faster, 2.0f);
+    const float faster = rate_part + (T * ((g * a_before) + d_next));
+    state->q = maglev_5dof_limit(q + (half_T * (rate_part + faster)), largest_position);
+    state->v = maglev_5dof_limit(faster, largest_rate);
     state->d = d_next;
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
@@ -331,6 +338,31 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
+    static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
+    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
+     * travel_high_z */
+    static const float travel = -0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
+    static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
+    static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
+    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
+    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
+    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
+    static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
+    static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
+    static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
+    static const float largest_speed = 0.08f;                   /* m/s; largest speed of the ramp */
+    static const float press_speed = 0.001f;                    /* m/s; least speed of the ramp, behind the stop */
+    static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
+    static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
+    static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
@@ -342,11 +374,34 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float half_I_over_r = 0.66347605f;
     static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
     static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
+    static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
+    static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
+    static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
     static const float M_x = 10.6f;                             /* kg; Table I */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float M_z = 8.6f;                              /* kg; Table I */
+    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
+    static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
+    static const float inverse_M_x = 0.094339624f;              /* 1/kg; 1 / M_x, M_x = 10.6 kg */
+    static const float inverse_M_z = 0.11627907f;               /* 1/kg; 1 / M_z, M_z = 8.6 kg */
+    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
+    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
+    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
+    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
+    static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
+    static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
+    static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
+    /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
+    static const float acceleration_step = 0.004f;
+    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
+    static const float first_push = 0.46666667f;
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
@@ -389,18 +444,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t guard_ready = state->guard_ready;
 
     /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
      *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
-     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
-     *         x_disturbance)), 0.1)
-     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
+     *         largest_position)
+     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
+     *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
+     *         x_trusted is set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
@@ -408,51 +463,52 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *         <= x_unchanged, else 0
      *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
      *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= x_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-0.466667 if 0 < e_x, else 0.466667)) if 1 <= sample
-     *         or 40 <= x_unchanged, else towards */
+     *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
+     *         sample or 40 <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
     const bool x_unanswered = 5u <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
-     *     q_next = limit(phi_estimate + 0.0005 * (phi_rate + phi_rate + 0.001 * (delay_w_phi_last +
-     *         phi_disturbance)), 0.02)
-     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
+     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
+     *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
+     *         phi_disturbance)), largest_position)
+     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
     const float observer_phi_q = state->observer_phi_q;
 
     /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
      *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     q_next = max(min(y_estimate + 0.0005 * (y_rate + y_rate + 0.001 * (delay_w_y_last + y_disturbance)),
+     *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
      *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 4) */
+     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
     const float observer_y_q = state->observer_y_q;
 
     /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
+     *         0
      *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
-     *     q_next = limit(theta_estimate + 0.0005 * (theta_rate + theta_rate + 0.001 * (delay_w_theta_last +
-     *         theta_disturbance)), 0.031)
-     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
+     *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
+     *         theta_disturbance)), largest_position)
+     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
     const float observer_theta_q = state->observer_theta_q;
 
     /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
      *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
-     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
-     *         z_disturbance)), 0.1)
-     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
+     *         largest_position)
+     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
+     *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if
+     *         z_trusted is set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
+     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
@@ -460,23 +516,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *         <= z_unchanged, else 0
      *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
      *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 1 <= sample
-     *         or 40 <= z_unchanged, else towards */
+     *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_z, else first_push)) if 1 <=
+     *         sample or 40 <= z_unchanged, else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = 5u <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
+     *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+     *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
      *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
      *         z_unchanged
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if 4e-05 < |observer_x_q - x_accepted|,
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
      *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
-    const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
-    const float r_suspect_y1 = suspect_y1_part - y4_accepted;
-    const float size = fabsf(r_suspect_y1);
-    const bool agreement = size <= 4.8e-05f;
+    const float size = fabsf(residual_0);
+    const bool agreement = size <= threshold_0;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
@@ -486,7 +544,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
-        if (4e-05f < fabsf(observer_x_q - x_accepted)) {
+        if (gate < fabsf(observer_x_q - x_accepted)) {
             redundancy_doubts_x_next = 10u;
         } else {
             if (1u <= redundancy_doubts_x) {
@@ -496,8 +554,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) &&
-        (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
+        (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -507,7 +565,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
-        if (4e-05f < fabsf(observer_z_q - z_accepted)) {
+        if (gate < fabsf(observer_z_q - z_accepted)) {
             redundancy_doubts_z_next = 10u;
         } else {
             if (1u <= redundancy_doubts_z) {
@@ -517,8 +575,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) &&
-        (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
+        (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -588,6 +646,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y2_expected = observer_y_q + theta_2;
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -611,62 +671,63 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspects_y4 = suspect_y1_test;
                 determined = agreeing;
             } else {
+                const bool residual_0_positive = 0.0f < residual_0;
+                const float E_y1_part = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = E_y1_part * (y1_accepted - y1_expected);
+                const float E_y2_part = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
+                const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
+                const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
                 const bool still_y1_at_least_3 = 3u <= still_y1;
-                const float least_E = 0.4f * size;
-                const bool r_suspect_y1_positive = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_2 = (r_suspect_y1_positive) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
+                const float least_E = candidate_part * size;
                 const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
                 const bool still_y2_at_least_3 = 3u <= still_y2;
-                const float suspect_y1_part_3 = (r_suspect_y1_positive) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
                 const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
                 const bool still_y3_at_least_3 = 3u <= still_y3;
-                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
                 const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
                 const bool still_y4_at_least_3 = 3u <= still_y4;
-                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
                 const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+                const bool first = candidates != 0u;
                 const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
                     maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
-                const bool first = candidates != 0u;
-                uint32_t suspect_y1_part_4 = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
+                uint32_t suspect_y1_part = 0u;
                 if (moving == 3u) {
                     const bool flag_y1 = 8u <= still_y1;
-                    const bool flag_y2 = 8u <= still_y2;
-                    const bool flag_y3 = 8u <= still_y3;
-                    const bool flag_y4 = 8u <= still_y4;
-                    suspect_y1_part_4 = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
-                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
                     preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    const bool flag_y2 = 8u <= still_y2;
                     preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    const bool flag_y3 = 8u <= still_y3;
                     preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    const bool flag_y4 = 8u <= still_y4;
                     preferred_y4 = (flag_y4) ? second_rule : 0.0f;
+                    suspect_y1_part = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
+                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
                 }
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
                 const float score_y1 = E_y1 +
-                    (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
-                const float best_y1 = maglev_5dof_max(-10.0f, score_y1);
+                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
                 const float score_y2 = E_y2 +
-                    (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
-                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
                 const float score_y3 = E_y3 +
-                    (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
-                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
+                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float score_y4 = E_y4 +
-                    (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part) != 0u;
+                const float best_y1 = maglev_5dof_max(-preference, score_y1);
+                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
                 const float best = maglev_5dof_max(best_y3, score_y4);
-                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(best_y1,
-                    score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - second)) &&
-                    (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
+                    maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
+                    maglev_5dof_min(best_y3, score_y4));
+                const float least = (((((by_code_suspect_y1) ? lead_by_code : lead_by_innovation) * size) <
+                    (best - second)) && (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
@@ -677,15 +738,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspects_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
                 suspects_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f),
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? residual_0 : 0.0f),
                     0.0322f), 0.0168f);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f),
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? residual_0 : 0.0f),
                     0.0366f), 0.0124f);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f),
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? residual_0 : 0.0f),
                     0.0322f), 0.0168f);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? residual_0 : 0.0f),
                     0.0366f), 0.0124f);
-                determined = waited == 0u;
                 bool contradictory_y1 = least_upto_score_y1;
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
@@ -700,13 +760,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
                 const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
                     maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
                     maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
                     maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                determined = waited == 0u;
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
+                    (redundancy_contradictions_0 + 1u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -726,11 +787,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
-            float predicted_y4 = suspect_y1_part;
+            float predicted_y4 = residual_0_part;
             if (missing_at_most_1) {
-                predicted_y1 = y1_accepted - r_suspect_y1;
-                predicted_y2 = y2_accepted + r_suspect_y1;
-                predicted_y3 = y3_accepted - r_suspect_y1;
+                predicted_y1 = y1_accepted - residual_0;
+                predicted_y2 = y2_accepted + residual_0;
+                predicted_y3 = y3_accepted - residual_0;
             } else {
                 predicted_y4 = y4_expected;
             }
@@ -775,21 +836,36 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
 
     /* landing: ramps and state feedback
+     *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+     *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
+     *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
+     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+     *         w_x_tracking; likewise w_z_unprobed
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     dr_x_next = limit(max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is
-     *         set, else x_rate) - 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
+     *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+     *         acceleration_step_y) if landing_next is set, else dr_y
+     *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
+     *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
+     *         set, else r_x; likewise r_z_next
+     *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
+     *         if landing_next is set, else dr_x; likewise dr_z_next */
     const uint32_t landing_landing = state->landing_landing;
     const float landing_r_y = state->landing_r_y;
-    const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
+    const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
 
-    /* guard: range acceptance, hold, latch (continued) */
+    /* kinematics: pose from the gaps, F(5)
+     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-    const float pole = (theta_measured) ? 40.0f : 14.0f;
+
+    /* landing: ramps and state feedback (continued) */
+    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
     bool enough = complete;
     float theta_disturbance = 0.0f;
     float theta_estimate = theta;
@@ -806,27 +882,40 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
-            200.0f);
+        const float theta_disturbance_part = maglev_5dof_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
+        theta_disturbance = theta_disturbance_part;
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
+
+        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+            observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate), 200.0f);
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+            observer_phi_largest_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
         }
 #endif
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
     if (enough) {
@@ -852,16 +941,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
-    /* angles: positions for the commutation
-     *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
+    /* handover: direct currents without x or z */
     const bool lost_1 = !x_trusted;
-    const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
+
+    /* angles: positions for the commutation
+     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
     out->x_commutation = x_commutation;
     const bool lost_2 = !z_trusted;
-    const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
+    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
     out->z_commutation = z_commutation;
 
-    /* safe_output: slew to the safe output once latched (continued) */
+    /* guard: range acceptance, hold, latch (continued) */
+    const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
     }
@@ -880,7 +972,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
+    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
+        (faults | 0x00040000u);
+    uint32_t fault_word;
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -898,10 +997,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
-        faults |= 0x80000000u;
+        fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
-        const bool free = regular && (observer_y_q < 0.0305f);
+        const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
@@ -945,97 +1044,69 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
-            float r_w_y = landing_r_y;
-            float dr_w_y = y_rate;
-            float r_w_x = observer_x.estimate;
-            float dr_w_x = observer_x.rate;
-            float r_w_z = observer_z.estimate;
-            float dr_w_z = observer_z.rate;
+            float ramp_y = landing_r_y;
+            float ramp_rate_y = y_rate;
+            float ramp_x = observer_x.estimate;
+            float ramp_rate_x = observer_x.rate;
+            float ramp_z = observer_z.estimate;
+            float ramp_rate_z = observer_z.rate;
             if (landing_landing != 0u) {
-                dr_w_y = state->landing_dr_y;
-                r_w_x = state->landing_r_x;
-                dr_w_x = state->landing_dr_x;
-                r_w_z = state->landing_r_z;
-                dr_w_z = state->landing_dr_z;
+                ramp_rate_y = state->landing_dr_y;
+                ramp_x = state->landing_r_x;
+                ramp_rate_x = state->landing_dr_x;
+                ramp_z = state->landing_r_z;
+                ramp_rate_z = state->landing_dr_z;
             } else {
-                r_w_y = y_estimate;
+                ramp_y = y_estimate;
             }
-            const float target_w_y = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f),
-                0.001f);
-            const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
-                (maglev_5dof_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
+            const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
+                largest_speed), press_speed);
+            const float demand_w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
+                (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
             w_y = demand_w_y;
-            const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
-                (maglev_5dof_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
+            const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
+                (damping * (ramp_rate_x - observer_x.rate)) +
+                (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
             w_x_unprobed = demand_w_x;
-            const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
-                (maglev_5dof_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
+            const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
+                (damping * (ramp_rate_z - observer_z.rate)) +
+                (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
             w_z_unprobed = demand_w_z;
-            const float faster_w_y = maglev_5dof_slew(dr_w_y, target_w_y, 0.002f);
-            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y +
-                (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
+            const float faster_w_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
+            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
+                (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound) : y_estimate;
             landing_r_y_part = ahead_w_y;
             state->landing_dr_y = faster_w_y;
-
-            /* landing: ramps and state feedback (continued) */
-            const float faster_w_x = maglev_5dof_slew(dr_w_x, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ?
-                maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
+            const float faster_w_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
+            const float ahead_w_x = (landing_landing != 0u) ?
+                maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + faster_w_x)), bound) : observer_x.estimate;
+            state->landing_r_x = ahead_w_x;
             state->landing_dr_x = maglev_5dof_limit(faster_w_x, 10.0f);
-            const float faster_w_z = maglev_5dof_slew(dr_w_z, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ?
-                maglev_5dof_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : observer_z.estimate;
+            const float faster_w_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
+            const float ahead_w_z = (landing_landing != 0u) ?
+                maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + faster_w_z)), bound) : observer_z.estimate;
+            state->landing_r_z = ahead_w_z;
             state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
-            w_phi = -11250.0f * phi;
+            w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
-                diagnostics->x_disturbance = observer_x.disturbance;
                 diagnostics->x_estimate = observer_x.estimate;
                 diagnostics->x_rate = observer_x.rate;
-                diagnostics->z_disturbance = observer_z.disturbance;
                 diagnostics->z_estimate = observer_z.estimate;
                 diagnostics->z_rate = observer_z.rate;
+                diagnostics->x_disturbance = observer_x.disturbance;
+                diagnostics->z_disturbance = observer_z.disturbance;
             }
 #endif
         } else {
-            /* regulator_y: F(14)-(16)
-             *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
             w_y = w_y_tracking;
-
-            /* regulator_x: F(14)-(17)
-             *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
             w_x_unprobed = w_x_tracking;
-
-            /* regulator_z: F(14)-(17)
-             *     w_z_tracking = k_e * e_z + k_de * de_z + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_z + sum_excess * excess_z if |sum + e_z + sum_excess * excess_z| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 + p1_excess * excess_z if |p1 + c1 * q1 + p1_excess * excess_z| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z if |q1 - (p1 + c1
-             *         * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z| <= 600, else q1 */
             w_z_unprobed = w_z_tracking;
-
-            /* regulator_phi: F(14)-(16)
-             *     w_phi_tracking = k_e * e_phi + k_de * de_phi + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_phi if |sum + e_phi| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_phi if |q1 - (p1 + c1 * q1) + e_phi| <= 600, else q1 */
             w_phi = w_phi_tracking;
-
-            /* regulator_theta: F(14)-(16)
-             *     w_theta_tracking = k_e * e_theta + k_de * de_theta + k_sum * sum + k_p1 * p1 + k_q1 * q1
-             *     sum_next = sum + e_theta if |sum + e_theta| <= 600, else sum
-             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
-             *     q1_next = q1 - (p1 + c1 * q1) + e_theta if |q1 - (p1 + c1 * q1) + e_theta| <= 600, else q1 */
             w_theta = w_theta_tracking;
+            fault_word = faults_before;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->w_y_tracking = w_y_tracking;
@@ -1147,7 +1218,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 }
             } else {
                 state->probe_x_sample = maglev_5dof_flag(free);
-                state->probe_x_towards = (0.0f < e_x) ? -0.46666667f : 0.46666667f;
+                state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
             }
         } else {
             state->probe_x_sample = 0u;
@@ -1185,7 +1256,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 }
             } else {
                 state->probe_z_sample = maglev_5dof_flag(free);
-                state->probe_z_towards = (0.0f < e_z) ? -0.46666667f : 0.46666667f;
+                state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
             }
         } else {
             state->probe_z_sample = 0u;
@@ -1201,24 +1272,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
-        /* handover: direct currents without x or z */
+        /* handover: direct currents without x or z (continued) */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            /* safe_output: slew to the safe output once latched (continued) */
             const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
-                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
+                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
             const bool of_x = 0.0f < transfer;
             const float part = fabsf(transfer);
             const float part_z = (of_x) ? 0.0f : part;
             const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            const float room_z = current_limit - fabsf(u_z_computed);
             state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
             out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            const float room_x = current_limit - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
             out->i_d2 = state->safe_output_last_i_d2;
             state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
@@ -1239,23 +1309,32 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 
         /* accelerations: F(6)
-         *     a_x = -0.0943396 * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)) */
-        const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
-        const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
+         *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
+        const float a_x = -inverse_M_x * (u_x_computed * u_x_demand_part);
+        const float a_z = -inverse_M_z * (u_z_computed * u_z_demand_part);
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
+
+        /* thrust_allocation: F(6)
+         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* delay: delay of one sample (continued) */
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
+
+        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
+
+        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1263,24 +1342,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_theta_last = w_theta;
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.0005f * (y_rate + faster_observer_y_q)),
+        const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
             0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, 4.0f);
+        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_phi_q = phi_rate + (0.001f * (delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.0005f * (phi_rate + faster_observer_phi_q)), 0.02f);
-        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, 4.0f);
+        const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.0005f * (theta_rate + faster_observer_theta_q)),
-            0.031f);
-        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, 4.0f);
+        const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
+            observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
 
         /* landing: ramps and state feedback (continued) */
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
+        state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
 
         /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
@@ -1350,11 +1430,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
-    const float missed_calls = in->missed_calls;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
-    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

@@ -137,25 +137,32 @@ typedef struct {
 } maglev_5dof_precise_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
- *         set, else 0
+ *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+ *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
  *         0
- *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
- *         x_disturbance)), 0.1)
- *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0
- *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+ *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
+ *         largest_position)
+ *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
+ *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
+ *         x_trusted is set, else 0) if guard_ready is set, else 0
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+ *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
     float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.1f;                 /* m; bound of the prediction */
+    static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
+    static const float learnt_decay = 0.96875f;                 /* 1; part of the learnt rate that stays */
+    static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
     float d_next = 0.0f;
     float q = held;
@@ -167,16 +174,16 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
         const float v = state->v;
         const float learnt = state->learnt;
         if (trusted) {
-            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), 20.0f);
+            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), largest_disturbance);
             d_next = d_part;
             const float correction = beta * nu;
             rate_part = v + correction;
             if (1u <= unchanged) {
-                state->learnt = (0.96875f * learnt) + correction;
+                state->learnt = (learnt_decay * learnt) + correction;
             } else {
                 state->learnt = 0.0f;
             }
-            g_part = 0.03f * (a_before * d_part);
+            g_part = learning_step * (a_before * d_part);
         } else {
             rate_part = v - learnt;
             state->learnt = 0.0f;
@@ -186,9 +193,9 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
         state->learnt = 0.0f;
     }
     const float g = state->g;
-    const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
-    state->q = maglev_5dof_precise_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
-    state->v = maglev_5dof_precise_limit(faster, 2.0f);
+    const float faster = rate_part + (T * ((g * a_before) + d_next));
+    state->q = maglev_5dof_precise_limit(q + (half_T * (rate_part + faster)), largest_position);
+    state->v = maglev_5dof_precise_limit(faster, largest_rate);
     state->d = d_next;
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
     return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
@@ -197,7 +204,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
 typedef struct {
     float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
     float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
-    float high;
+    float largest_step;                 /* m; a larger change of the set-point has no rate */
     float k_step;                       /* 1/s^2; predictive servo with internal models: k_de over the period */
     float k_sum;                        /* 1/s^2; predictive servo with internal models: gain on sum */
     float k_p1;                         /* 1/s^2; predictive servo with internal models: gain on p1 */
@@ -206,8 +213,8 @@ typedef struct {
     float k_q2;                         /* 1/s^2; predictive servo with internal models: gain on q2 */
     float k_p3;                         /* 1/s^2; predictive servo with internal models: gain on p3 */
     float k_q3;                         /* 1/s^2; predictive servo with internal models: gain on q3 */
-    float high_2;
-    float high_3;
+    float low;                          /* minus the upper end of a limit */
+    float largest_error;                /* m; a larger error counts as this in the internal models */
 } maglev_5dof_precise_servo_fast_parameters_t;
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
@@ -216,6 +223,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float value, float e)
 {
+    static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
     static const float c1 = 2.2206568e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00942478 */
@@ -224,7 +232,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     static const float c3 = 0.00019985616f;
 
     const float sum = state->sum;
-    const float e_2 = maglev_5dof_precise_limit(e, parameters->high_3);
+    const float e_2 = maglev_5dof_precise_limit(e, parameters->largest_error);
     const float sum_next = sum + e_2;
     const float p1 = state->p1;
     const float q1 = state->q1;
@@ -260,7 +268,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     state->r = ref_held;
     const float moved = ref_held - r_2;
     float w_tracking_part = 0.0f;
-    if (fabsf(moved) <= parameters->high) {
+    if (fabsf(moved) <= parameters->largest_step) {
         w_tracking_part = parameters->k_step * moved;
     }
     const float w_tracking_part_2 = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
@@ -269,7 +277,7 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3);
     float w_tracking_part_4 = 0.0f;
     if (ready != 0u) {
-        w_tracking_part_4 = 0.8f * value;
+        w_tracking_part_4 = cancelled * value;
     }
     return w_tracking_part_3 + (parameters->k_q3 * q3) - w_tracking_part_4;
 }
@@ -277,10 +285,10 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
 typedef struct {
     float alpha;                        /* 1; triple pole exp(-w T), w = 400 rad/s */
     float beta;                         /* 1/s; triple pole exp(-w T), w = 400 rad/s */
-    float high;
-    float high_2;
-    float high_3;
-    float high_4;
+    float low;                          /* minus the upper end of a limit */
+    float largest_position;             /* m; bound of the prediction */
+    float low_2;                        /* minus the upper end of a limit */
+    float largest_rate;                 /* m/s; bound of the predicted rate */
 } maglev_5dof_precise_observer_fast_parameters_t;
 
 typedef struct {
@@ -291,27 +299,32 @@ typedef struct {
 /* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma
  *     x_fast_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_fast_rate = v + beta * (x_held - q) if guard_ready is set, else 0
- *     x_fast_disturbance = limit(d + gamma * (x_held - q), 20) if guard_ready is set, else 0
- *     x_fast_ahead = limit(x_fast_estimate + 0.0005 * (x_fast_rate + x_fast_rate + 0.001 * (delay_a_x_last
- *         + x_fast_disturbance)), 0.1)
- *     x_fast_rate_ahead = limit(x_fast_rate + 0.001 * (delay_a_x_last + x_fast_disturbance), 2) */
+ *     x_fast_disturbance = limit(d + gamma * (x_held - q), largest_disturbance) if guard_ready is set,
+ *         else 0
+ *     x_fast_ahead = limit(x_fast_estimate + half_T * (x_fast_rate + x_fast_rate + T * (delay_a_x_last +
+ *         x_fast_disturbance)), largest_position)
+ *     x_fast_rate_ahead = limit(x_fast_rate + T * (delay_a_x_last + x_fast_disturbance), largest_rate) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_fast_state_t *state,
-    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float value, float value_2,
-    float value_3, float before)
+    const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float nu, float value,
+    float value_2, float before)
 {
-    float x_fast_estimate = value_2;
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float T = 0.001f;                              /* s; sample period */
+
+    float x_fast_estimate = value;
     float x_fast_rate = 0.0f;
-    float x_fast_disturbance = value_3;
+    float x_fast_disturbance = value_2;
     if (ready != 0u) {
-        x_fast_estimate = state->q + (parameters->alpha * value);
-        x_fast_rate = state->v + (parameters->beta * value);
+        x_fast_estimate = state->q + (parameters->alpha * nu);
+        x_fast_rate = state->v + (parameters->beta * nu);
     } else {
         x_fast_disturbance = 0.0f;
     }
-    const float faster = x_fast_rate + (0.001f * (before + x_fast_disturbance));
-    state->q = maglev_5dof_precise_limit(x_fast_estimate + (0.0005f * (x_fast_rate + faster)), parameters->high_2);
-    state->v = maglev_5dof_precise_limit(faster, parameters->high_4);
+    const float faster = x_fast_rate + (T * (before + x_fast_disturbance));
+    state->q = maglev_5dof_precise_limit(x_fast_estimate + (half_T * (x_fast_rate + faster)),
+        parameters->largest_position);
+    state->v = maglev_5dof_precise_limit(faster, parameters->largest_rate);
     state->d = x_fast_disturbance;
     return (maglev_5dof_precise_observer_fast_t){.fast_ahead = state->q, .fast_rate_ahead = state->v};
 }
@@ -361,6 +374,46 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     maglev_5dof_precise_output_t *out)
 #endif
 {
+    static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
+    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
+     * travel_high_z */
+    static const float travel = -0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
+    static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
+    static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
+    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const float observer_y_fast_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float observer_y_fast_largest_rate = 4.0f;     /* m/s; bound of the predicted rate */
+    static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
+    static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+    static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+    static const float observer_phi_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    /* rad; a larger error counts as this in the internal models, also servo_phi_fast_largest_error, also
+     * servo_phi_fast_largest_step */
+    static const float servo_phi_fast_largest = 1e-04f;
+    static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
+    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
+    static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
+    static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
+    static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
+    static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
+    static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
+    static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
+    static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
+    static const float largest_speed = 0.08f;                   /* m/s; largest speed of the ramp */
+    static const float press_speed = 0.001f;                    /* m/s; least speed of the ramp, behind the stop */
+    static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
+    static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
     static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
     static const float r = 0.397f;                              /* m; Table I */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
@@ -371,8 +424,24 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float M_x = 10.6f;                             /* kg; Table I */
     static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
+    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
+    static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
+    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
+    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
+    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
+    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
+    static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
+    static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
+    static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
+    /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
+    static const float acceleration_step = 0.004f;
+    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
+    static const float first_push = 2.2f;
     static const float observer_y_fast_alpha = 0.6988058f;      /* 1; triple pole exp(-w T), w = 400 rad/s */
     static const float observer_y_fast_beta = 272.3178f;        /* 1/s; triple pole exp(-w T), w = 400 rad/s */
     static const float observer_y_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
@@ -400,29 +469,30 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
     static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-        .k_de = -125.761116f, .high = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+        .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
         .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-        .high_2 = -0.0003f, .high_3 = 0.0003f};
+        .low = -0.0003f, .largest_error = 0.0003f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
         .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .high_2 = -0.001f, .high_3 = 0.001f};
+        .low = -0.001f, .largest_error = 0.001f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .high = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
         .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .high_2 = -0.001f, .high_3 = 0.001f};
+        .low = -0.001f, .largest_error = 0.001f};
     static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-        .k_de = -93.11564f, .high = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+        .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
         .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-        .high_2 = -0.0003f, .high_3 = 0.0003f};
+        .low = -0.0003f, .largest_error = 0.0003f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.1f, .high_2 = 0.1f, .high_3 = -2.0f, .high_4 = 2.0f};
+        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .high = -0.02f, .high_2 = 0.02f, .high_3 = -4.0f, .high_4 = 4.0f};
+        .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f, .largest_rate = 4.0f};
     static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
-        {.alpha = 0.5276334f, .beta = 130.55266f, .high = -0.031f, .high_2 = 0.031f, .high_3 = -4.0f, .high_4 = 4.0f};
+        {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
+        .largest_rate = 4.0f};
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -456,18 +526,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const uint32_t guard_ready = state->guard_ready;
 
     /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
      *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
-     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
-     *         x_disturbance)), 0.1)
-     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
+     *         largest_position)
+     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
+     *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
+     *         x_trusted is set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
+     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
@@ -476,50 +546,52 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 7 <= x_unchanged, else 0) if 7 <=
      *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= x_unchanged, else 0
      *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
-     *         attempt, else (-2.2 if 0 < e_x, else 2.2))) if 1 <= sample or 12 <= x_unchanged, else towards */
+     *         attempt, else (-first_push if 0 < e_x, else first_push))) if 1 <= sample or 12 <= x_unchanged,
+     *         else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
     const bool x_unanswered = 8u <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
-     *     q_next = limit(phi_estimate + 0.0005 * (phi_rate + phi_rate + 0.001 * (delay_w_phi_last +
-     *         phi_disturbance)), 0.02)
-     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
+     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
+     *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
+     *         phi_disturbance)), largest_position)
+     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
     const float observer_phi_q = state->observer_phi_q;
 
     /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
      *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     q_next = max(min(y_estimate + 0.0005 * (y_rate + y_rate + 0.001 * (delay_w_y_last + y_disturbance)),
+     *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
      *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 4) */
+     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
     const float observer_y_q = state->observer_y_q;
 
     /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
+     *         0
      *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
-     *     q_next = limit(theta_estimate + 0.0005 * (theta_rate + theta_rate + 0.001 * (delay_w_theta_last +
-     *         theta_disturbance)), 0.031)
-     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
+     *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
+     *         theta_disturbance)), largest_position)
+     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
     const float observer_theta_q = state->observer_theta_q;
 
     /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
-     *         set, else 0
+     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
+     *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
      *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
      *         0
-     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
-     *         z_disturbance)), 0.1)
-     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
-     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+     *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
+     *         largest_position)
+     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
+     *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if
+     *         z_trusted is set, else 0) if guard_ready is set, else 0
+     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
+     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
@@ -528,22 +600,25 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 7 <= z_unchanged, else 0) if 7 <=
      *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= z_unchanged, else 0
      *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
-     *         attempt, else (-2.2 if 0 < e_z, else 2.2))) if 1 <= sample or 12 <= z_unchanged, else towards */
+     *         attempt, else (-first_push if 0 < e_z, else first_push))) if 1 <= sample or 12 <= z_unchanged,
+     *         else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = 8u <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
+     *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+     *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
      *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
      *         z_unchanged
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if 4e-05 < |observer_x_q - x_accepted|,
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
      *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
-    const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
-    const float r_2 = suspect_y1_part - y4_accepted;
-    const float size = fabsf(r_2);
-    const bool agreement = size <= 4.8e-05f;
+    const float size = fabsf(residual_0);
+    const bool agreement = size <= threshold_0;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
@@ -553,7 +628,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
-        if (4e-05f < fabsf(observer_x_q - x_accepted)) {
+        if (gate < fabsf(observer_x_q - x_accepted)) {
             redundancy_doubts_x_next = 10u;
         } else {
             if (1u <= redundancy_doubts_x) {
@@ -563,8 +638,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) &&
-        (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
+        (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -574,7 +649,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
-        if (4e-05f < fabsf(observer_z_q - z_accepted)) {
+        if (gate < fabsf(observer_z_q - z_accepted)) {
             redundancy_doubts_z_next = 10u;
         } else {
             if (1u <= redundancy_doubts_z) {
@@ -584,8 +659,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) &&
-        (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
+        (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -655,6 +730,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float y2_expected = observer_y_q + theta_2;
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -678,66 +755,66 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 suspects_y4 = suspect_y1_test;
                 determined = agreeing;
             } else {
+                const bool residual_0_positive = 0.0f < residual_0;
+                const float E_y1_part = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = E_y1_part * (y1_accepted - y1_expected);
+                const float E_y2_part = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
+                const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
+                const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
                 const bool still_y1_at_least_3 = 3u <= still_y1;
-                const float least_E = 0.4f * size;
-                const bool r_2_positive = 0.0f < r_2;
-                const float suspect_y1_part_2 = (r_2_positive) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
+                const float least_E = candidate_part * size;
                 const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
                 const bool still_y2_at_least_3 = 3u <= still_y2;
-                const float suspect_y1_part_3 = (r_2_positive) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
                 const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
                 const bool still_y3_at_least_3 = 3u <= still_y3;
-                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
                 const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
                 const bool still_y4_at_least_3 = 3u <= still_y4;
-                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
                 const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_precise_flag(candidate_y1) +
                     maglev_5dof_precise_flag(candidate_y2) + maglev_5dof_precise_flag(candidate_y3) +
                     maglev_5dof_precise_flag(candidate_y4);
-                const uint32_t suspect_y1_part_4 = maglev_5dof_precise_flag(still_y1 < 3u) +
-                    maglev_5dof_precise_flag(still_y2 < 3u) + maglev_5dof_precise_flag(still_y3 < 3u);
                 const bool first = candidates != 0u;
-                uint32_t suspect_y1_part_5 = 0u;
+                const uint32_t score_y1_part = maglev_5dof_precise_flag(still_y1 < 3u) +
+                    maglev_5dof_precise_flag(still_y2 < 3u) + maglev_5dof_precise_flag(still_y3 < 3u);
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
-                if ((suspect_y1_part_4 + maglev_5dof_precise_flag(still_y4 < 3u)) == 3u) {
+                uint32_t suspect_y1_part = 0u;
+                if ((score_y1_part + maglev_5dof_precise_flag(still_y4 < 3u)) == 3u) {
                     const bool flag_y1 = 8u <= still_y1;
-                    const bool flag_y2 = 8u <= still_y2;
-                    const bool flag_y3 = 8u <= still_y3;
-                    const bool flag_y4 = 8u <= still_y4;
-                    const uint32_t suspect_y1_part_6 = maglev_5dof_precise_flag(flag_y1) +
-                        maglev_5dof_precise_flag(flag_y2) + maglev_5dof_precise_flag(flag_y3) +
-                        maglev_5dof_precise_flag(flag_y4);
-                    suspect_y1_part_5 = suspect_y1_part_6;
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
                     preferred_y1 = (flag_y1) ? second_rule : 0.0f;
+                    const bool flag_y2 = 8u <= still_y2;
                     preferred_y2 = (flag_y2) ? second_rule : 0.0f;
+                    const bool flag_y3 = 8u <= still_y3;
                     preferred_y3 = (flag_y3) ? second_rule : 0.0f;
+                    const bool flag_y4 = 8u <= still_y4;
                     preferred_y4 = (flag_y4) ? second_rule : 0.0f;
+                    const uint32_t suspect_y1_part_2 = maglev_5dof_precise_flag(flag_y1) +
+                        maglev_5dof_precise_flag(flag_y2) + maglev_5dof_precise_flag(flag_y3) +
+                        maglev_5dof_precise_flag(flag_y4);
+                    suspect_y1_part = suspect_y1_part_2;
                 }
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_5) != 0u;
                 const float score_y1 = E_y1 +
-                    (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
-                const float best_y1 = maglev_5dof_precise_max(-10.0f, score_y1);
+                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
                 const float score_y2 = E_y2 +
-                    (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
-                const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
+                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
                 const float score_y3 = E_y3 +
-                    (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
-                const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
+                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float score_y4 = E_y4 +
-                    (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part) != 0u;
+                const float best_y1 = maglev_5dof_precise_max(-preference, score_y1);
+                const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
+                const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
                 const float best = maglev_5dof_precise_max(best_y3, score_y4);
-                const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-10.0f,
+                const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-preference,
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) <
+                const float least = (((((by_code_suspect_y1) ? lead_by_code : lead_by_innovation) * size) <
                     (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
-                    (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                    (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
@@ -748,15 +825,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 suspects_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
                 suspects_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
-                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
-                    ((least_upto_score_y1) ? r_2 : 0.0f), 0.0322f), 0.0168f);
-                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
-                    ((least_upto_score_y2) ? r_2 : 0.0f), 0.0366f), 0.0124f);
-                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
-                    ((least_upto_score_y3) ? r_2 : 0.0f), 0.0322f), 0.0168f);
-                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
-                    ((least_upto_score_y4) ? r_2 : 0.0f), 0.0366f), 0.0124f);
-                determined = waited == 0u;
+                const float contradictory_y1_y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
+                    ((least_upto_score_y1) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
+                y1_held = contradictory_y1_y1_held;
+                const float contradictory_y2_y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
+                    ((least_upto_score_y2) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
+                y2_held = contradictory_y2_y2_held;
+                const float contradictory_y3_y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
+                    ((least_upto_score_y3) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
+                y3_held = contradictory_y3_y3_held;
+                const float contradictory_y4_y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
+                    ((least_upto_score_y4) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
+                y4_held = contradictory_y4_y4_held;
                 bool contradictory_y1 = least_upto_score_y1;
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
@@ -771,13 +851,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 redundancy_excluded_y2_next = maglev_5dof_precise_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_precise_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_y4);
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
                 const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 &&
                     contradictory_y1) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_y2) +
                     maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_precise_flag((redundancy_stuck_0_part +
                     maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                determined = waited == 0u;
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
+                    (redundancy_contradictions_0 + 1u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -798,11 +879,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
-            float predicted_y4 = suspect_y1_part;
+            float predicted_y4 = residual_0_part;
             if (missing_at_most_1) {
-                predicted_y1 = y1_accepted - r_2;
-                predicted_y2 = y2_accepted + r_2;
-                predicted_y3 = y3_accepted - r_2;
+                predicted_y1 = y1_accepted - residual_0;
+                predicted_y2 = y2_accepted + residual_0;
+                predicted_y3 = y3_accepted - residual_0;
             } else {
                 predicted_y4 = y4_expected;
             }
@@ -851,28 +932,63 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
 
     /* landing: ramps and state feedback
+     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+     *         w_x_tracking; likewise w_z_unprobed
+     *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+     *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
+     *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     dr_x_next = limit(max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is
-     *         set, else x_rate) - 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
+     *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+     *         acceleration_step_y) if landing_next is set, else dr_y
+     *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
+     *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
+     *         set, else r_x; likewise r_z_next
+     *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
+     *         if landing_next is set, else dr_x; likewise dr_z_next */
     const uint32_t landing_landing = state->landing_landing;
     const float landing_r_y = state->landing_r_y;
-    const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
+    const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
 
-    /* guard: range acceptance, hold, latch (continued) */
+    /* kinematics: pose from the gaps, F(5)
+     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+
+    /* observer_y_fast: predictive observer, alpha-beta-gamma
+     *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
+     *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
+     *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
+     *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
+     *         y_fast_disturbance)), 0.0345), 0.0145)
+     *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
     const float observer_y_fast_q = state->observer_y_fast_q;
     const float nu_y_fast_estimate = y - observer_y_fast_q;
     const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
-        (observer_y_fast_gamma * nu_y_fast_estimate), 50.0f);
+        (observer_y_fast_gamma * nu_y_fast_estimate), observer_y_fast_largest_disturbance);
+
+    /* kinematics: pose from the gaps, F(5) (continued) */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+
+    /* observer_phi_fast: predictive observer, alpha-beta-gamma
+     *     phi_fast_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+     *     phi_fast_rate = v + beta * (phi - q) if guard_ready is set, else 0
+     *     phi_fast_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else
+     *         0
+     *     phi_fast_ahead = limit(phi_fast_estimate + half_T * (phi_fast_rate + phi_fast_rate + T *
+     *         (delay_w_phi_last + phi_fast_disturbance)), largest_position)
+     *     phi_fast_rate_ahead = limit(phi_fast_rate + T * (delay_w_phi_last + phi_fast_disturbance),
+     *         largest_rate) */
     const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
     const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
-        (observer_phi_fast_gamma * nu_phi_fast_ahead), 200.0f);
-    const float pole = (theta_measured) ? 40.0f : 14.0f;
+        (observer_phi_fast_gamma * nu_phi_fast_ahead), observer_phi_fast_largest_disturbance);
+
+    /* landing: ramps and state feedback (continued) */
+    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
     bool enough = complete;
     float y_fast_estimate = y;
     float y_fast_rate = 0.0f;
@@ -893,25 +1009,46 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
+
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
         y_fast_estimate = observer_y_fast_q + (observer_y_fast_alpha * nu_y_fast_estimate);
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
-        w_phi_tracking_part = 0.8f * phi_fast_ahead_part;
+
+        /* servo_phi_fast: predictive servo with internal models
+         *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
+         *         + limit(e_phi, largest))^2 <= 16, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
+         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
+        w_phi_tracking_part = cancelled * phi_fast_ahead_part;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
-            (observer_theta_gamma * nu_theta_disturbance), 200.0f);
+        const float theta_disturbance_part = maglev_5dof_precise_limit(state->observer_theta_d +
+            (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
+        theta_disturbance = theta_disturbance_part;
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
+
+        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+            observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_precise_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
-            200.0f);
+        const float phi_disturbance_part = maglev_5dof_precise_limit(state->observer_phi_d +
+            (observer_phi_gamma * nu_phi_estimate), observer_phi_largest_disturbance);
+        phi_disturbance = phi_disturbance_part;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
@@ -920,6 +1057,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     } else {
         y_fast_disturbance = 0.0f;
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
     if (enough) {
@@ -937,16 +1076,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->guard_ready = 1u;
     }
 
-    /* angles: positions for the commutation
-     *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
+    /* handover: direct currents without x or z */
     const bool lost_1 = !x_trusted;
-    const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
+
+    /* angles: positions for the commutation
+     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
     out->x_commutation = x_commutation;
     const bool lost_2 = !z_trusted;
-    const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
+    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
     out->z_commutation = z_commutation;
 
-    /* safe_output: slew to the safe output once latched */
+    /* guard: range acceptance, hold, latch (continued) */
+    const float missed_calls = in->missed_calls;
     if (suspect_y1) {
         faults |= 0x00000800u;
     }
@@ -965,7 +1107,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
+    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
+        (faults | 0x00040000u);
+    uint32_t fault_word;
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched */
         state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -983,10 +1132,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
-        faults |= 0x80000000u;
+        fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
-        const bool free = regular && (observer_y_q < 0.0305f);
+        const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
@@ -996,15 +1145,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
-        /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) +
-         *         limit(e_phi, 0.0001))^2 <= 16, else p1
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001) if (sum + limit(e_phi, 0.0001))^2 + (p1 + c1 *
-         *         q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, 0.0001))^2 <= 16, else q1 */
+        /* servo_phi_fast: predictive servo with internal models (continued) */
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
-        const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, 1e-04f);
+        const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
         const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
         const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
@@ -1026,22 +1169,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float delay_w_y_last = state->delay_w_y_last;
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
+        const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
         state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
-            (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, 4.0f);
+            (half_T * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, observer_y_largest_rate);
 
-        /* observer_y_fast: predictive observer, alpha-beta-gamma
-         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     y_fast_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
-         *     y_fast_ahead = max(min(y_fast_estimate + 0.0005 * (y_fast_rate + y_fast_rate + 0.001 *
-         *         (delay_w_y_last + y_fast_disturbance)), 0.0345), 0.0145)
-         *     y_fast_rate_ahead = limit(y_fast_rate + 0.001 * (delay_w_y_last + y_fast_disturbance), 4) */
-        const float faster_y_fast_ahead = y_fast_rate + (0.001f * (delay_w_y_last + y_fast_disturbance));
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
+        const float faster_y_fast_ahead = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
         const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
-            (0.0005f * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
-        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, 4.0f);
+            (half_T * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
+        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, observer_y_fast_largest_rate);
         state->observer_y_fast_q = y_fast_ahead;
         state->observer_y_fast_v = y_fast_rate_ahead;
         state->observer_y_fast_d = y_fast_disturbance;
@@ -1056,7 +1193,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_x: predictive observer, alpha-beta-gamma (continued) */
         const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
         const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
-            (observer_x_fast_gamma * nu_x_fast_ahead), 20.0f);
+            (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_x_fast =
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
             nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
@@ -1072,7 +1209,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* observer_z: predictive observer, alpha-beta-gamma (continued) */
         const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
         const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
-            (observer_z_fast_gamma * nu_z_fast_ahead), 20.0f);
+            (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_z_fast =
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
             nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
@@ -1084,10 +1221,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float delay_w_phi_last = state->delay_w_phi_last;
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_phi_q = phi_rate + (0.001f * (delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (0.0005f * (phi_rate + faster_observer_phi_q)),
-            0.02f);
-        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, 4.0f);
+        const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, observer_phi_largest_rate);
         const maglev_5dof_precise_observer_fast_t observer_phi_fast =
             maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
             nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
@@ -1096,13 +1233,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float delay_w_theta_last = state->delay_w_theta_last;
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
-        const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
+        const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
         state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
-            (0.0005f * (theta_rate + faster_observer_theta_q)), 0.031f);
-        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, 4.0f);
+            (half_T * (theta_rate + faster_observer_theta_q)), observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, observer_theta_largest_rate);
         const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
-            (observer_theta_fast_gamma * nu_theta_fast_ahead), 200.0f);
+            (observer_theta_fast_gamma * nu_theta_fast_ahead), observer_theta_fast_largest_disturbance);
         const maglev_5dof_precise_observer_fast_t observer_theta_fast =
             maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
             guard_ready, nu_theta_fast_ahead, theta, theta_fast_ahead_part, delay_w_theta_last);
@@ -1120,6 +1257,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         } else {
             landing = landing_landing;
         }
+
+        /* servo_phi_fast: predictive servo with internal models (continued) */
         float w_phi;
         float w_theta;
         float w_x_unprobed;
@@ -1127,79 +1266,72 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
-            float r_w_x = observer_x.estimate;
-            float dr_w_x = observer_x.rate;
-            float r_w_y = landing_r_y;
-            float dr_w_y = y_rate;
-            float r_w_z = observer_z.estimate;
-            float dr_w_z = observer_z.rate;
-            if (landing_landing != 0u) {
-                r_w_x = state->landing_r_x;
-                dr_w_x = state->landing_dr_x;
-                dr_w_y = state->landing_dr_y;
-                r_w_z = state->landing_r_z;
-                dr_w_z = state->landing_dr_z;
-            } else {
-                r_w_y = y_estimate;
-            }
-            const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
-                (maglev_5dof_precise_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
-            const float target_w_y = maglev_5dof_precise_max(maglev_5dof_precise_min(0.005f +
-                (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
-            const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
-                (maglev_5dof_precise_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
-            w_y = demand_w_y;
-            const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
-                (maglev_5dof_precise_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
-            const float faster_w_y = maglev_5dof_precise_slew(dr_w_y, target_w_y, 0.002f);
-            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_precise_max(maglev_5dof_precise_min(r_w_y +
-                (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
-            landing_r_y_part = ahead_w_y;
-            state->landing_dr_y = faster_w_y;
-
             /* landing: ramps and state feedback (continued) */
-            const float faster_w_x = maglev_5dof_precise_slew(dr_w_x, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ?
-                maglev_5dof_precise_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : observer_x.estimate;
+            float ramp_x = observer_x.estimate;
+            float ramp_rate_x = observer_x.rate;
+            float ramp_y = landing_r_y;
+            float ramp_rate_y = y_rate;
+            float ramp_z = observer_z.estimate;
+            float ramp_rate_z = observer_z.rate;
+            if (landing_landing != 0u) {
+                ramp_x = state->landing_r_x;
+                ramp_rate_x = state->landing_dr_x;
+                ramp_rate_y = state->landing_dr_y;
+                ramp_z = state->landing_r_z;
+                ramp_rate_z = state->landing_dr_z;
+            } else {
+                ramp_y = y_estimate;
+            }
+            const float ramp_target_y = maglev_5dof_precise_max(maglev_5dof_precise_min(touch_speed +
+                (approach * (stop - ramp_y)), largest_speed), press_speed);
+            const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
+                (damping * (ramp_rate_x - observer_x.rate)) +
+                (maglev_5dof_precise_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
+            w_x_unprobed = demand_w_x;
+            const float demand_w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
+                (maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
+            w_y = demand_w_y;
+            const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
+                (damping * (ramp_rate_z - observer_z.rate)) +
+                (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
+            w_z_unprobed = demand_w_z;
+            const float faster_w_y = maglev_5dof_precise_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
+            const float landing_r_y_part_2 = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
+                (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound);
+            landing_r_y_part = (landing_landing != 0u) ? landing_r_y_part_2 : y_estimate;
+            state->landing_dr_y = faster_w_y;
+            const float faster_w_x = maglev_5dof_precise_slew(ramp_rate_x, 0.0f, acceleration_step);
+            const float ahead_w_x = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(ramp_x + (half_T * (ramp_rate_x + faster_w_x)), bound) : observer_x.estimate;
+            state->landing_r_x = ahead_w_x;
             state->landing_dr_x = maglev_5dof_precise_limit(faster_w_x, 10.0f);
-            const float faster_w_z = maglev_5dof_precise_slew(dr_w_z, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ?
-                maglev_5dof_precise_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : observer_z.estimate;
+            const float faster_w_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
+            const float ahead_w_z = (landing_landing != 0u) ?
+                maglev_5dof_precise_limit(ramp_z + (half_T * (ramp_rate_z + faster_w_z)), bound) : observer_z.estimate;
+            state->landing_r_z = ahead_w_z;
             state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
-            w_phi = -11250.0f * phi;
+            w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_disturbance = observer_x.disturbance;
                 diagnostics->x_estimate = observer_x.estimate;
                 diagnostics->x_rate = observer_x.rate;
-                diagnostics->z_disturbance = observer_z.disturbance;
                 diagnostics->z_estimate = observer_z.estimate;
                 diagnostics->z_rate = observer_z.rate;
+                diagnostics->z_disturbance = observer_z.disturbance;
             }
 #endif
         } else {
-            /* servo_y_fast: predictive servo with internal models
-             *     r_next = y_ref_held */
             w_y = w_y_tracking;
-
-            /* servo_x_fast: predictive servo with internal models
-             *     r_next = x_ref_held */
             w_x_unprobed = w_x_tracking;
-
-            /* servo_z_fast: predictive servo with internal models
-             *     r_next = z_ref_held */
             w_z_unprobed = w_z_tracking;
-
-            /* servo_phi_fast: predictive servo with internal models (continued) */
             const float w_phi_tracking_part_2 = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
             const float moved_w_phi_tracking = phi_ref_held - state->servo_phi_fast_r;
             float w_phi_tracking_part_3 = 0.0f;
-            if (fabsf(moved_w_phi_tracking) <= 1e-04f) {
+            if (fabsf(moved_w_phi_tracking) <= servo_phi_fast_largest) {
                 w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
             }
             const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
@@ -1207,10 +1339,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 (servo_phi_fast_k_q1 * servo_phi_fast_q1);
             const float w_phi_tracking = w_phi_tracking_part_4 - w_phi_tracking_part;
             w_phi = w_phi_tracking;
-
-            /* servo_theta_fast: predictive servo with internal models
-             *     r_next = theta_ref_held */
             w_theta = w_theta_tracking;
+            fault_word = faults_before;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->w_y_tracking = w_y_tracking;
@@ -1222,6 +1352,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         }
+
+        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
@@ -1250,7 +1382,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             } else {
                 state->probe_x_sample = maglev_5dof_precise_flag(free);
                 if (probe_x_attempt < 1u) {
-                    state->probe_x_towards = (0.0f < e_x) ? -2.2f : 2.2f;
+                    state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
                 }
             }
         } else {
@@ -1260,7 +1392,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
-        state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, 0.0326f);
+        state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, ramp_end);
 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
@@ -1286,7 +1418,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             } else {
                 state->probe_z_sample = maglev_5dof_precise_flag(free);
                 if (probe_z_attempt < 1u) {
-                    state->probe_z_towards = (0.0f < e_z) ? -2.2f : 2.2f;
+                    state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
                 }
             }
         } else {
@@ -1389,24 +1521,23 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
 
-        /* handover: direct currents without x or z */
+        /* handover: direct currents without x or z (continued) */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            /* safe_output: slew to the safe output once latched (continued) */
             const float transfer = maglev_5dof_precise_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
-                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
+                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
             const bool of_x = 0.0f < transfer;
             const float part = fabsf(transfer);
             const float part_z = (of_x) ? 0.0f : part;
             const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_z = 4.9497476f - fabsf(u_z_computed);
+            const float room_z = current_limit - fabsf(u_z_computed);
             state->safe_output_last_i_d1 = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z, room_z);
             out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float room_x = 4.9497476f - fabsf(u_x_computed);
+            const float room_x = current_limit - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x, room_x);
             out->i_d2 = state->safe_output_last_i_d2;
             state->safe_output_last_i_d3 = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z, room_z);
@@ -1495,7 +1626,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->i_d4_balanced = i_d4_balanced;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= 4.0f) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000001u : 0u;
             diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000008u : 0u;
@@ -1505,11 +1636,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 #endif
     }
-    const float missed_calls = in->missed_calls;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
-    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

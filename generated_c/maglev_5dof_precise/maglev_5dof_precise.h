@@ -1,7 +1,10 @@
 /* maglev_5dof_precise: one step every 0.001 s, float. Generated: do not edit.
  *
- * Call maglev_5dof_precise_init once, then maglev_5dof_precise_step once every 0.001 s with the inputs of that sample,
- * and use its outputs at once. Nothing else may change the state.
+ * Call maglev_5dof_precise_init once, then maglev_5dof_precise_step once every 0.001 s with the inputs of that sample.
+ * Nothing else may change the state.
+ *
+ * What is computed from the inputs of a sample acts 1 sample, 0.001 s, after they were measured: let it act from then
+ * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
@@ -14,8 +17,9 @@
  *   - a gap encoder that is refused or excluded is replaced
  *   - without x, z or two gap encoders the platen lands and then latches on the stop
  *   - without three it latches as said above
- *   - zero current pulls the platen up below 28.7 mm
- *   - 2.5 A rms lowers it from 18.1 mm and above
+ *   - zero current pulls the platen up from a gap below 28.7 mm
+ *   - the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all parameters
+ *     at their tolerances
  *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at
  *     0.0056 m/s (y)
  *   - in motion the machine reaches 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
@@ -23,8 +27,25 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
+ * A refused input is replaced by its last good value, before its first one by 0.031 m (y1, y2, y3, y4, y_ref), 0 m (x,
+ * z, x_ref, z_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a refused measurement is
+ * replaced by what the others or a prediction say.
+ *
+ * While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their number as
+ * missed_calls in the next call. A number above 40 sets bit 18 of this sample and has no other effect, it neither
+ * brakes nor latches: the caller must then stop the motion, by set-points that no longer move or by the safe output and
+ * init at rest.
+ *
  * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
  * steps before it, and the outputs of the last one go to the hardware.
+ *
+ * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
+ *
+ * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
+ * stop at 31 mm.
+ *
+ * A frozen reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the platen, its test
+ * is off.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
@@ -230,7 +251,9 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
  *   bit 16  z: contradicts the others
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 30  status, no fault: lands until it latches on its stop; only init ends that
  *   bit 31  latched: safe output until init
+ * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out);
 

@@ -149,11 +149,15 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     state->advance_last_z = position;
     state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
     state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
-    const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;
+
+    /* guard: range acceptance, hold, latch (continued) */
+    const uint32_t faults_before = (lost_x) ? (faults | 0x00000400u) : faults;
+
+    /* commutation, guard */
     float i_a1_part = -1.0f;
-    uint32_t fault_word = value;
+    uint32_t fault_word = faults_before;
     if (lost_z) {
-        fault_word = value | 0x00000800u;
+        fault_word = faults_before | 0x00000800u;
     } else {
         i_a1_part = 0.0f;
     }

@@ -1,13 +1,23 @@
 /* maglev_5dof_precise_phase: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call maglev_5dof_precise_phase_init once, then maglev_5dof_precise_phase_step once every 0.001 s with the inputs of
- * that sample, and use its outputs at once. Nothing else may change the state.
+ * that sample. Nothing else may change the state.
+ *
+ * What is computed from the inputs of a sample acts 1 sample, 0.001 s, after they were measured: let it act from then
+ * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
+ * A refused input is replaced by its last good value, before its first one by 2.5 A (i_d1, i_d2, i_d3, i_d4), 0 A
+ * (i_q1, i_q2, i_q3, i_q4), 0 m (x_commutation, z_commutation).
+ *
  * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
  * steps before it, and the outputs of the last one go to the hardware.
+ *
+ * A position is lost in the 5th sample in a row in which it is refused, and before its first good one; the next good
+ * one ends that. While both positions are lost, the motors that carry keep their angles for 80 samples, in which the
+ * safe output of the controller lowers the platen to its stop, and then all currents fade to 0 A in 25 samples.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.

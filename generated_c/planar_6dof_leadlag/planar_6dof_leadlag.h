@@ -1,7 +1,10 @@
 /* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit.
  *
- * Call planar_6dof_leadlag_init once, then planar_6dof_leadlag_step once every 0.001 s with the inputs of that sample,
- * and use its outputs at once. Nothing else may change the state.
+ * Call planar_6dof_leadlag_init once, then planar_6dof_leadlag_step once every 0.001 s with the inputs of that sample.
+ * Nothing else may change the state.
+ *
+ * What is computed from the inputs of a sample acts 1 sample, 0.001 s, after they were measured: let it act from then
+ * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
@@ -19,6 +22,11 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
+ * A refused input is replaced by its last good value, before its first one by 0 m (d1, d2, d3, x_ref, y_ref, z_ref), 0
+ * rad (phi_ref, theta_ref, psi_ref), or always by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
+ *
+ * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
+ *
  * (n) is equation (n) of H. Yu, W.-J. Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable
  * Control Methodology".
  *
@@ -26,7 +34,9 @@
  * Hall voltages repeat with each pitch, and the pitches are counted from there.
  *
  * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
- * first within 4 samples. Their fault bits are set from that sample on.
+ * first within 4 samples. Up to then no bit is set, the two samples are not used, and predictions take their place.
+ * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
+ * again, so the latch follows.
  *
  * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.

@@ -321,6 +321,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool suspect_V_by = suspect_V_by_test || is_any;
         const bool suspect_V_cx = suspect_V_cx_test || is_any;
         const bool suspect_V_cy = suspect_V_cy_test || is_any;
+
+        /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -368,8 +370,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         braking = guard_left <= 25u;
     }
-
-    /* safe_output: slew to the safe output once latched */
     if (braking) {
         faults |= 0x40000000u;
     }
@@ -378,6 +378,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
     uint32_t fault_word;
     if (latched != 0u) {
+        /* safe_output: slew to the safe output once latched */
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
         state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
@@ -401,7 +402,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->guard_latched = 1u;
         fault_word = faults | 0x80000000u;
     } else {
-        /* guard: range acceptance, hold, latch (continued) */
         const bool braked = guard_left < 25u;
 
         /* reckoning: alpha-beta filter, dead reckoning
@@ -581,6 +581,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             within_y = passed_y;
         }
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -602,16 +604,31 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             phi_next_part = reckoning_phi_rate + (reckoning_phi_rate_gain * phi_next_part_2);
             state->sensing_innovation_phi = phi_next_part_2;
         } else {
+            /* sensing: position and yaw, (1)-(5) (continued) */
             state->sensing_innovation_phi = 0.0f;
         }
+
+        /* sensing: position and yaw, (1)-(5) (continued) */
         state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float seen_law_x = lqg_x_L * x_raw;
+
+        /* lqg_y: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float seen_law_y = lqg_y_L * y_raw;
+
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float seen_law_phi = lqg_phi_L * phi_raw;
+
+        /* lqg_x, lqg_y, lqg_phi: reduced-order LQG, (28)-(35), (49) */
         float now_law_x;
         float now_law_y;
         float now_law_phi;
@@ -624,6 +641,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
         }
+
+        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
@@ -633,8 +652,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -0.2f <= x_next <= 0.2f; */
         const float x_advance = middle_x + a_x;
 
-        /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_achieved = state->lqg_y_achieved;
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
@@ -645,12 +663,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -0.2f <= y_next <= 0.2f; */
         const float y_advance = middle_y + a_y;
 
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
-         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
-         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
@@ -695,16 +708,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
-        /* braking: braking before the latch
-         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
         const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
+
+        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
@@ -713,6 +729,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool value = false;
         bool runs = false;
         if (braked) {
+            /* braking: braking before the latch
+             *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
@@ -731,6 +749,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
                 (lqg_phi_integral - estimated_law_phi);
             d_phi = law_phi;
+
+            /* guard: range acceptance, hold, latch (continued) */
             value = !is_small;
             runs = !is_close;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
@@ -741,14 +761,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         }
-        uint32_t value_2 = faults;
+
+        /* guard: range acceptance, hold, latch (continued) */
+        uint32_t faults_before = faults;
         if (value) {
-            value_2 = faults | 0x08000000u;
+            faults_before = faults | 0x08000000u;
         }
         if (runs) {
-            fault_word = value_2 | 0x10000000u;
+            fault_word = faults_before | 0x10000000u;
         } else {
-            fault_word = value_2;
+            fault_word = faults_before;
         }
 
         /* allocation: motor currents, Table 3, (17)

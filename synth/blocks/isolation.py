@@ -18,7 +18,8 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from synth.block import Exprs
+from synth.block import Constant, Exprs
+from synth.signals import Signal
 
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
 CANDIDATE = 0.4  # of |r|: least E by rule 1
@@ -52,6 +53,26 @@ def isolate(
     by_code = candidates + sum(alone.values(), start=ca.SX(0)) > 0
     distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
+
+
+def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[Signal, ca.SX]]:
+    """Return the signals of relation i that the C names, for readings in a unit."""
+    most = 10 * PREFERENCE
+    named = [(Signal(f"residual_{i}", unit, -most, most, "of the parity relation"), r)]
+    named += [(Signal(f"E_{n}", unit, -most, most, "innovation that explains it"), v) for n, v in E.items()]
+    return named + [(Signal(f"score_{n}", unit, -most, most, "the largest is wrong"), v) for n, v in score.items()]
+
+
+def numbers(unit: str, i: int, threshold: float) -> list[Constant]:
+    """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
+    return [
+        Constant(f"threshold_{i}", threshold, unit, "largest |r| without a fault"),
+        Constant("candidate_part", CANDIDATE, "1", "of |r|: least E of a sensor whose code stands still"),
+        Constant("lead_by_code", LEAD["by code"], "1", "of |r|: of the largest E over the next one, by codes"),
+        Constant("lead_by_innovation", LEAD["by innovation"], "1", "of |r|: the same, by innovations alone"),
+        Constant("preference", PREFERENCE, unit, "more than any reading, so codes decide before innovations"),
+        Constant("twice_preference", 2 * PREFERENCE, unit, "more than any score: no sensor is named"),
+    ]
 
 
 def _one(flag: ca.SX) -> ca.SX:

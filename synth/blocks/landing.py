@@ -11,20 +11,24 @@ From the sample on in which ``regular`` is lost for `patience` samples in a row,
 
 in place of the tracking demands. Each r starts at the estimate, with the rate of the estimate. No integrator takes
 part, and the history of the tracking has no influence: the observer's disturbance d does the work of an integrator.
-The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does.
+The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does. Until the latch
+a status bit of the fault word says that the machine lands, ``lands``: all readings may be good again meanwhile.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import safety
 from synth.errors import SignalError
+from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
+
+LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop; only init ends that")
 
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
@@ -90,7 +94,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
     ``<q>_rate`` and ``<q>_disturbance``, for one that is levelled ``<q>_measured`` and for one that is released
-    ``<q>``; further ``regular`` and ``ready``.
+    ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the machine lands.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
     positive.
@@ -103,7 +107,8 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
         left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
         due = ca.logic_and(waiting, x["left"] <= 1)
         landing = ca.if_else(due, 1, x["landing"])
-        output, next = {}, {"left": left, "landing": landing}
+        named: list[tuple[Signal, ca.SX]] = []
+        output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
         for c, w in zip(courses, demands, strict=True):
             if isinstance(c, Release):
                 released = -c.spring * u[c.coordinate]
@@ -124,12 +129,16 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + faster), position), q)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
                 next[rate.name] = ca.if_else(landing, clip(faster, rate), x[rate.name])
+                values = zip(_ramp(c), (r, dr, target), strict=True)
+                named += [(signal, value) for signal, value in values if not value.is_constant()]
             demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
             output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
             if isinstance(c, Descent):
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
-        return Step(output, next)
+        return Step(
+            output, next, named=named, numbers=[*_numbers(time), *(n for c in courses for n in _of_course(c, T))]
+        )
 
     states = [
         State(Signal("left", "1", 1, max(patience, 2), "samples until it lands"), patience, True),
@@ -137,11 +146,61 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     ]
     for c in moving:
         states += _states(c)
-    return build(
+    made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over")], states=states,
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over"), LANDS], states=states,
         tag="ramps and state feedback",
     )  # fmt: skip
+    return replace(made, faults=(Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),))
+
+
+def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
+    """Return the signals of the set-point of a coordinate, its rate and the rate that it approaches."""
+    q = c.coordinate
+    return (
+        Signal(f"ramp_{q}", "m", -WIDE, WIDE, "set-point of the landing"),
+        Signal(f"ramp_rate_{q}", "m/s", -WIDE, WIDE, "its rate"),
+        Signal(f"ramp_target_{q}", "m/s", -WIDE, WIDE, "rate that the set-point approaches"),
+    )
+
+
+def _numbers(time: Discrete) -> list[Constant]:
+    T = time.period_s
+    return [
+        Constant("half_T", T / 2, "s", "half the sample period"),
+        Constant("inverse_T", 1 / T, "1/s", "1 / sample period"),
+    ]
+
+
+def _of_course(c: Course, T: float) -> list[Constant]:
+    """Return the numbers of a course that the C names."""
+    n = c.coordinate
+    if isinstance(c, Release):
+        return [Constant(f"spring_{n}", c.spring, "1/s^2", "part of the guide spring that the laws compensate")]
+    if isinstance(c, Levelling):
+        return [
+            Constant(f"pole_{n}", c.pole, "1/s", "levelling by measurements"),
+            Constant(f"predicted_pole_{n}", c.predicted_pole, "1/s", "levelling by predictions"),
+        ]
+    numbers = [
+        Constant(f"stiffness_{n}", c.pole**2, "1/s^2", f"p^2, p = {c.pole:g} 1/s"),
+        Constant(f"damping_{n}", 2 * c.pole, "1/s", f"2 p, p = {c.pole:g} 1/s"),
+        Constant(f"acceleration_step_{n}", T * c.acceleration, "m/s", f"T times {c.acceleration:g} m/s^2 of the ramp"),
+        Constant(f"bound_{n}", c.bound, "m", "of the ramp"),
+    ]
+    if c.acceleration != 2:  # the factor of the damping has this value, too
+        numbers.append(Constant(f"acceleration_{n}", c.acceleration, "m/s^2", "of the ramp"))
+    if isinstance(c, Descent):
+        numbers += [
+            Constant("stop", c.end, "m", "gap of the stop on which it lands"),
+            Constant("landed_at", c.end + c.beyond, "m", "the landing is over when its ramp is there"),
+            Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp"),
+            Constant("largest_speed", c.speed, "m/s", "largest speed of the ramp"),
+            Constant("touch_speed", c.touch, "m/s", "speed of the ramp at the stop"),
+            Constant("press_speed", c.press, "m/s", "least speed of the ramp, behind the stop"),
+            Constant("approach", c.acceleration / c.speed, "1/s", "acceleration over largest speed"),
+        ]
+    return numbers
 
 
 def _descent_rate(c: Descent, r: ca.SX) -> ca.SX:
@@ -177,7 +236,7 @@ def _inputs(courses: Sequence[Course], demands: Sequence[Signal]) -> list[Signal
         if isinstance(c, Levelling):
             inputs.append(Signal(f"{c.coordinate}_measured", "1", 0, 1))
         inputs.append(Signal(f"{w.name}_tracking", w.unit, w.low, w.high))
-    return [*inputs, Signal("regular", "1", 0, 1), Signal("ready", "1", 0, 1)]
+    return [*inputs, *(Signal(flag, "1", 0, 1) for flag in ("regular", "ready", "latched"))]
 
 
 def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> None:

@@ -77,6 +77,13 @@ def block(
     _check(name, gain, n, measured, reference, demand, cancelled, limits)
     eta = ["sum"] * (n % 2) + [f"{letter}{k + 1}" for k in range(n // 2) for letter in "pq"]
 
+    unit = measured.unit
+    numbers = [
+        Constant("largest_error", limits.error, unit, "a larger error counts as this in the internal models"),
+        Constant("largest_step", limits.fastest * T, unit, "a larger change of the set-point has no rate"),
+        Constant("cancelled", cancelled, "1", "part of the disturbance that is cancelled"),
+    ]
+
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         r = u[reference.name]
         e = ca.fmax(ca.fmin(u[measured.name] - r, limits.error), -limits.error)
@@ -91,7 +98,7 @@ def block(
         next = {s: ca.if_else(inside, v, x[s]) for s, v in next.items()}
         w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - k["k_step"] * step
         w = sum((k[f"k_{s}"] * x[s] for s in eta), start=w) - cancelled * u[f"{name}_disturbance"]
-        return Step({demand.name: clip(w, demand)}, {**next, "r": r})
+        return Step({demand.name: clip(w, demand)}, {**next, "r": r}, numbers=numbers)
 
     on_eta = _exact_product(gain, model.T)
     gains = zip(("e", "de", *eta), [*gain.K[0, :2], *on_eta], strict=True)
@@ -102,7 +109,7 @@ def block(
         Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {phase:.6g}")
         for j, (c, phase) in enumerate(zip(model.c, phases, strict=True), 1)
     ]
-    unit, bound = measured.unit, limits.memory * (1 + 1e-5)  # with room for rounding
+    bound = limits.memory * (1 + 1e-5)  # with room for rounding
     inputs = [
         measured, reference,
         Signal(f"{name}_ahead", unit, measured.low, measured.high),

@@ -102,6 +102,16 @@ def block(
         Constant("beta", beta, "1/s", source),
         Constant("gamma", (1 - p) ** 3 / T**2, "1/s^2", source),
     ]
+    numbers = [
+        Constant("T", T, "s", "sample period"),
+        Constant("half_T", T / 2, "s", "half the sample period"),
+        Constant("largest_rate", rate, f"{measured.unit}/s", "bound of the predicted rate"),
+        Constant("largest_disturbance", disturbance, f"{measured.unit}/s^2", "bound of the disturbance"),
+    ]
+    if measured.low == -measured.high:
+        numbers.append(Constant("largest_position", measured.high, measured.unit, "bound of the prediction"))
+    numbers += [Constant("learnt_decay", 1 - LEAK, "1", "part of the learnt rate that stays")] if flags else []
+    numbers += [Constant("learning_step", gain.rate * T, "s^4/m^2", f"{gain.rate:g} times T")] if gain else []
     expected = Signal(f"{name}_expected", unit, measured.low, measured.high, f"{name} predicted for this sample")
     signals = [
         expected,
@@ -135,7 +145,7 @@ def block(
             next["g"] = x["g"] + gain.rate * T * (u[demand.name] * d)
         values = [x["q"], q, v, d]
         values += [clip(further, states[0].signal), clip(faster, states[1].signal)] if ahead else []
-        return Step(dict(zip((s.name for s in signals), values, strict=True)), next)
+        return Step(dict(zip((s.name for s in signals), values, strict=True)), next, numbers=numbers)
 
     states = [
         State(Signal("q", unit, measured.low, measured.high, "prediction"), (measured.low + measured.high) / 2),

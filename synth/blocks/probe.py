@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -73,6 +73,8 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
     if min(probe.quiet, probe.quarter, probe.attempts) < 1 or not probe.step > 0:
         raise SignalError(f"the probe of '{sensor}' is {probe}: give at least 1 sample and attempt and a positive step")
     a, n, pair = probe.step / (probe.quarter * time.period_s) ** 2, probe.quarter, probe.pair
+    about = f"moves the body by {probe.step:g} {error.unit} in {4 * n} samples"
+    first_push = Constant("first_push", a, demand.unit, f"acceleration of the first pair, which {about}")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w, still = u[f"{demand.name}_unprobed"], u[f"{sensor}_unchanged"]
@@ -96,7 +98,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         }
         next = {"sample": sample, "attempt": attempt, "towards": towards}
         idle = {"sample": ca.SX(0), "attempt": ca.SX(0), "towards": x["towards"]}
-        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()})
+        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()}, numbers=[first_push])
 
     unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")
     plain = Signal(f"{demand.name}_unprobed", demand.unit, demand.low, demand.high, demand.about)

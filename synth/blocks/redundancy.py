@@ -32,7 +32,7 @@ import casadi as ca
 
 from synth import arguments
 from synth.analyse.parity import Relation
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import isolation, safety
 from synth.blocks.isolation import FRESH
 from synth.errors import SignalError
@@ -84,8 +84,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         usable = {n: ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(x[f"excluded_{n}"])) for n in names}
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], _longest(n in singles, decision)) for n in names}
-        value: dict[str, ca.SX] = {}
-        suspects: dict[str, ca.SX] = {}
+        value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
@@ -93,6 +92,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             value |= vote.value
             suspects |= vote.suspects
             next |= vote.next
+            named += vote.named
             regular = ca.if_else(vote.regular, regular, 0)
             sufficient = ca.if_else(vote.sufficient, sufficient, 0)
             calm = ca.logic_and(calm, vote.agreement)
@@ -125,7 +125,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
-        return Step(output, next)
+        return Step(output, next, named, numbers=_numbers(by_name, relations, decision))
 
     return build(
         safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
@@ -142,6 +142,7 @@ class _Vote:
     regular: ca.SX
     sufficient: ca.SX
     agreement: ca.SX
+    named: list[tuple[Signal, ca.SX]]
 
 
 def _vote(
@@ -180,9 +181,8 @@ def _vote(
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
     named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
-    final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
+    final, moved = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0), ca.SX(0)
     by_code = sum((ca.if_else(stands[n] >= FRESH, named[n] * final, 0.0) for n in names), start=ca.SX(0))
-    moved = ca.SX(0)
     for n in names:
         moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(excluded[n], ca.logic_not(u[f"fault_{n}"])))
         moved = ca.if_else(moves, 1, moved)
@@ -203,7 +203,19 @@ def _vote(
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
-    return _Vote(value, suspects, next, regular, sufficient, agreement)
+    shown = isolation.signals(i, signals[names[0]].unit, r, E, score)
+    return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
+
+
+def _numbers(signals: Mapping[str, Signal], relations: Sequence[Relation], decision: Decision) -> list[Constant]:
+    """Return the numbers that the C names."""
+    units = (signals[next(iter(r.weights))].unit for r in relations)
+    numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
+    for n, ends in decision.travel.items():
+        unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
+        numbers += [Constant(f"gate_{n}", decision.gate[n], unit, "predicted motion that a code must follow")]
+        numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
+    return numbers
 
 
 def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:

@@ -41,6 +41,7 @@ __all__ = [
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
 BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
+BRAKES = "brakes in the {} samples from the next one on, then latches; set until init"
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
@@ -153,7 +154,7 @@ def guard(
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
-    faults += [Fault(BRAKING_BIT, BRAKING.name, about="brakes, a latch follows")] if braking else []
+    faults += [Fault(BRAKING_BIT, BRAKING.name, about=BRAKES.format(braking - 1))] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None

@@ -147,7 +147,7 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
 
 
 class _Printed(NamedTuple):
-    """A program, its layout, and the lines of its header and source."""
+    """A program, its layout, and the lines of code of its header and source."""
 
     reduced: Reduced
     memory: Layout
@@ -159,8 +159,13 @@ def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: 
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
     text = header.header(made.block, memory, made.program)
-    lines = len(source(made, memory)) + text.count("\n") if memory.is_contiguous else sys.maxsize
+    rows = [*(line.text for line in source(made, memory)), *text.splitlines()]
+    lines = sum(map(_is_code, rows)) if memory.is_contiguous else sys.maxsize
     return _Printed(made, memory, lines)
+
+
+def _is_code(row: str) -> bool:
+    return not row.strip().startswith(("/*", "*")) and row.strip() != ""
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

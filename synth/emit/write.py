@@ -32,13 +32,15 @@ def emit(
     error: float | None = None,
     header_notes: Sequence[str] = (),
     warning: str = "",
+    latency: int = 0,
 ) -> EmittedCode:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
     Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
     variable become polynomials with a relative error of at most `error`, by default 2e-7 in float32 and 1e-14 in
     float64; with `libm` they remain calls of the C library. `header_notes` are further sentences of the header.
-    A `warning` stands in the first line of header and manifest, before anything else.
+    A `warning` stands in the first line of header and manifest, before anything else. The header says that outputs act
+    `latency` samples after the measurement.
 
     For a Block that latches, the manifest documents its safety.
 
@@ -49,7 +51,7 @@ def emit(
     made = pipeline.c_source(rounded, scalar, libm, error)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
-        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning),
+        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning, latency),
     }
     observed = diagnostics.manifest_entry(rounded, made.program)
     document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)

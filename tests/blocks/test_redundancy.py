@@ -1,6 +1,7 @@
 """Blocks of redundancy: substitution, isolation, frozen codes, probe, observer and landing, each with a defect."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from synth.analyse.parity import Relation
 from synth.block import Block
 from synth.blocks import landing, predictor, probe, redundancy
 from synth.errors import SignalError
+from synth.fault import BRAKING_BIT
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
@@ -217,7 +219,7 @@ def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() ->
         inputs = {f"{n}_estimate": x for n, x in zip("yxt", q, strict=True)} | {"p": 3e-3, "t_measured": 1.0}
         inputs |= {f"{n}_rate": x for n, x in zip("yxt", v, strict=True)} | {f"{n}_disturbance": 0.0 for n in "yxt"}
         inputs |= {f"w_{n}_tracking": 7.0 for n in units}
-        out = runner(**inputs, regular=float(k < 3), ready=1.0)
+        out = runner(**inputs, regular=float(k < 3), ready=1.0, latched=0.0)
         assert (out["w_y"] == 7.0) == (k < 7) and out["w_p"] == (7.0 if k < 7 else pytest.approx(-50 * 3e-3))
         if k >= 7:
             q, v = q + T * v + T * T / 2 * (w := np.array([out[f"w_{n}"] for n in "yxt"])), v + T * w
@@ -235,9 +237,29 @@ def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
     rest = {f"{n}_{of}": 0.0 for n in "yt" for of in ("rate", "disturbance")} | {
         "w_y_tracking": 0.0,
         "w_t_tracking": 0.0,
+        "regular": 0.0,
+        "ready": 1.0,
+        "latched": 0.0,
     }
     demands = [
-        Runner(block)(**rest, y_estimate=0.02, t_estimate=1e-3, t_measured=measured, regular=0.0, ready=1.0)["w_t"]
-        for measured in (1.0, 0.0)
+        Runner(block)(**rest, y_estimate=0.02, t_estimate=1e-3, t_measured=measured)["w_t"] for measured in (1.0, 0.0)
     ]
     assert demands == [pytest.approx(-1.6), pytest.approx(-0.4)]  # rad/s^2: p^2 q
+
+
+def lands(block: Block) -> list[float]:
+    """Return the status of a landing whose readings are good again before its end, and of its latch."""
+    rest = dict.fromkeys([s.name for s in block.inputs], 0.0) | {"y_estimate": 0.02, "ready": 1.0}
+    flags = [{"regular": 1.0}, {}, {}, {}, {"regular": 1.0}, {"regular": 1.0}, {"regular": 1.0, "latched": 1.0}]
+    runner = Runner(block)
+    return [runner(**(rest | of_sample))["lands"] for of_sample in flags]
+
+
+def test_the_status_says_that_it_lands_until_the_latch_while_all_readings_are_good_again() -> None:
+    descent = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)
+    block = landing.block(TIME, [descent], [Signal("w_y", "m/s^2", -1e3, 1e3)], 3)
+    (fault,) = block.faults
+    assert fault.status and fault.bit == BRAKING_BIT and fault.output == "lands"
+    assert lands(block) == [0, 0, 0, 1, 1, 1, 0]
+    waiting = 1 - block.symbol["regular"]  # the planted defect: the readings now, not the landing
+    assert lands(replace(block, output={**block.output, "lands": waiting})) == [0, 1, 1, 1, 0, 0, 0]

@@ -4,10 +4,13 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Fault
+from synth.blocks import missed_calls
+from synth.blocks import safety as guards
 from synth.emit.c import diagnostics, routines
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import prose
 from synth.emit.lower import Program
+from synth.signals import Signal
 
 WIDTH = 117
 _ITEM = "  - "  # begins an item of a list
@@ -16,14 +19,19 @@ LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
-def header(block: Block, layout: Layout, program: Program, notes: Sequence[str] = (), warning: str = "") -> str:
-    """Return the text of <name>.h, with further sentences on the stage, and a warning before everything else."""
+def header(
+    block: Block, layout: Layout, program: Program, notes: Sequence[str] = (), warning: str = "", latency: int = 0
+) -> str:
+    """Return the text of <name>.h, with further sentences on the stage, and a warning before everything else.
+
+    `latency` counts samples from the measurement to the action of the outputs.
+    """
     types = routines.state_types(block, program)
     guard = f"{block.name.upper()}_H"
     structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
     return "\n".join(
         [
-            *_usage(block, layout, program, notes, warning),
+            *_usage(block, layout, program, notes, warning, latency),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             "\n\n".join(structs),
@@ -47,17 +55,23 @@ def step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str], warning: str) -> list[str]:
+def _usage(
+    block: Block, layout: Layout, program: Program, notes: Sequence[str], warning: str, latency: int
+) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
+    at_once = "" if latency else ", and use its outputs at once"
     texts = [
         *([f"{name}: {warning}"] if warning else []),
         f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
-        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and use its "
-        "outputs at once. Nothing else may change the state.",
+        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
+        "else may change the state.",
+        *_latency(block, latency),
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
+        *_replacements(block),
+        *_missed_calls(block),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
@@ -82,16 +96,69 @@ def _observation(block: Block, program: Program) -> list[str]:
     ]
 
 
+def _latency(block: Block, samples: int) -> list[str]:
+    if not samples:
+        return []
+    count = f"{samples} sample{'s' if samples > 1 else ''}, {samples * block.time.period_s:g} s,"
+    return [
+        f"What is computed from the inputs of a sample acts {count} after they were measured: let it act from then on, "
+        "neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency."
+    ]
+
+
+def _replacements(block: Block) -> list[str]:
+    """Return what the step takes in place of a refused input."""
+    initial = {s.name: s.initial for s in block.states} | {c.name: c.value for c in block.constants}
+    signals = {s.name: s for s in block.inputs}
+    guarded = {f.output.removeprefix("fault_"): signals[f.input] for f in block.faults if f.input}
+    last, fixed = (
+        {s: initial[name] for n, s in guarded.items() if (name := f"{guards.GUARD}_{of}_{n}") in initial}
+        for of in ("last", "refused")
+    )
+    texts = [f"by its last good value, before its first one by {_values(last)}"] if last else []
+    texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
+    if not texts:
+        return []
+    replaces_readings = block.safety is not None and block.safety.judgement is not None
+    later = "; once all measurements were good in one sample, a refused measurement is replaced by what the others or "
+    later += "a prediction say" if replaces_readings else ""
+    return [f"A refused input is replaced {', or '.join(texts)}{later if replaces_readings else ''}."]
+
+
+def _missed_calls(block: Block) -> list[str]:
+    """Return what a caller must do about missed calls, for a Block that has an input of their number."""
+    fault = next((f for f in block.faults if f.input == missed_calls.MISSED_CALLS), None)
+    if fault is None:
+        return []
+    limit = next(s.high for s in block.inputs if s.name == fault.input)
+    return [
+        f"While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their "
+        f"number as {fault.input} in the next call. A number above {limit:g} sets bit {fault.bit} of this sample "
+        "and has no other effect, it neither brakes nor latches: the caller must then stop the motion, by set-points "
+        "that no longer move or by the safe output and init at rest."
+    ]
+
+
+def _values(initial: Mapping[Signal, float]) -> str:
+    """Return values with the names of their inputs, those of one value together."""
+    groups: dict[str, list[str]] = {}
+    for signal, value in initial.items():
+        groups.setdefault(f"{value:g} {signal.unit}".removesuffix(" 1"), []).append(signal.name)
+    return ", ".join(f"{value} ({', '.join(names)})" for value, names in groups.items())
+
+
 def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
     bad = f"When a measurement is refused in {safety.bad_samples - safety.braking} samples in a row,"
-    bad += f" and after {safety.braking} more in which it brakes," if safety.braking else ""
     if not safety.safe_output:
         reason = f" {safety.reason[0].upper()}{safety.reason[1:]}." if safety.reason else ""
         return [f"{bad} the last of them sets the latch bit until init.{reason}"]
     latches = f"{bad} the step latches in the last of them until init"
+    if safety.braking:
+        latches = f"{bad} a latch is certain: whatever is measured then, the step brakes the machine in the "
+        latches += f"{safety.braking - 1} samples from the next one on, and latches in the one after these until init"
     if safety.judgement:
         reason = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
         latches = f"{reason} the step latches until init"

@@ -7,6 +7,7 @@ value of a polynomial, its argument     cos_phi, cos_phi_argument
 comparison with a constant              above_limit, below_limit
 comparison with a whole number          left_at_least_3, left_above_3, left_positive
 choices that change a state             left_next
+fault word on its way              faults_before
 value of a variable of the law          its name; with the signal that it serves where several values have this name
 a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
 """
@@ -49,8 +50,12 @@ class Naming:
         made = made or (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
-            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
+            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else self._last_resort(node)
         return made
+
+    def _last_resort(self, node: Node) -> str:
+        bits = any(self.p.nodes[a].op == "bit" for a in node.args)
+        return "faults_before" if bits else "value"
 
     def _label(self, k: int) -> str:
         label = self.p.labels.get(k, "")

@@ -14,13 +14,14 @@ from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
 from synth.emit.c.expressions import Expressions, Text, admission, literal, mask, signed_constant
 from synth.emit.c.kinds import kinds
-from synth.emit.c.lines import Line, opening, prose
+from synth.emit.c.lines import Line, prose
 from synth.emit.c.locals import LOADS
+from synth.emit.c.sections import Sections
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.routine import Routine
-from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
 
@@ -64,9 +65,8 @@ class _Printer:
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
-        self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
-        self.printed, self.opened = list[Line](), set[str]()  # lines, and titles of the sections so far
-        self.tag = self.shown = ""
+        self.printed, self.sections = list[Line](), Sections(program)
+        self.tag = self.shown = self.owner = self.joint = ""  # `joint` titles a branch of several short sections
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
     def routine(self, routine: Routine, title: str) -> list[Line]:
@@ -95,9 +95,8 @@ class _Printer:
 
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
-            if isinstance(s, Annotation):
-                self._annotate(s)
-            elif isinstance(s, Let):
+            self._annotate(s)
+            if isinstance(s, Let):
                 self._let(s.node, depth)
             elif isinstance(s, Assign):
                 variable = self.c.text[s.choice].c
@@ -105,7 +104,7 @@ class _Printer:
                     self._put(self._assignment(s, variable), depth)
             elif isinstance(s, Store):
                 self._store(s, depth)
-            else:
+            elif isinstance(s, Branch):
                 self._branch(s, depth)
         self._record(block, depth)
 
@@ -127,9 +126,9 @@ class _Printer:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
-    def _annotate(self, s: Annotation) -> None:
-        owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
-        self.tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
+    def _annotate(self, s: Statement) -> None:
+        if not self.joint:
+            self.owner, self.tag = self.sections.tag(s, self.owner, self.tag)
 
     def _let(self, k: int, depth: int) -> None:
         """Print node k as a local variable, or keep its text for the expression that reads it."""
@@ -173,6 +172,7 @@ class _Printer:
             self._put(admission(name, low, high), depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
+        joint, self.joint = self.joint, self.joint or self.sections.joint_title(s)
         for c, start in s.choices:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
@@ -182,15 +182,16 @@ class _Printer:
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
         condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
+        owner = self.owner
         before = self._with_title(depth)
         sides = []
         for side in (s.then, s.other):
-            self.printed, self.tag, self.shown = [], tag, tag
+            self.printed, self.tag, self.shown, self.owner = [], tag, self.joint or tag, owner
             for bound in self.c.bounds_of_squares(s.condition) if side is s.then else ():
                 self._put(bound, depth + 1)
             self._block(side, depth + 1)
             sides.append(self.printed)
-        (then, other), self.printed, self.tag, self.shown = sides, before, tag, tag
+        (then, other), self.printed, self.tag, self.shown, self.owner = sides, before, tag, self.joint or tag, owner
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -201,6 +202,7 @@ class _Printer:
             self._put("} else {", depth)
             self.printed += other
         self._put("}", depth)
+        self.joint = joint
 
     def _store(self, s: Store, depth: int) -> None:
         node = self.p.nodes[s.node]
@@ -278,16 +280,14 @@ class _Printer:
 
     def _with_title(self, depth: int) -> list[Line]:
         """Return the lines printed so far, with the title of the section where it is a new one."""
-        if self.tag not in ("", self.shown):
+        heading = self.tag and (self.joint or self.tag)
+        if heading not in ("", self.shown):
             opened = (
                 not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
             )
             self.printed += [] if opened else [Line("")]
-            title = f"{self.tag} (continued)" if self.tag in self.opened else self.tag
-            self.opened.add(self.tag)
-            rows = opening([title], self.equations.pop(self.tag, ()))
-            self.printed += [Line("    " * depth + row, self.tag) for row in rows]
-        self.shown = self.tag
+            self.printed += [Line("    " * depth + row, self.tag) for row in self.sections.open(heading)]
+        self.shown = heading
         return self.printed
 
     def _new_name(self, k: int) -> str:

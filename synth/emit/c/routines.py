@@ -96,7 +96,8 @@ def _parameters(
     rows = ["typedef struct {"]
     for name, node in zip(routine.parameters, used[0].numbers, strict=True):
         about = constants.get(node.name)
-        comment = f"/* {about.unit}; {prose(about.source)} */" if about else ""
+        lower = "/* minus the upper end of a limit */" if name.startswith("low") else ""
+        comment = f"/* {about.unit}; {prose(about.source)} */" if about else lower
         rows.append((f"    {layout.ctype} {name};".ljust(40) + comment).rstrip())
     rows.append(f"}} {kind};")
     return [*rows, ""]

@@ -15,7 +15,7 @@ import numpy as np
 from synth.block import Block, Constant
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
-from synth.emit.passes import words
+from synth.emit.passes import owners, words
 
 GEOMETRY = {
     "pi": (pi, "pi"),
@@ -51,7 +51,7 @@ class _Namer:
         self.p, self.scalar, self.kind = p, scalar, kinds(p)
         known = _unique_names(p, block)
         self.known = {b: [c for c in group if names is None or c.name in names] for b, group in known.items()}
-        self.owner = _block_of_node(p)
+        self.owner = owners.by_node(p)
         self.read: dict[str, Constant] = {}
         self.nodes: list[Node] = []
         self.places: dict[Node, int] = {}
@@ -129,16 +129,3 @@ def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
 def _geometry() -> Iterator[Constant]:
     for name, (value, text) in GEOMETRY.items():
         yield Constant(name, value, "1", text)
-
-
-def _block_of_node(p: Program) -> list[str]:
-    """Return for each node the Block of the first signal or next state that it is computed for."""
-    ends = {k: p.owner(state) for state, k in p.next.items()} | {k: named.block for named, k in reversed(p.marks)}
-    owner, nearest = [""] * len(p.nodes), [len(p.nodes)] * len(p.nodes)
-    for k in range(len(p.nodes) - 1, -1, -1):
-        if k in ends:
-            nearest[k], owner[k] = k, ends[k]
-        for a in p.nodes[k].args:
-            if nearest[k] < nearest[a]:
-                nearest[a], owner[a] = nearest[k], owner[k]
-    return owner

@@ -182,7 +182,8 @@ class _Builder:
         return node
 
     def _argument(self, column: Sequence[int]) -> Argument:
-        return Argument(self.names.free(self._common(column) or "value"), self.kind[column[0]])
+        labels = [self.p.labels.get(k, "") for k in column]
+        return Argument(self.names.free(self._common(column) or words.common(labels) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
         return words.common([name(self.p, k) for k in column])
@@ -200,4 +201,6 @@ class _Builder:
         place = reader.args.index(number)
         if reader.op in ("le", "lt"):
             return "low" if place == 0 else "high"
+        if reader.op == "clamp" and place == 1:
+            return "low"
         return {"clamp": "high", "mul": "factor", "min": "bound", "max": "bound"}.get(reader.op, "offset")

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
 from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
-from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store, reads
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store, reads
 
 INLINE = ("literal", "constant", "argument", "parameter")
 
@@ -47,10 +47,8 @@ class _Level:
             if k in self.members and k not in self.sunk:
                 marked.setdefault(k, i)
         waiting = self._demands_by_last_signal(marked)
-        for place, (k, i) in enumerate(marked.items()):
-            if k not in self.done:
-                self.out.append(Annotation(i))
-                self._compute(k)
+        for place, k in enumerate(marked):
+            self._compute(k)
             for d in waiting.get(place, ()):
                 self._meet(d)
         for d in list(self.pending):
@@ -126,11 +124,8 @@ class _Level:
         if d not in self.pending:
             return
         struct, name = d.destination
-        if struct == "state":
-            if d.node not in self.done:
-                self.out.append(Annotation(None, str(name)))
-            if (load := self.loads.get(str(name))) is not None and load not in self.sunk:
-                self._compute(load)
+        if struct == "state" and (load := self.loads.get(str(name))) is not None and load not in self.sunk:
+            self._compute(load)
         self._compute(d.node)
         if d in self.pending:  # a branch may have met it
             del self.pending[d]

@@ -40,15 +40,7 @@ class Branch:
     other: tuple["Statement", ...]
 
 
-@dataclass(frozen=True)
-class Annotation:
-    """The next statements compute a named signal (by its index in the marks), or the next state of this name."""
-
-    mark: int | None
-    state: str = ""
-
-
-Statement = Let | Store | Assign | Branch | Annotation
+Statement = Let | Store | Assign | Branch
 
 
 def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:

@@ -15,6 +15,7 @@ from synth.block import Block, Constant
 from synth.check import Check
 from synth.execute import build, host
 from synth.plant import Plant
+from synth.simulate import campaign
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 
@@ -65,6 +66,23 @@ def test_the_safe_output_lets_the_platen_down_from_every_gap(emitted_rig: Rig, g
     assert y[-1] == pytest.approx(0.031, abs=1e-9) and np.diff(y).min() > -1e-9
     y = direct.run(2.0, {"y": gap}, {}, actuators={}, forcing=dict.fromkeys(safe, 0.0))["y"]
     assert y[-1] == pytest.approx(0.018 if gap < 0.0287 else 0.031, abs=1e-9)
+
+
+def final_gaps(rig: Rig, gap: float, current: float) -> list[float]:
+    """Return the gaps at the end, from rest at a gap under direct currents alone, on the plants of the campaign."""
+    direct = rig.without_drive
+    forcing = {f"i_d{j}": current for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
+    plants = [replace(direct, plant=campaign.plant_number(direct.plant, i)) for i in range(17)]
+    return [float(r.run(2.0, {"y": gap}, {}, actuators={}, forcing=forcing)["y"][-1]) for r in plants]
+
+
+def test_the_safe_output_lowers_each_plant_from_its_upper_stop(emitted_rig: Rig) -> None:
+    """The header says so. With 2 A the magnets hold the nominal one."""
+    upper, lower = platen.GAP
+    assert final_gaps(emitted_rig, upper + 1e-6, platen.SAFE_CURRENT) == pytest.approx([lower] * 17, abs=1e-9)
+    assert final_gaps(emitted_rig, upper + 1e-6, 0.8 * platen.SAFE_CURRENT)[0] == pytest.approx(upper, abs=1e-9)
+    assert final_gaps(emitted_rig, platen.PULLED_UP, 0.0)[0] == pytest.approx(upper, abs=1e-9)
+    assert final_gaps(emitted_rig, platen.PULLED_UP + 1e-5, 0.0)[0] == pytest.approx(lower, abs=1e-9)
 
 
 def test_limits_have_two_sides() -> None:

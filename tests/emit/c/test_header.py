@@ -124,3 +124,51 @@ def test_at_most_a_quarter_of_the_locals_is_named_after_the_signal_that_it_serve
     assert unnamed_share(NAMES) > 0 and all(unnamed_share([design]) <= 0.25 for design in NAMES)
     for design in ("maglev_5dof", "maglev_5dof_phase", "planar_6dof_leadlag", "planar_6dof_lqg"):
         assert unnamed_share([design]) <= 0.1
+
+
+def text_of(name: str) -> str:
+    return " ".join(committed(name)[f"{name}.h"].replace("\n * ", " ").split())
+
+
+def test_the_header_states_latency_and_what_init_assumes() -> None:
+    at_once, late = (
+        " ".join(emit(stage(), F32, latency=n).files["stage.h"].replace("\n * ", " ").split()) for n in (0, 2)
+    )
+    assert "use its outputs at once" in at_once and "acts 2 samples" not in at_once
+    assert "acts 2 samples, 0.0025 s, after they were measured" in late and "outputs at once" not in late
+    rest = "At init the machine is at rest under the safe output, which acts until the first outputs of the step do."
+    closed = [n for n in NAMES if not n.startswith("hall") and not n.endswith("_phase")]
+    assert [n for n in NAMES if rest in text_of(n)] == closed
+    assert all("acts 1 sample" in text_of(n) for n in NAMES if not n.startswith("hall"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_header_states_the_initial_value_of_each_input(name: str) -> None:
+    """They are those of init, which a value that differs would contradict."""
+    text, fields = text_of(name), json.loads((GENERATED / name / "manifest.json").read_text())["structs"]
+    initial = dict(re.findall(r"\.guard_last_(\w+) = ([-\d.e]+)f", committed(name)[f"{name}.c"]))
+    kept = [f["name"].removeprefix("guard_last_") for f in fields["state"]["fields"] if "guard_last_" in f["name"]]
+    inputs = {f["name"]: f["name"].removesuffix("_commutation") for f in fields["input"]["fields"]}
+    sentence = re.search(
+        r"A refused input is replaced by its last good value, before its first one by (.*?)[;.] ", text
+    )
+    assert bool(sentence) == bool(kept)
+    stated = {
+        inputs[n]: float(value)
+        for value, names in re.findall(r"([-\d.e]+) \S+ \(([^)]*)\)", sentence[1] if sentence else "")
+        for n in names.split(", ")
+    }
+    assert {n: stated[n] for n in kept} == {n: float(initial.get(n, 0.0)) for n in kept}
+
+
+def test_the_header_says_what_the_caller_does_about_missed_calls() -> None:
+    sentence = "A number above 40 sets bit 18 of this sample and has no other effect"
+    assert [n for n in NAMES if sentence in text_of(n)] == ["maglev_5dof", "maglev_5dof_precise"]
+
+
+def test_the_header_says_when_braking_begins_and_ends() -> None:
+    text = text_of("planar_6dof_lqg")
+    assert "brakes the machine in the 23 samples from the next one on, and latches in the one after these" in text
+    assert "bit 30 brakes in the 23 samples from the next one on, then latches; set until init" in text.replace(
+        "* ", ""
+    )

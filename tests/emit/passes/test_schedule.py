@@ -17,8 +17,9 @@ from synth.composition import compose
 from synth.emit import lower, pipeline
 from synth.emit.lower import Program
 from synth.emit.passes import fold, schedule
+from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Regions
-from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
 from tests.emit.semantics import interpret, value
@@ -308,16 +309,6 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
     second = build("q", TIME, lambda u, x, k: Step({"z": ca.sin(u["y"])}), inputs=[signal("y")], outputs=[signal("z")])
     program = lower_block(compose("both", [second, first], inputs=["a"], outputs=["z"]))
     statements = schedule.statements(program)
-    (begins,) = (
-        i
-        for i, s in enumerate(statements)
-        if isinstance(s, Annotation) and s.mark is not None and program.marks[s.mark][0].block == "q"
-    )
+    of = Owners(program).of
+    begins = next(i for i, s in enumerate(statements) if of(s, "p") == "q")
     assert stores(statements[:begins]) == ["p_x"]
-
-
-def test_a_line_belongs_to_the_block_that_computes_it_first() -> None:
-    first = build("p", TIME, lambda u, x, k: Step({"y": u["a"] * 3}), inputs=[signal("a")], outputs=[signal("y")])
-    alias = build("q", TIME, lambda u, x, k: Step({"z": u["y"]}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lower_block(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
-    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, Annotation)] == ["p"]
