@@ -19,7 +19,8 @@ from synth.execute import host
 from synth.signals import signal_names
 from synth.simulate import drive as drives
 
-RUN = """static void run_blocks(const {v} *in, {v} *out, {v} *x, {u} *counters, {u} *faults) {{
+RUN = """static void run_blocks(
+    const {v} *in, const {number} *constants, {v} *out, {v} *x, {u} *counters, {u} *faults) {{
 {calls}
 }}
 """
@@ -64,24 +65,26 @@ def _block(controller: host.Controller) -> LaneBlock:
     block, libm, error = controller.source
     reduced = pipeline.reduce(block.rounded(controller.scalar), controller.scalar, libm, error)
     reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
-    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
-    return LaneBlock(controller, rows, reduced.program, {c.name: c.value for c in reduced.block.constants})
+    constants = {c.name: c.value for c in reduced.block.constants}
+    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs), tuple(constants))
+    return LaneBlock(controller, rows, reduced.program, constants)
 
 
 def code(parts: Sequence[LaneBlock], scalar: type[np.floating]) -> str:
     """Return the C of the steps, and of `run_blocks`, which runs all of them on one sample."""
     v, u, _ = lane_code.TYPES[scalar]
-    steps = [lane_code.step(f"step_{k}", p.program, p.rows, p.numbers, scalar) for k, p in enumerate(parts)]
+    steps = [lane_code.step(f"step_{k}", p.program, p.rows, scalar) for k, p in enumerate(parts)]
     calls = []
     for k, part in enumerate(parts):
         before = parts[:k]
-        reals, counters, outputs = (
-            sum(len(getattr(p.rows, group)) for p in before) for group in ("reals", "counters", "outputs")
+        reals, counters, outputs, constants = (
+            sum(len(getattr(p.rows, group)) for p in before) for group in ("reals", "counters", "outputs", "constants")
         )
         sources = ", ".join(_source(parts, k, name) for name in part.rows.inputs)
         inputs = "in" if k == 0 else f"(const {v}[]){{{sources}}}"
-        calls.append(f"    step_{k}(x + {reals}, counters + {counters}, {inputs}, out + {outputs}, faults + {k});")
-    return "\n".join([*steps, RUN.format(v=v, u=u, calls="\n".join(calls))])
+        arrays = f"x + {reals}, counters + {counters}, {inputs}, constants + {constants}, out + {outputs}, faults + {k}"
+        calls.append(f"    step_{k}({arrays});")
+    return "\n".join([*steps, RUN.format(v=v, u=u, number=lane_code.NUMBERS[scalar], calls="\n".join(calls))])
 
 
 def _source(parts: Sequence[LaneBlock], k: int, name: str) -> str:
