@@ -175,16 +175,16 @@ def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
     progress("compile")
     rig = _rig(stage)
     experiments = study.select(stage.experiments, plan.experiments)
-    study.run(rig, experiments[:1], plan.sampling, [0], _integration(stage, plan))
+    study.run(rig, experiments[:1], plan.sampling, [0], integration_of(stage, plan))
 
 
 def _rows(stage: Stage, plan: Plan, rows: Sequence[int]) -> StudyTable:
     experiments = study.select(stage.experiments, plan.experiments)
-    return study.run(_rig(stage), experiments, plan.sampling, rows, _integration(stage, plan))
+    return study.run(_rig(stage), experiments, plan.sampling, rows, integration_of(stage, plan))
 
 
 @lru_cache(maxsize=4)
-def _integration(stage: Stage, plan: Plan) -> Integration:
+def integration_of(stage: Stage, plan: Plan) -> Integration:
     """Return the integration that the first experiment needs, stored or measured."""
     rig = standard_tasks.rig(stage, np.float64)
     first = study.select(stage.experiments, plan.experiments)[0]

@@ -41,6 +41,7 @@ VOCABULARY = (
     "composition",
     "campaign",
     "companion",
+    "tuning",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
@@ -51,12 +52,15 @@ LAYERS += (
     "fault_jobs",
     "tasks",
     "study_jobs",
+    "tune_jobs",
+    "tune_search",
     "tables",
     "stage",
     "testing",
     "new",
     "command_results",
     "study_command",
+    "tune_command",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}

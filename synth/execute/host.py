@@ -78,8 +78,8 @@ class Controller:
     `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
     caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where it is known.
 
-    `base` is set for a variant, whose `source` is another Block with the same signals and initial states (`build.vary`):
-    it runs in lanes alone, since the C is that of the base.
+    `base` is set for a variant, whose `source` is another Block with the same signals (`build.vary`): it runs in lanes
+    alone, since the C is that of the base.
     """
 
     manifest: Mapping[str, Any]
