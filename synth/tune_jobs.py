@@ -83,7 +83,7 @@ def evaluate(search: Search, values: Mapping[str, float]) -> Candidate:
     try:
         stage = with_values(search.stage, search.tuning, values)
         variant = build.vary(search.rig.controller, stage.controller.block)
-        goals = goals_reached(search, stage, replace(search.rig, stage=stage, controller=variant))
+        goals = measure_goals(search, stage, replace(search.rig, stage=stage, controller=variant))
     except SynthError as error:
         return Candidate(dict(values), (), f"{type(error).__name__}: {error}")
     return Candidate(dict(values), goals)
@@ -94,7 +94,7 @@ def with_values(stage: Stage, tuning: Tuning, values: Mapping[str, float]) -> St
     return replace(stage, controller=tuning.controller(dict(values)))
 
 
-def goals_reached(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
+def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     """Return the goals that a stage reaches on the machines of the plan, under the controller of a rig."""
     experiments = study.select(stage.experiments, search.tuning.experiments)
     sampling = Sampling(search.plan.plants, search.plan.seed)

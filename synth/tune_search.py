@@ -24,7 +24,7 @@ from synth.errors import DesignError
 from synth.execute import build
 from synth.jobs import Job
 from synth.progress import Display, Progress
-from synth.tune_jobs import DISK, Search, goals_reached, least_margins, with_values
+from synth.tune_jobs import DISK, Search, least_margins, measure_goals, with_values
 from synth.tuning import Candidate, Certificate, Tuned
 from synth.verify import standard
 
@@ -139,7 +139,7 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
     """
     stage = with_values(of.stage, of.tuning, proposal.values)
     compiled = build.compile_block(stage.controller.block, stage.scalar, error=stage.surrogate_error.get(stage.scalar))
-    goals = goals_reached(of, stage, replace(of.rig, stage=stage, controller=compiled))
+    goals = measure_goals(of, stage, replace(of.rig, stage=stage, controller=compiled))
     pairs = zip(proposal.goals, goals, strict=True)
     differing = sum(a.name != b.name or not np.array_equal(a.value, b.value, equal_nan=True) for a, b in pairs)
     checks = [Check("goals whose value differs under C of its own", differing, 0.0, "1", "the search runs variants")]

@@ -142,10 +142,10 @@ class Certificate:
 
 @dataclass(frozen=True)
 class Tuned:
-    """The declared law, the proposal with its certificate, the Pareto front, and the number of candidates."""
+    """The declared law (`baseline`), the certified proposal, the Pareto front, and the number of candidates."""
 
     plan: Plan
-    declared: Candidate
+    baseline: Candidate
     proposal: Candidate
     certificate: Certificate
     front: tuple[Candidate, ...]

@@ -13,7 +13,7 @@ ABOUT = (
 
 def tables(tuning: Tuning, tuned: Tuned) -> tuple[Table, ...]:
     """Return the tables of the parameters, of the goals, of the margins of the proposal, and of the Pareto front."""
-    declared, proposal = tuned.declared, tuned.proposal
+    declared, proposal = tuned.baseline, tuned.proposal
     values = tuple(
         (f.name, f.unit, f.low, f.high, declared.values[f.name], proposal.values[f.name], f.about) for f in tuning.free
     )
@@ -39,16 +39,16 @@ def _goal(before: Goal | None, goal: Goal) -> tuple[page.Cell, ...]:
 def notes(tuned: Tuned) -> list[str]:
     """Return what was searched and what the result is, as sentences."""
     plan, proposal = tuned.plan, tuned.proposal
-    end = "reaches every goal" if proposal.worst <= 1 else f"misses {_missed(proposal)}"
+    end = "reaches every goal" if proposal.worst <= 1 else f"misses {_unmet_goals(proposal)}"
     return [
         f"{tuned.candidates} candidates on {plan.plants} machines each, seed {plan.seed}. The proposal {end}; its "
-        f"largest ratio is {proposal.worst:.4g}, that of the declared law {tuned.declared.worst:.4g}.",
+        f"largest ratio is {proposal.worst:.4g}, that of the declared law {tuned.baseline.worst:.4g}.",
         "It is a proposal: the declaration keeps its values until it is edited, and `synth build` then certifies them.",
         "The worst value of a sample is a lower bound of the worst case: study the edited design on more machines.",
     ]
 
 
-def _missed(candidate: Candidate) -> str:
+def _unmet_goals(candidate: Candidate) -> str:
     names = [goal.name for goal in candidate.goals if goal.ratio > 1]
     return candidate.error or f"{len(names)} of {len(candidate.goals)} goals: {', '.join(names)}"
 
@@ -71,7 +71,7 @@ def _front(tuned: Tuned) -> str:
 
     lines = [
         points(tuned.front, "front", "o"),
-        points((tuned.declared,), "declared", "s"),
+        points((tuned.baseline,), "declared", "s"),
         points((tuned.proposal,), "proposed", "x"),
     ]
     chart = Chart(lines, "largest ratio of the experiments", "largest ratio of the margins", levels=(1.0,))
