@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import cache, standard_tasks, store, study_jobs, tasks
+from synth import cache, standard_tasks, store, study_jobs, study_runs, tasks
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, SynthError
@@ -58,14 +58,13 @@ def prepare(design: Design, plan: Plan) -> Search:
     if stage.tuning is None:
         raise DesignError(f"design '{design.name}' declares no tuning: give `tuning=Tuning(free=.., controller=..)`")
     names = tuple(stage.tuning.experiments)
-    study_plan = study_jobs.Plan(Sampling(plan.plants, plan.seed), names)
     rig = standard_tasks.rig(stage, stage.scalar)
     _require_declared_values(stage, stage.tuning)
     try:
         key = cache.key(evaluate, tasks.compilers(), design.simulate, plan, data=True)
     except ContentError:
         key = ""
-    return Search(design, stage, stage.tuning, plan, rig, study_jobs.integration_of(stage, study_plan), key)
+    return Search(design, stage, stage.tuning, plan, rig, study_runs.integration_of(stage, names), key)
 
 
 def _require_declared_values(stage: Stage, tuning: Tuning) -> None:

@@ -50,6 +50,7 @@ LAYERS += (
     "jobs",
     "standard_tasks",
     "fault_jobs",
+    "study_runs",
     "tasks",
     "study_jobs",
     "tune_jobs",

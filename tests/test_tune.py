@@ -11,7 +11,9 @@ from synth import jobs, tune_jobs, tune_search
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import build
 from synth.progress import Lines, silent
-from synth.simulate import closed_loop
+from synth.simulate import closed_loop, lane_blocks, study
+from synth.simulate.integration import Integration
+from synth.simulate.sampling import Sampling
 from synth.tuning import LARGEST, Candidate, Free, Goal, Plan, Tuning
 from tests import levitator
 
@@ -118,3 +120,16 @@ def test_a_variant_has_no_c_of_its_own(prepared: tune_jobs.Search) -> None:
         replace(prepared.rig, controller=variant, simulate=closed_loop.simulate).run(0.01)
     with pytest.raises(WiringError, match="other signals"):
         build.vary(controller, replace(block, states=block.states[1:]))
+
+
+@pytest.mark.slow
+def test_other_constants_alone_share_the_program_and_have_the_bits_of_their_own_c(prepared: tune_jobs.Search) -> None:
+    controller, block = prepared.rig.controller, prepared.stage.controller.block
+    other = replace(block, constants=tuple(replace(c, value=c.value * 1.0001) for c in block.constants))
+    variant = build.vary(controller, other)
+    assert lane_blocks.blocks(variant, ())[0].program is lane_blocks.blocks(controller, ())[0].program
+    arguments = prepared.stage.experiments[:1], Sampling(3, 5), range(3), Integration(2, 0.0, 4)
+    controllers = variant, build.compile_block(other), controller
+    tables = [study.run(replace(prepared.rig, controller=c), *arguments) for c in controllers]
+    overshoots = [next(iter(t.checks.values())).tobytes() for t in tables]
+    assert overshoots[0] == overshoots[1] != overshoots[2]
