@@ -1,7 +1,7 @@
 """Loops of a study in one process: the rig of a stage and its integration, prepared once, and rows on them.
 
-The report of a build has a brief study: BRIEF machines, and the experiments that begin in lanes with the controller of
-the stage and its plant. Others, with a controller or a disturbance of their own, would take minutes.
+The report of a build has a brief study: BRIEF machines, and the experiments that begin in lanes with plant, controller
+and drive of the stage. Others, with a controller or a disturbance of their own, would take minutes.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
 
-BRIEF = 24  # machines of the study in a report
+BRIEF = 16  # machines of the study in a report
 
 
 @lru_cache(maxsize=4)

@@ -38,6 +38,7 @@ class FirstRun:
     controller: host.Controller
     scenario: Scenario
     disturbed: bool
+    drive: tuple[host.Controller, ...]
 
 
 class _Captured(Exception):
@@ -48,9 +49,14 @@ def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
     """Return what an experiment would simulate first, without simulating it; None where it simulates nothing."""
 
     def capture(
-        plant: Plant, controller: host.Controller, scenario: Scenario, disturbance: object = None, **_: object
+        plant: Plant,
+        controller: host.Controller,
+        scenario: Scenario,
+        disturbance: object = None,
+        *,
+        drive: tuple[host.Controller, ...] = (),
     ) -> Trajectory:
-        raise _Captured(FirstRun(plant, controller, scenario, disturbance is not None))
+        raise _Captured(FirstRun(plant, controller, scenario, disturbance is not None, drive))
 
     try:
         experiment.run(replace(rig, simulate=capture))
@@ -61,10 +67,11 @@ def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
 
 
 def runs_in_lanes(rig: Rig, experiment: Runnable) -> bool:
-    """Tell whether the first simulation of an experiment has the controller and a plant of the rig, undisturbed."""
-    run, plants = first_run(rig, experiment), (rig.plant, rig.stage.plant)
-    known = run is not None and run.controller is rig.controller and any(run.plant.f is p.f for p in plants)
-    return known and run is not None and not run.disturbed
+    """Tell whether the first simulation of an experiment has the plant, controller and drive of the rig, undisturbed."""
+    run = first_run(rig, experiment)
+    if run is None or run.disturbed or run.plant.f is not rig.plant.f:
+        return False
+    return run.controller is rig.controller and run.drive == rig.drive
 
 
 def choose(rig: Rig, experiment: Runnable) -> Integration:
