@@ -67,7 +67,7 @@ def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
 
 
 def runs_in_lanes(rig: Rig, experiment: Runnable) -> bool:
-    """Tell whether the first simulation of an experiment has the plant, controller and drive of the rig, undisturbed."""
+    """Tell whether an experiment first simulates plant, controller and drive of the rig, without a disturbance."""
     run = first_run(rig, experiment)
     if run is None or run.disturbed or run.plant.f is not rig.plant.f:
         return False
