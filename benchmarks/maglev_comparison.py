@@ -56,15 +56,15 @@ def hunting(stage: Stage) -> Iterator[Row]:
 
 
 def main(plants: int) -> None:
-    """Print both designs side by side."""
+    """Write both designs side by side."""
     columns = [
         dict(row for part in (studied(s, plants), hunting(s), margins(s)) for row in part)
         for s in (paper.DESIGN.stage, precise.DESIGN.stage)
         if s is not None
     ]
-    print(f"{'':60} {'paper':>12} {'precise':>12}    {plants} machines")
-    for name in columns[0]:
-        print(f"{name:60} " + " ".join(f"{column.get(name, np.nan):12.5g}" for column in columns))
+    lines = [f"{'':60} {'paper':>12} {'precise':>12}    {plants} machines"]
+    lines += [f"{name:60} " + " ".join(f"{c.get(name, np.nan):12.5g}" for c in columns) for name in columns[0]]
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
