@@ -7,7 +7,7 @@ A candidate reaches every goal where no r exceeds 1. Candidates run as variants 
 (`build.vary`), without a compilation: with gains at run time one costs 0.1 to 5 s, with C of its own 3 to 60 s.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,8 +98,19 @@ def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     experiments = study.select(stage.experiments, search.tuning.experiments)
     sampling = Sampling(search.plan.plants, search.plan.seed)
     table = study.run(rig, experiments, sampling, range(sampling.rows), search.integration)
+    stage = _at_points(stage, search.tuning.points)
     survey = robustness.survey(standard.loops(stage)) if stage.operating_points else robustness.Survey((), ())
     return (*experiment_goals(table, search.tuning.goals), *_margin_goals(stage, search.tuning, survey))
+
+
+def _at_points(stage: Stage, names: Sequence[str]) -> Stage:
+    """Return the stage with these of its operating points; raise DesignError for one that it does not have."""
+    if unknown := [name for name in names if name not in stage.operating_points]:
+        known = ", ".join(stage.operating_points) or "none"
+        raise DesignError(f"tuning: there is no operating point '{unknown[0]}': choose from {known}")
+    return replace(
+        stage, operating_points={name: stage.operating_points[name] for name in names or stage.operating_points}
+    )
 
 
 def experiment_goals(table: StudyTable, goals: Mapping[str, float]) -> tuple[Goal, ...]:
