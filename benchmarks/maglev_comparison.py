@@ -27,7 +27,7 @@ AXES = {"y": 1e6, "x": 1e6, "z": 1e6, "phi": 1e6, "theta": 1e6}  # um, urad
 Row = tuple[str, float]
 
 
-def studied(stage: Stage, plants: int) -> Iterator[Row]:
+def study_values(stage: Stage, plants: int) -> Iterator[Row]:
     """Yield the nominal and the worst value of every check of the experiments, and the yield."""
     table = study_runs.run(stage, Sampling(plants), EXPERIMENTS, range(plants))
     for name, values in table.checks.items():
@@ -58,7 +58,7 @@ def hunting(stage: Stage) -> Iterator[Row]:
 def main(plants: int) -> None:
     """Write both designs side by side."""
     columns = [
-        dict(row for part in (studied(s, plants), hunting(s), margins(s)) for row in part)
+        dict(row for part in (study_values(s, plants), hunting(s), margins(s)) for row in part)
         for s in (paper.DESIGN.stage, precise.DESIGN.stage)
         if s is not None
     ]
