@@ -1,5 +1,3 @@
-"""The study in a report: which experiments it has, and how many machines."""
-
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -16,10 +14,10 @@ pytestmark = pytest.mark.slow
 
 
 @dataclass(frozen=True)
-class Shaken:
+class Disturbed:
     """A run under a disturbance, which lanes do not have."""
 
-    name: str = "shaken"
+    name: str = "disturbed"
 
     def run(self, rig: Rig) -> Experiment:
         x, t = ca.SX.sym("x", len(rig.plant.states)), ca.SX.sym("t")
@@ -29,10 +27,10 @@ class Shaken:
 
 def test_a_report_has_the_experiments_in_lanes_on_a_few_machines() -> None:
     stage = levitator.design().DESIGN.stage
-    shaken = replace(stage, experiments=[*stage.experiments, Shaken()])
-    table = study_runs.brief(shaken, silent)
+    disturbed = replace(stage, experiments=[*stage.experiments, Disturbed()])
+    table = study_runs.brief(disturbed, silent)
     assert table is not None and len(table.rows) == study_runs.BRIEF
     assert {name.split(": ")[0] for name in table.checks} == {e.name for e in stage.experiments}
     text = report.page_text("levitator", table)
     assert f"of {study_runs.BRIEF} machines keep every limit" in text and "lower bound" in text
-    assert study_runs.brief(replace(stage, experiments=[Shaken()]), silent) is None
+    assert study_runs.brief(replace(stage, experiments=[Disturbed()]), silent) is None
