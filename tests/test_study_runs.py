@@ -1,3 +1,5 @@
+"""The study in a report: which experiments it has, and how many machines."""
+
 from dataclasses import dataclass, replace
 
 import casadi as ca
