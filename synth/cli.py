@@ -1,4 +1,4 @@
-"""Command line: `synth build | verify | simulate | faults | study | audit | cost | prove | emit | new`.
+"""Command line: `synth build | verify | simulate | faults | study | tune | audit | cost | prove | emit | new`.
 
 It runs in the root of a workspace.
 
@@ -218,6 +218,22 @@ def study(
         plants, tuple(experiments or ()), seed, sampling.value, row, files, search, scheduler
     )
     raise typer.Exit(study_command.study(name, as_json, fresh, chosen))
+
+
+@app.command(epilog="Example: synth tune my_stage --plants 16 --report tuning.html")
+def tune(
+    name: Name,
+    as_json: AsJson = False,
+    plants: Annotated[int, typer.Option(min=1, help="machines of each candidate; the first is the nominal one")] = 8,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the machines and of the search")] = 0,
+    generations: Annotated[int, typer.Option(min=1, help="generations of each of the three runs")] = 4,
+    report: Annotated[Path | None, typer.Option(help="file for a page with the Pareto front, as HTML")] = None,
+) -> None:
+    """Search the free parameters of a law for values that reach the requirements: a proposal with its certificate."""
+    from synth import tune_command
+    from synth.tuning import Plan
+
+    raise typer.Exit(tune_command.tune(name, as_json, tune_command.TuneChoice(Plan(plants, seed, generations), report)))
 
 
 @app.command(epilog="Example: synth audit my_stage")

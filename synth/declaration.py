@@ -21,6 +21,7 @@ from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
+from synth.tuning import Tuning
 
 Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
 
@@ -250,6 +251,7 @@ class Stage:
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
     header_notes      sentences of the C's header: the papers of equation numbers, where the machine is at init
+    tuning            free parameters of the law and their goals, for `synth tune`
     warning           what a reader must know first: the first line of header, manifest and report
     """
 
@@ -278,15 +280,14 @@ class Stage:
     faults: FaultCampaign = field(default_factory=FaultCampaign)
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
+    tuning: Tuning | None = None
     warning: str = ""
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""
-        inner = self.controller.sheet()
-        experiments = f"experiments: {', '.join(e.name for e in self.experiments) or 'none'}"
-        return show.Sheet(
-            f"Stage {self.name}, ships in {self.scalar.__name__}", (*inner.lines, experiments), inner.tables
-        )
+        inner, names = self.controller.sheet(), ", ".join(e.name for e in self.experiments) or "none"
+        lines = (*inner.lines, f"experiments: {names}")
+        return show.Sheet(f"Stage {self.name}, ships in {self.scalar.__name__}", lines, inner.tables)
 
     @property
     def name(self) -> str:

@@ -13,16 +13,12 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from synth import cache, standard_tasks, store, tasks, workspace
+from synth import cache, store, study_runs, tasks, workspace
 from synth.declaration import Stage
-from synth.errors import ContentError, DesignError, EmitError, WiringError
+from synth.errors import ContentError, DesignError
 from synth.jobs import Job, Outcome, cores
 from synth.progress import Counted, Progress
-from synth.simulate import integration, study, worst_case
-from synth.simulate.integration import Integration
-from synth.simulate.rig import Rig
+from synth.simulate import study, worst_case
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
 from synth.simulate.worst_case import WorstCase
@@ -110,7 +106,7 @@ def search(design: Design, plan: Plan, table: StudyTable, check: str, progress: 
     """Return the worst machine for a check that a search from the worst row of the table reaches."""
     progress(f"search for the worst {check}")
     stage = stage_of(design)
-    return worst_case.search(_rig(stage), stage.experiments, plan.sampling.seed, table, check)
+    return worst_case.search(study_runs.rig(stage), stage.experiments, plan.sampling.seed, table, check)
 
 
 def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> StudyTable:
@@ -166,36 +162,12 @@ def _name(batch: Sequence[range]) -> str:
     return f"rows {batch[0][0]} to {batch[-1][-1]}"
 
 
-@lru_cache(maxsize=4)
-def _rig(stage: Stage) -> Rig:
-    return standard_tasks.rig(stage, stage.scalar)
-
-
 def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
     progress("compile")
-    rig = _rig(stage)
+    rig = study_runs.rig(stage)
     experiments = study.select(stage.experiments, plan.experiments)
-    study.run(rig, experiments[:1], plan.sampling, [0], _integration(stage, plan))
+    study.run(rig, experiments[:1], plan.sampling, [0], study_runs.integration_of(stage, plan.experiments))
 
 
 def _rows(stage: Stage, plan: Plan, rows: Sequence[int]) -> StudyTable:
-    experiments = study.select(stage.experiments, plan.experiments)
-    return study.run(_rig(stage), experiments, plan.sampling, rows, _integration(stage, plan))
-
-
-@lru_cache(maxsize=4)
-def _integration(stage: Stage, plan: Plan) -> Integration:
-    """Return the integration that the first experiment needs, stored or measured."""
-    rig = standard_tasks.rig(stage, np.float64)
-    first = study.select(stage.experiments, plan.experiments)[0]
-
-    def measure() -> Integration:
-        try:
-            return integration.choose(rig, first)
-        except (EmitError, WiringError):
-            return Integration(stage.substeps, np.nan)  # no loop runs in lanes
-
-    try:
-        return store.fetch(cache.key(integration.choose, stage, plan.experiments, data=True), measure)
-    except ContentError:
-        return measure()
+    return study_runs.run(stage, plan.sampling, plan.experiments, rows)

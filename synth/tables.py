@@ -8,11 +8,13 @@ from rich.markup import escape
 from rich.table import Table
 
 from synth.check import Check
+from synth.report import tuning as tunings
 from synth.report.audit import Row
 from synth.simulate import fault_table
 from synth.simulate import study as studies
 from synth.simulate.fault_rows import Campaign
 from synth.simulate.study import StudyTable
+from synth.tuning import Tuned, Tuning
 from synth.verify import cost as costs
 
 
@@ -75,6 +77,16 @@ def print_machine(design: str, study: StudyTable) -> None:
     errors = [f"no result of {experiment}: {reason}" for _, experiment, reason in study.errors]
     notes = [f"deviations in tolerances: {drawn}", *errors]
     print_checks(f"{design}: machine {study.rows[0]}", checks, figures, notes)
+
+
+def print_tuning(design: str, tuning: Tuning, tuned: Tuned) -> None:
+    """Print the proposed values beside the declared ones, goals, margins, and the certificate of the proposal."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    for t in tunings.tables(tuning, tuned):
+        rows = ([cell if isinstance(cell, str) else f"{cell:.4g}" for cell in row] for row in t.rows)
+        _print(console, f"{design}: {t.caption}", t.columns, rows)
+    print_checks(f"{design}: certificate of the proposal", tuned.certificate.checks)
+    console.print("\n".join(tunings.notes(tuned)), highlight=False, markup=False)
 
 
 def print_cost(cost: costs.Cost) -> None:

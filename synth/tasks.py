@@ -1,6 +1,6 @@
 """Incremental build: the tasks of a design, cached by content and run in parallel (as `make`, `ninja`).
 
-    emit ----+--> verify, simulate, faults, audit, cost --> report
+    emit ----+--> verify, simulate, study, faults, audit, cost --> report
 
 The result of a task has a key: the slice of its function with data files, the arguments and the compilers, and for
 the report the keys of its inputs. An edit of the page rebuilds the page alone; an edit of the control law rebuilds
@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth import cache, fault_jobs, slices, store, workspace
+from synth import cache, fault_jobs, slices, store, study_runs, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.emit.c import vectors
@@ -29,6 +29,7 @@ from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.workspace import Design
@@ -104,6 +105,14 @@ def _campaign(design: Design) -> Campaign:
     return fault_jobs.result(design, fault_jobs.parts(design, 1))
 
 
+def brief_study(design: Design) -> Task[StudyTable | None]:
+    """Return the task of a study on a few machines; its result is None for a design without experiments in lanes."""
+    stage = design.stage
+    if stage is None or not stage.experiments or not fault_jobs.closes_loop(design):
+        return Task("study", _nothing, (_nothing,))
+    return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, stage))
+
+
 def audit(design: Design) -> Task[list[Row]]:
     """Return the task of recomputing the published values."""
 
@@ -173,17 +182,18 @@ def companion_costs(design: Design) -> Task[list[Cost]]:
 
 def build(design: Design) -> Task[Built]:
     """Return the task of the report, from the results of all other tasks."""
-    emit, verify, simulate, campaign, rows, cost = (
+    emit, verify, simulate, study, campaign, rows, cost = (
         emission(design, design.scalar),
         verification(design, False),
         simulation(design),
+        brief_study(design),
         faults(design),
         audit(design),
         brief_cost(design),
     )
 
     def compute(say: Progress) -> Built:
-        evidence = replace(verify.result(_silent), faults=campaign.result(_silent))
+        evidence = replace(verify.result(_silent), faults=campaign.result(_silent), study=study.result(_silent))
         experiments = simulate.result(_silent)
         parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
         say("report")
@@ -192,7 +202,7 @@ def build(design: Design) -> Task[Built]:
         return Built(design.report(*parts), replace(evidence, checks=checks).document(), checks)
 
     try:
-        keys = [task.key() for task in (emit, verify, simulate, campaign, rows, cost)]
+        keys = [task.key() for task in (emit, verify, simulate, study, campaign, rows, cost)]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     return Task("report", compute, (design.report, *keys))
@@ -228,6 +238,7 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
     first = f"{name} emit"
     tasks: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
         ("simulate", simulation(design), (first,)),
+        ("study", brief_study(design), (first, f"{name} simulate")),
         ("verify", verification(design, False), (first,)),
         ("cost", brief_cost(design), (first, *library)),
         ("audit", audit(design), (first,)),

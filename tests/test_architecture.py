@@ -42,6 +42,7 @@ VOCABULARY = (
     "composition",
     "campaign",
     "companion",
+    "tuning",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
@@ -50,14 +51,18 @@ LAYERS += (
     "jobs",
     "standard_tasks",
     "fault_jobs",
+    "study_runs",
     "tasks",
     "study_jobs",
+    "tune_jobs",
+    "tune_search",
     "tables",
     "stage",
     "testing",
     "new",
     "command_results",
     "study_command",
+    "tune_command",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}

@@ -97,20 +97,24 @@ def axis_plant(axis: Axis) -> StateSpace:
     return platen.axis_plant(axis, frequencies(axis))
 
 
-@cache
 def gain(axis: Axis) -> lqr.Gain:
     """Return the axis' continuous LQR gain, w = K (e, de, xi)."""
-    loop, model = LOOPS[axis.name], axis_plant(axis)
+    return loop_gain(axis, LOOPS[axis.name])
+
+
+@cache
+def loop_gain(axis: Axis, loop: Loop) -> lqr.Gain:
+    """Return the gain of an axis for other weights than those of LOOPS; the frequencies are the same."""
+    model = axis_plant(axis)
     Q = np.zeros(model.A.shape)
     Q[0, 0], Q[1, 1] = loop.weights
     Q[2:, 2:] = internal_weights(dict(zip(frequencies(axis), loop.speeds, strict=True)), loop.weights[0])
     return lqr.lqr(model, Q, np.eye(1), exact=True)
 
 
-def observer(axis: Axis) -> Block:
+def observer(axis: Axis, loop: Loop) -> Block:
     """Return the observer of an axis that predicts where the platen is when the command acts."""
     before = replace(acceleration(axis), name=f"{acceleration(axis).name}_before", low=-1e6, high=1e6)
-    loop = LOOPS[axis.name]
     return predictor.block(
         name_in_loop(axis),
         TIME,
@@ -123,13 +127,12 @@ def observer(axis: Axis) -> Block:
     )
 
 
-def servo(axis: Axis) -> Block:
+def servo(axis: Axis, loop: Loop) -> Block:
     """Return the servo of an axis."""
-    loop = LOOPS[axis.name]
     return predictive_servo.block(
         name_in_loop(axis),
         TIME,
-        gain(axis),
+        loop_gain(axis, loop),
         frequencies(axis),
         measured=axis.position,
         reference=axis.reference,
@@ -187,9 +190,9 @@ def _numbers(plant: Plant) -> list[Constant]:
     ]
 
 
-def laws(plant: Plant) -> list[Block]:
+def laws(plant: Plant, of: Mapping[str, Loop] = LOOPS) -> list[Block]:
     """Return the laws for the parameters of the stage."""
-    loops = [block for a in AXES for block in (observer(a), servo(a))]
+    loops = [block for a in AXES for block in (observer(a, of[a.name]), servo(a, of[a.name]))]
     return [platen.kinematics(plant), platen.errors(), *loops, inversion(plant), platen.thrust_allocation()]
 
 
@@ -199,9 +202,9 @@ def law_alone(plant: Plant) -> stage.Controller:
     return stage.controller(NAME, TIME, INTERFACE, lambda: [*laws(plant), last], signal_names(OUTPUTS))
 
 
-def controller(plant: Plant) -> stage.Controller:
-    """Return the shipped controller: the law with its fault handling."""
-    return fault_handling.controller(NAME, plant, lambda: laws(plant), PROBE)
+def controller(plant: Plant, of: Mapping[str, Loop] = LOOPS) -> stage.Controller:
+    """Return the controller of some loops, by default the shipped one: the law with its fault handling."""
+    return fault_handling.controller(NAME, plant, lambda: laws(plant, of), PROBE)
 
 
 def gains(scalar: type[np.floating]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from designs.maglev import commutation, declaration, platen
-from designs.maglev_5dof_precise import control, experiments, reference, verification
+from designs.maglev_5dof_precise import control, experiments, reference, tuning, verification
 from models import maglev_stage
 
 PLANT = maglev_stage.plant()
@@ -23,5 +23,6 @@ DESIGN = declaration.design(
     require={"delay_margin": 3e-3},
     surrogate_error=platen.SURROGATE_ERROR | {np.float64: 2e-15},
     limited=["observer_y_fast_d", "observer_y_d"],  # without current a stop takes the demand that the servo raises
+    tuning=tuning.tuning(PLANT),
     about=__doc__,
 )

@@ -4,7 +4,8 @@
 
 A row of an array is one vector: the values of a signal in all lanes. Every value of a lane goes through the operations
 that the program for a single machine has, in the same order and in the same type, so the bits are the same. A choice
-evaluates both arms and selects; counters have the width of the scalar type.
+evaluates both arms and selects; counters have the width of the scalar type. The constants of a step are read from an
+array: controllers that differ in their gains alone share one compiled step.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,6 +24,7 @@ TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values
     np.float64: ("vd", "vud", "vmd"),
 }
+NUMBERS: Mapping[type[np.floating], str] = {np.float32: "float", np.float64: "double"}
 SUPPORT = """#if defined(__FMA__)
 #include <immintrin.h>
 #endif
@@ -77,22 +79,23 @@ COMPARED = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
 
 @dataclass(frozen=True)
 class Rows:
-    """The names of the rows of each array: inputs, real states, counters, parameters and outputs, in order."""
+    """The names of the rows of each array: inputs, real states, counters, parameters, outputs, constants, in order."""
 
     inputs: Sequence[str]
     reals: Sequence[str]
     counters: Sequence[str] = ()
     parameters: Sequence[str] = ()
     outputs: Sequence[str] = ()
+    constants: Sequence[str] = ()
 
 
-def step(name: str, program: Program, rows: Rows, numbers: Mapping[str, float], scalar: type[np.floating]) -> str:
+def step(name: str, program: Program, rows: Rows, scalar: type[np.floating]) -> str:
     """Return the C of a discrete step, which replaces the states of each lane and writes its outputs and faults.
 
-    `numbers` are the constants of the program, already rounded.
+    It reads the constants of `rows` from the array `constants`, the same in all lanes.
     """
     program = with_horner(program)
-    lines = _Lanes(program, rows, numbers, scalar)
+    lines = _Lanes(program, rows, scalar)
     v, u, _ = TYPES[scalar]
     stores = [f"x[{rows.reals.index(n)}] = {lines.real(k)};" for n, k in program.next.items() if n in rows.reals]
     stores += [
@@ -100,7 +103,7 @@ def step(name: str, program: Program, rows: Rows, numbers: Mapping[str, float], 
     ]
     stores += [f"out[{rows.outputs.index(n)}] = {lines.real(k)};" for n, k in program.outputs.items()]
     stores.append(f"*faults = {f'{u}_all(0)' if program.word is None else lines.whole(program.word)};")
-    arguments = f"{v} *x, {u} *counters, const {v} *in, {v} *out, {u} *faults"
+    arguments = f"{v} *x, {u} *counters, const {v} *in, const {NUMBERS[scalar]} *constants, {v} *out, {u} *faults"
     return _function(name, arguments, [*lines.texts, *stores], program, scalar)
 
 
@@ -110,7 +113,7 @@ def function(name: str, program: Program, rows: Rows, lanes: int) -> str:
     For one lane the vectors hold several polynomials of the function, see `lane_chains`.
     """
     order = lane_chains.schedule(program) if lanes == 1 else None
-    lines = _Lanes(program, rows, {}, np.float64, order)
+    lines = _Lanes(program, rows, np.float64, order)
     stores = [f"out[{i}] = {lines.real(program.outputs[n])};" for i, n in enumerate(rows.outputs)]
     return _function(
         name, "const vd *x, const vd *in, const vd *p, vd *out", [*lines.texts, *stores], program, np.float64
@@ -163,11 +166,10 @@ class _Lanes:
         self,
         program: Program,
         rows: Rows,
-        numbers: Mapping[str, float],
         scalar: type[np.floating],
         order: Sequence[int | Group] | None = None,
     ) -> None:
-        self.p, self.kinds, self.rows, self.numbers, self.scalar = program, kinds(program), rows, numbers, scalar
+        self.p, self.kinds, self.rows, self.scalar = program, kinds(program), rows, scalar
         self.v, self.u, self.m = TYPES[scalar]
         self.texts: list[str] = []
         for number, item in enumerate(range(len(program.nodes)) if order is None else order):
@@ -190,9 +192,10 @@ class _Lanes:
     def real(self, k: int) -> str:
         """Return node k as a number of the scalar type."""
         node = self.p.nodes[k]
-        if node.op in ("literal", "constant"):
-            value = node.value if node.op == "literal" else self.numbers[node.name]
-            return f"{self.v}_all({literal(value, self.scalar).c})"
+        if node.op == "literal":
+            return f"{self.v}_all({literal(node.value, self.scalar).c})"
+        if node.op == "constant":
+            return f"{self.v}_all(constants[{self.rows.constants.index(node.name)}])"
         if self.kinds[k] == "logical":
             return f"{self.v}_choose(n{k}, {self.v}_all(1), {self.v}_all(0))"
         return f"__builtin_convertvector(n{k}, {self.v})" if self.kinds[k] == "integer" else f"n{k}"

@@ -77,6 +77,9 @@ class Controller:
 
     `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
     caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where it is known.
+
+    `base` is set for a variant, whose `source` is another Block with the same signals (`build.vary`): it runs in lanes
+    alone, since the C is that of the base.
     """
 
     manifest: Mapping[str, Any]
@@ -85,6 +88,7 @@ class Controller:
     state: np.dtype[np.void]
     library: ctypes.CDLL
     source: "Source | None" = None
+    base: "Controller | None" = None
 
     @property
     def period_s(self) -> float:

@@ -17,7 +17,7 @@ from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
-from synth.report import faults, page, prose, sections, standard
+from synth.report import faults, page, prose, sections, standard, study
 from synth.report.audit import Row
 from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
@@ -66,6 +66,7 @@ def report(
     computed = [
         *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or default_style(stage)),
+        *((study.section(evidence.study),) if evidence.study else ()),
         *((faults.section(evidence.faults),) if evidence.faults else ()),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),

@@ -75,6 +75,11 @@ def simulate(
 
     Raises SignalError for an invalid name or value, and WiringError for an invalid connection.
     """
+    if controller.base is not None:
+        raise WiringError(
+            f"a variant of controller '{controller.manifest['design']}' has no C of its own and runs in lanes alone: "
+            "compile its Block with build.compile_block"
+        )
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
         plant_arrays(plant, scenario)

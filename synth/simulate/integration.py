@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate import closed_loop, lanes
@@ -29,8 +30,48 @@ class Integration:
     order: int = 5
 
 
-class _Scenario(Exception):
-    """The scenario that an experiment would run."""
+@dataclass(frozen=True, eq=False)
+class FirstRun:
+    """What an experiment simulates first."""
+
+    plant: Plant
+    controller: host.Controller
+    scenario: Scenario
+    disturbed: bool
+    drive: tuple[host.Controller, ...]
+
+
+class _Captured(Exception):
+    """The arguments of the first simulation."""
+
+
+def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
+    """Return what an experiment would simulate first, without simulating it; None where it simulates nothing."""
+
+    def capture(
+        plant: Plant,
+        controller: host.Controller,
+        scenario: Scenario,
+        disturbance: object = None,
+        *,
+        drive: tuple[host.Controller, ...] = (),
+    ) -> Trajectory:
+        raise _Captured(FirstRun(plant, controller, scenario, disturbance is not None, drive))
+
+    try:
+        experiment.run(replace(rig, simulate=capture))
+    except _Captured as captured:
+        run: FirstRun = captured.args[0]
+        return run
+    return None
+
+
+def runs_in_lanes(rig: Rig, experiment: Runnable) -> bool:
+    """Tell whether an experiment first simulates plant, controller and drive of the rig, without a disturbance."""
+    run = first_run(rig, experiment)
+    if run is None or run.disturbed or run.plant.f is not rig.plant.f:
+        return False
+    return run.controller is rig.controller and run.drive == rig.drive
 
 
 def choose(rig: Rig, experiment: Runnable) -> Integration:
@@ -42,14 +83,10 @@ def choose(rig: Rig, experiment: Runnable) -> Integration:
     Raises EmitError and WiringError where the loop cannot run in lanes.
     """
 
-    def capture(plant: Plant, controller: host.Controller, scenario: Scenario, *_: object, **__: object) -> Trajectory:
-        raise _Scenario(plant, controller, scenario)
-
-    try:
-        experiment.run(replace(rig, simulate=capture))
-    except _Scenario as captured:
-        plant, controller, scenario = captured.args
-    scenario = replace(scenario, encoders={}, noise={})
+    run = first_run(rig, experiment)
+    if run is None:
+        raise WiringError(f"experiment '{experiment.name}' simulates nothing: choose the steps in another one")
+    plant, controller, scenario = run.plant, run.controller, replace(run.scenario, encoders={}, noise={})
     tight = closed_loop.simulate(plant, controller, replace(scenario, substeps=TIGHT), drive=rig.drive)
     loop = lanes.compile_loop(rig.plant, controller, rig.drive, lanes=1)
     for substeps, order in _candidates(loop):

@@ -43,7 +43,8 @@ _MEMBERS = (
     *("sensor_low", "sensor_high", "noise", "overridden"),
     *("commands", "command_output", "weights", "weight_input", "weight_command", "weight"),
     *("forcing", "forcing_stride", "waiting"),
-    *("reals", "counters", "in", "out", "commons", "separates", "common_row", "separate_row", "common", "separate"),
+    *("reals", "counters", "constants", "in", "out"),
+    *("commons", "separates", "common_row", "separate_row", "common", "separate"),
     *("wides", "narrows", "wide_row", "narrow_row", "wide", "narrow", "faults"),
 )
 _C_TYPES = {np.float32: ("float", "uint32_t"), np.float64: ("double", "uint64_t")}

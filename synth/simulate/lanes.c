@@ -44,6 +44,7 @@ typedef struct {
 
     scalar *reals; /* (N_REALS) */
     counter *counters;
+    const number *constants; /* of all Blocks, one Block after another */
     scalar *in, *out; /* (N_IN), (N_OUT): inputs that stay constant are set */
 
     int64_t commons, separates; /* inputs that vary, in all lanes alike and in each lane */
@@ -285,7 +286,7 @@ void synth_lanes(const loop_t *loop) {
         plant_h(loop->x, u, loop->p, y);
         set_inputs(loop, k);
         measure(loop, k, y);
-        run_blocks(loop->in, loop->out, loop->reals, loop->counters, faults);
+        run_blocks(loop->in, loop->constants, loop->out, loop->reals, loop->counters, faults);
         for (int64_t i = 0; i < N_BLOCKS; i++) record.bits[i] |= faults[i];
         vd *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
         if (loop->delay == 0) command(loop, slot);

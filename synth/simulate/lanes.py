@@ -183,6 +183,7 @@ class LaneLoop:
             "weight_input": inputs.astype(np.int64),
             "weight_command": sources.astype(np.int64),
             "weight": mixing[inputs, sources],
+            "constants": np.array([c for b in self.blocks for c in b.numbers.values()] or [0.0], scalar),
             "reals": lane_memory.repeat(reals, self.lanes, scalar),
             "counters": lane_memory.repeat(counters, self.lanes, width),
             "out": lane_memory.zeros((outputs, self.lanes), scalar),

@@ -7,19 +7,22 @@ from typing import Any
 from synth import check as checks
 from synth import show
 from synth.check import Check
+from synth.simulate import study_table
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify.agree import Agreement
 
 
 @show.with_repr
 @dataclass(frozen=True, repr=False)
 class Evidence:
-    """Agreements between witnesses and the checks that follow from them; the fault campaign where one was run."""
+    """Agreements between witnesses and the checks that follow from them; fault campaign and study, where run."""
 
     design: str
     agreements: Sequence[Agreement]
     checks: Sequence[Check]
     faults: Campaign | None = None
+    study: StudyTable | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the checks and the agreements."""
@@ -45,4 +48,5 @@ class Evidence:
             "agreements": [asdict(a) for a in self.agreements],
             "checks": [c.document() | {"passed": c.passed} for c in self.checks],
             **({"faults": self.faults.document()} if self.faults else {}),
+            **({"study": study_table.document(self.study)} if self.study else {}),
         }

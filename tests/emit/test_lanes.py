@@ -1,6 +1,7 @@
 """Programs in lanes: the bits of the emitted C, for states and inputs of every kind."""
 
 import ctypes
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,9 +25,9 @@ RUN = """#include <math.h>
 #include <stdint.h>
 #define LANES 8
 {functions}
-void run(long n, {v} *x, {u} *counters, const {v} *in, {v} *out, {u} *faults) {{
+void run(long n, {v} *x, {u} *counters, const {v} *in, const {number} *constants, {v} *out, {u} *faults) {{
     for (long k = 0; k < n; k++)
-        step(x + k * {reals}, counters + k * {whole}, in + k * {inputs}, out + k * {outputs}, faults + k);
+        step(x + k * {reals}, counters + k * {whole}, in + k * {inputs}, constants, out + k * {outputs}, faults + k);
 }}
 """
 LOOPS = {
@@ -87,14 +88,15 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
     v, u, _ = lanes.TYPES[scalar]
     width = np.uint32 if scalar is np.float32 else np.uint64
-    numbers = {c.name: c.value for c in reduced.block.constants}
+    constants = {c.name: c.value for c in reduced.block.constants}
+    rows = replace(rows, constants=tuple(constants))
     functions = [
         lanes.SUPPORT,
         lanes.mathematics([(reduced.program, scalar)]),
-        lanes.step("step", reduced.program, rows, numbers, scalar),
+        lanes.step("step", reduced.program, rows, scalar),
     ]
     sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
-    text = RUN.format(functions="\n".join(functions), v=v, u=u, **sizes)
+    text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lanes.NUMBERS[scalar], **sizes)
     library = ctypes.CDLL(
         str(host_compiler.shared_library({"run.c": text}, ("-O3", "-march=native", "-std=c11", "-Wno-psabi")))
     )
@@ -103,7 +105,8 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     z = in_lanes([inputs[n] for n in rows.inputs], scalar)
     y = in_lanes([np.zeros(N)] * len(rows.outputs), scalar)
     faults = align(np.zeros((N // LANES, LANES), width))
-    arguments = [array.ctypes.data_as(ctypes.c_void_p) for array in (x, c, z, y, faults)]
+    numbers = np.array(list(constants.values()), scalar)
+    arguments = [array.ctypes.data_as(ctypes.c_void_p) for array in (x, c, z, numbers, y, faults)]
     library.run(ctypes.c_long(N // LANES), *arguments)
 
     def column(table: np.ndarray, k: int) -> np.ndarray:

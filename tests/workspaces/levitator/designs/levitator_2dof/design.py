@@ -1,5 +1,6 @@
 """A PM-biased levitator that carries a voice-coil axis under the hum of the mains, at 2 kHz."""
 
+from collections.abc import Mapping
 from math import pi
 
 from designs.levitator_2dof import reference
@@ -13,6 +14,7 @@ from synth.simulate.experiments import Hold, LiftOff, Step, Track
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
+from synth.tuning import Free, Tuning
 
 TIME = Discrete(1 / 2000)
 HUM, COURSE = 100 * pi, 20 * pi  # rad/s: of the mains, and of the course that is to be tracked
@@ -30,24 +32,44 @@ INTERFACE = stage.interface(
     bad_samples=4,
     reason="without current the stage comes down to its stop and the flexure centres x",
 )
-Z = axis.servo(
-    INVERSE.chain("z"),
-    modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
-    weights={"z": 1e8, "vz": 1e3},
-    effort=1e-2,
-    estimator=axis.kalman(process={"vz": 3e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
-    anti_windup=30.0,  # 1/s
-    set_point=0.6,
-)
-X = axis.servo(
-    linearisation.linearise(PLANT, REST).channel("x", "i2"),
-    modes={0.0: 25.0, COURSE: 20.0, HUM: 20.0},
-    weights={"x": 1e8, "vx": 1e2},
-    effort=1e1,
-    estimator=axis.kalman(process={"vx": 1e-4}, sensor={"x": 1e-14}),
-    anti_windup=30.0,
-    set_point=0.5,
-)
+FREE = [
+    Free("damping_z", 1e3, 1e2, 1e5, "s^2/m^2", "weight of vz"),
+    Free("set_point_z", 0.6, 0.0, 1.0, "1", "weight of the set-point"),
+    Free("damping_x", 1e2, 1e1, 1e5, "s^2/m^2", "weight of vx"),
+    Free("set_point_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
+]
+
+
+def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
+    """Return the laws of z and x for values of the free parameters."""
+    z = axis.servo(
+        INVERSE.chain("z"),
+        modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
+        weights={"z": 1e8, "vz": p["damping_z"]},
+        effort=1e-2,
+        estimator=axis.kalman(process={"vz": 3e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
+        anti_windup=30.0,  # 1/s
+        set_point=p["set_point_z"],
+    )
+    x = axis.servo(
+        linearisation.linearise(PLANT, REST).channel("x", "i2"),
+        modes={0.0: 25.0, COURSE: 20.0, HUM: 20.0},
+        weights={"x": 1e8, "vx": p["damping_x"]},
+        effort=1e1,
+        estimator=axis.kalman(process={"vx": 1e-4}, sensor={"x": 1e-14}),
+        anti_windup=30.0,
+        set_point=p["set_point_x"],
+    )
+    return z, x
+
+
+def controller(p: Mapping[str, float]) -> stage.Controller:
+    """Return the controller for values of the free parameters."""
+    return stage.controller("levitator_2dof", TIME, INTERFACE, axes(p))
+
+
+DECLARED = {f.name: f.value for f in FREE}
+Z, X = axes(DECLARED)
 MAINS = {"hum": Sine(0.2, HUM)}  # N
 
 EXPERIMENTS = [
@@ -61,7 +83,7 @@ EXPERIMENTS = [
 ]
 
 DESIGN = stage.design(
-    stage.controller("levitator_2dof", TIME, INTERFACE, [Z, X]),
+    controller(DECLARED),
     PLANT,
     reference=reference.step,
     operating_points={"low": {"z": -5e-4}, "mid": {"z": 0.0}, "high": {"z": 5e-4}, "side": {"x": 8e-4}},
@@ -70,5 +92,6 @@ DESIGN = stage.design(
     experiments=EXPERIMENTS,
     stops=levitator.STOPS,
     velocities=levitator.VELOCITY,
+    tuning=Tuning(FREE, controller, require={"disk_margin": 0.4}),
     about=__doc__,
 )

@@ -1,0 +1,135 @@
+"""Tuning: ratios of goals, the search, its independence of processes, and a proposal that its certificate must hold."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth import jobs, tune_jobs, tune_search
+from synth.errors import DesignError, SignalError, WiringError
+from synth.execute import build
+from synth.progress import Lines, silent
+from synth.simulate import closed_loop, lane_blocks, study
+from synth.simulate.integration import Integration
+from synth.simulate.sampling import Sampling
+from synth.tuning import LARGEST, Candidate, Free, Goal, Plan, Tuning
+from tests import levitator
+
+QUIET = Lines(lambda job, line: None)
+FREE = (Free("a", 1.0, 0.1, 10.0), Free("b", 0.0, -1.0, 1.0))
+
+
+def test_a_share_of_the_range_is_logarithmic_above_zero() -> None:
+    assert FREE[0].at(0.5) == pytest.approx(1.0) and FREE[0].share == pytest.approx(0.5)
+    assert FREE[1].at(0.75) == 0.5 and FREE[1].share == 0.5
+    assert FREE[0].at(0.0) == 0.1 and FREE[0].at(1.0) == 10.0
+    with pytest.raises(SignalError, match="'c' is 3"):
+        Free("c", 3.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "is_margin", "ratio"),
+    [(2.0, 4.0, False, 0.5), (2.0, 4.0, True, 2.0), (-1.0, 0.0, False, 0.0), (1e-9, 0.0, False, LARGEST),
+     (np.nan, 1.0, False, LARGEST), (0.0, 30.0, True, LARGEST), (np.inf, 2.0, True, 0.0), (np.nan, 1.0, True, LARGEST)],
+)  # fmt: skip
+def test_the_ratio_is_at_most_one_where_the_goal_is_reached(
+    value: float, limit: float, is_margin: bool, ratio: float
+) -> None:
+    assert Goal("g", "1", value, limit, is_margin).ratio == ratio
+
+
+def candidate(performance: float, robustness: float, error: str = "") -> Candidate:
+    goals = (Goal("e: c", "1", performance, 1.0, False), Goal("m", "1", 1 / robustness, 1.0, True))
+    return Candidate({}, goals, error)
+
+
+def test_no_candidate_of_the_front_is_dominated() -> None:
+    pairs = [(3.0, 1.0), (1.0, 3.0), (2.0, 2.0), (2.0, 2.5), (3.5, 1.0)]
+    front = tune_search.pareto_front([*(candidate(*p) for p in pairs), candidate(0.1, 0.1, "planted")])
+    assert [(c.performance, c.robustness) for c in front] == [(1.0, 3.0), (2.0, 2.0), (3.0, 1.0)]
+
+
+def evaluate(values: dict[str, float]) -> Candidate:
+    return replace(candidate(abs(np.log(values["a"] / 4)) + 0.5, abs(values["b"] - 0.5) + 0.5), values=values)
+
+
+def archive(seed: int) -> dict[tuple[float, ...], Candidate]:
+    of: Any = SimpleNamespace(
+        evaluate=evaluate, tuning=Tuning(FREE, lambda p: p), plan=Plan(1, seed, 8), design=SimpleNamespace(name="stub")
+    )
+    candidates: dict[tuple[float, ...], Candidate] = {}
+    tune_search._run(of, (1.0, 1.0), tune_search._first_population(of), candidates, QUIET, silent)
+    return candidates
+
+
+def test_the_search_approaches_the_best_values_and_follows_from_its_seed_alone(monkeypatch: Any) -> None:
+    candidates = archive(3)
+    best = min(candidates.values(), key=lambda c: tune_search.score(c, (1.0, 1.0)))
+    first = next(iter(candidates.values()))
+    assert first.values == {"a": pytest.approx(1.0), "b": 0.0}, "the declared law is the first candidate"
+    assert best.worst < 0.7 < first.worst
+    monkeypatch.setattr(jobs, "cores", lambda: 1)
+    assert archive(3) == candidates and list(archive(3)) == list(candidates)
+    assert list(archive(4)) != list(candidates)
+
+
+@pytest.fixture(scope="module")
+def prepared() -> tune_jobs.Search:
+    module = levitator.design("levitator_2dof")
+    tuning = replace(module.DESIGN.stage.tuning, experiments=["step_z*"])
+    stage = replace(module.DESIGN.stage, tuning=tuning, operating_points={"mid": {"z": 0.0}})
+    return tune_jobs.prepare(replace(module.DESIGN, stage=stage), Plan(3, 1, 1))
+
+
+@pytest.mark.slow
+def test_declared_values_must_give_the_declared_law(prepared: tune_jobs.Search) -> None:
+    stage, tuning = prepared.stage, prepared.tuning
+    other = replace(tuning, free=[replace(tuning.free[0], value=2e3), *tuning.free[1:]])
+    with pytest.raises(DesignError, match="its declared values give"):
+        tune_jobs.prepare(replace(prepared.design, stage=replace(stage, tuning=other)), prepared.plan)
+    with pytest.raises(DesignError, match="declares no tuning"):
+        tune_jobs.prepare(replace(prepared.design, stage=replace(stage, tuning=None)), prepared.plan)
+
+
+@pytest.mark.slow
+def test_the_certificate_holds_for_what_was_searched_and_for_nothing_else(prepared: tune_jobs.Search) -> None:
+    values = {f.name: f.at(0.6) for f in prepared.tuning.free}
+    proposal = tune_jobs.evaluate(prepared, values)
+    certificate = tune_search.certify(prepared, proposal)
+    assert proposal.error == "" and certificate.goals == proposal.goals and certificate.checks[0].passed
+    planted = replace(proposal.goals[0], value=np.nextafter(proposal.goals[0].value, 1.0))
+    wrong = replace(proposal, goals=(planted, *proposal.goals[1:]))
+    assert not tune_search.certify(prepared, wrong).checks[0].passed, "one bit of one goal"
+    assert certificate.margins["disk_margin"] > 0
+
+
+@pytest.mark.slow
+def test_a_law_that_cannot_be_made_is_the_worst_candidate(prepared: tune_jobs.Search) -> None:
+    negative = {**{f.name: f.value for f in prepared.tuning.free}, "damping_z": -1.0}
+    lost = tune_jobs.evaluate(prepared, negative)
+    assert lost.error and lost.worst == LARGEST
+
+
+@pytest.mark.slow
+def test_a_variant_has_no_c_of_its_own(prepared: tune_jobs.Search) -> None:
+    controller, block = prepared.rig.controller, prepared.stage.controller.block
+    variant = build.vary(controller, block)
+    with pytest.raises(WiringError, match="runs in lanes alone"):
+        replace(prepared.rig, controller=variant, simulate=closed_loop.simulate).run(0.01)
+    with pytest.raises(WiringError, match="other signals"):
+        build.vary(controller, replace(block, states=block.states[1:]))
+
+
+@pytest.mark.slow
+def test_other_constants_alone_share_the_program_and_have_the_bits_of_their_own_c(prepared: tune_jobs.Search) -> None:
+    controller, block = prepared.rig.controller, prepared.stage.controller.block
+    other = replace(block, constants=tuple(replace(c, value=c.value * 1.0001) for c in block.constants))
+    variant = build.vary(controller, other)
+    assert lane_blocks.blocks(variant, ())[0].program is lane_blocks.blocks(controller, ())[0].program
+    arguments = prepared.stage.experiments[:1], Sampling(3, 5), range(3), Integration(2, 0.0, 4)
+    controllers = variant, build.compile_block(other), controller
+    tables = [study.run(replace(prepared.rig, controller=c), *arguments) for c in controllers]
+    overshoots = [next(iter(t.checks.values())).tobytes() for t in tables]
+    assert overshoots[0] == overshoots[1] != overshoots[2]
