@@ -136,57 +136,60 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
  *         set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
- *         0
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+ *         0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
  *         x_disturbance)), 0.1)
  *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0
+ *     learnt_next = ((0.998047 * learnt + beta * (x_held - q) + 0.001 * (x_disturbance - d_at_change) if 1
+ *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
  *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
  *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, float a_before, uint32_t unchanged)
+    bool trusted, float held, uint32_t suspect, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
 
+    const float q = state->q;
+    const float nu = held - q;
+    const float v = state->v;
+    const float correction = beta * nu;
+    const float learnt = state->learnt;
     float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
+    float rate_part;
     float g_part = 0.0f;
-    if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
-        const float v = state->v;
-        const float learnt = state->learnt;
-        if (trusted) {
-            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
-            d_next = d_part;
-            const float correction = beta * nu;
-            rate_part = v + correction;
-            if (1u <= unchanged) {
-                state->learnt = (0.96875f * learnt) + correction;
-            } else {
-                state->learnt = 0.0f;
-            }
-            g_part = 0.03f * (a_before * d_part);
-        } else {
-            rate_part = v - learnt;
-            state->learnt = 0.0f;
-        }
-        q = q_2 + (alpha * nu);
+    if (trusted) {
+        const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
+        d_next = d_part;
+        rate_part = v + correction;
+        g_part = 0.03f * (a_before * d_part);
     } else {
-        state->learnt = 0.0f;
+        rate_part = v - ((suspect != 0u) ? learnt : 0.0f);
+    }
+    float q_2 = held;
+    if (ready != 0u) {
+        q_2 = q + (alpha * nu);
+    } else {
+        d_next = 0.0f;
+        rate_part = 0.0f;
+        g_part = 0.0f;
     }
     const float g = state->g;
     const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
+    state->q = maglev_5dof_limit(q_2 + (0.0005f * (rate_part + faster)), 0.1f);
     state->v = maglev_5dof_limit(faster, 2.0f);
     state->d = d_next;
+    float more = 0.0f;
+    if (1u <= unchanged) {
+        more = (0.9980469f * learnt) + correction + (0.001f * (d_next - state->d_at_change));
+    } else {
+        state->d_at_change = d_next;
+    }
+    state->learnt = (ready != 0u) ? ((trusted) ? more : 0.0f) : 0.0f;
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q_2, .rate = rate_part};
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
@@ -392,13 +395,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
      *         x_disturbance)), 0.1)
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((0.998047 * learnt + beta * (x_held - q) + 0.001 * (x_disturbance - d_at_change) if 1
+     *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
@@ -444,13 +447,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (learnt if suspect_z is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
      *         z_disturbance)), 0.1)
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((0.998047 * learnt + beta * (z_held - q) + 0.001 * (z_disturbance - d_at_change) if 1
+     *         <= z_unchanged, else 0) if z_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
@@ -933,9 +936,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             landing = landing_landing;
         }
         const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, state->delay_a_x_last, x_unchanged);
+            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
         const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, state->delay_a_z_last, z_unchanged);
+            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -968,10 +971,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             w_y = demand_w_y;
             const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
                 (maglev_5dof_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
+            w_x_unprobed = maglev_5dof_limit(demand_w_x, 10000.0f);
             const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
                 (maglev_5dof_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
+            w_z_unprobed = maglev_5dof_limit(demand_w_z, 10000.0f);
             const float faster_w_y = maglev_5dof_slew(dr_w_y, target_w_y, 0.002f);
             const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y +
                 (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;

@@ -140,58 +140,61 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
  *         set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
- *         0
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+ *         0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
  *         x_disturbance)), 0.1)
  *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0
+ *     learnt_next = ((0.998047 * learnt + beta * (x_held - q) + 0.001 * (x_disturbance - d_at_change) if 1
+ *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
  *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
  *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
-    float a_before, uint32_t unchanged)
+    uint32_t suspect, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
 
+    const float q = state->q;
+    const float nu = held - q;
+    const float v = state->v;
+    const float correction = beta * nu;
+    const float learnt = state->learnt;
     float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
+    float rate_part;
     float g_part = 0.0f;
-    if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
-        const float v = state->v;
-        const float learnt = state->learnt;
-        if (trusted) {
-            const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), 20.0f);
-            d_next = d_part;
-            const float correction = beta * nu;
-            rate_part = v + correction;
-            if (1u <= unchanged) {
-                state->learnt = (0.96875f * learnt) + correction;
-            } else {
-                state->learnt = 0.0f;
-            }
-            g_part = 0.03f * (a_before * d_part);
-        } else {
-            rate_part = v - learnt;
-            state->learnt = 0.0f;
-        }
-        q = q_2 + (alpha * nu);
+    if (trusted) {
+        const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), 20.0f);
+        d_next = d_part;
+        rate_part = v + correction;
+        g_part = 0.03f * (a_before * d_part);
     } else {
-        state->learnt = 0.0f;
+        rate_part = v - ((suspect != 0u) ? learnt : 0.0f);
+    }
+    float q_2 = held;
+    if (ready != 0u) {
+        q_2 = q + (alpha * nu);
+    } else {
+        d_next = 0.0f;
+        rate_part = 0.0f;
+        g_part = 0.0f;
     }
     const float g = state->g;
     const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
-    state->q = maglev_5dof_precise_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
+    state->q = maglev_5dof_precise_limit(q_2 + (0.0005f * (rate_part + faster)), 0.1f);
     state->v = maglev_5dof_precise_limit(faster, 2.0f);
     state->d = d_next;
+    float more = 0.0f;
+    if (1u <= unchanged) {
+        more = (0.9980469f * learnt) + correction + (0.001f * (d_next - state->d_at_change));
+    } else {
+        state->d_at_change = d_next;
+    }
+    state->learnt = (ready != 0u) ? ((trusted) ? more : 0.0f) : 0.0f;
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q_2, .rate = rate_part};
 }
 
 typedef struct {
@@ -459,13 +462,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
      *         x_disturbance)), 0.1)
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
-     *         set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((0.998047 * learnt + beta * (x_held - q) + 0.001 * (x_disturbance - d_at_change) if 1
+     *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
@@ -511,13 +514,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (learnt if suspect_z is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
      *         z_disturbance)), 0.1)
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
-     *         set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((0.998047 * learnt + beta * (z_held - q) + 0.001 * (z_disturbance - d_at_change) if 1
+     *         <= z_unchanged, else 0) if z_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
@@ -1051,7 +1054,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* delay: delay of one sample (continued) */
         const float delay_a_x_last = state->delay_a_x_last;
         const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_trusted, x_held, delay_a_x_last, x_unchanged);
+            x_trusted, x_held, suspect_x, delay_a_x_last, x_unchanged);
 
         /* observer_x: predictive observer, alpha-beta-gamma (continued) */
         const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
@@ -1067,7 +1070,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* delay: delay of one sample (continued) */
         const float delay_a_z_last = state->delay_a_z_last;
         const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_trusted, z_held, delay_a_z_last, z_unchanged);
+            z_trusted, z_held, suspect_z, delay_a_z_last, z_unchanged);
 
         /* observer_z: predictive observer, alpha-beta-gamma (continued) */
         const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
@@ -1145,7 +1148,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
             const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
                 (maglev_5dof_precise_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
+            w_x_unprobed = maglev_5dof_precise_limit(demand_w_x, 10000.0f);
             const float target_w_y = maglev_5dof_precise_max(maglev_5dof_precise_min(0.005f +
                 (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
             const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
@@ -1153,7 +1156,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             w_y = demand_w_y;
             const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
                 (maglev_5dof_precise_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
+            w_z_unprobed = maglev_5dof_precise_limit(demand_w_z, 10000.0f);
             const float faster_w_y = maglev_5dof_precise_slew(dr_w_y, target_w_y, 0.002f);
             const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_precise_max(maglev_5dof_precise_min(r_w_y +
                 (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
@@ -1238,7 +1241,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
                     pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
                 }
-                w_x = w_x_unprobed + pulse_w_x;
+                w_x = maglev_5dof_precise_limit(w_x_unprobed + pulse_w_x, 10000.0f);
                 if (7u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (7u <= x_unchanged) ?
@@ -1274,7 +1277,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
                     pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
                 }
-                w_z = w_z_unprobed + pulse_w_z;
+                w_z = maglev_5dof_precise_limit(w_z_unprobed + pulse_w_z, 10000.0f);
                 if (7u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (7u <= z_unchanged) ?
