@@ -95,7 +95,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
             "tolerances": dict.fromkeys("ab", parity.Tolerance(1e-5, 0.0)),
         },
         "predictor.Gain": {"low": 0.8, "high": 1.2, "rate": 1.0},
-        "predictor.Flags": {"trusted": "q_trusted", "unchanged": "q_unchanged"},
+        "predictor.Flags": {"trusted": "q_trusted", "unchanged": "q_unchanged", "frozen": "q_frozen"},
         "predictor.block": {
             "name": "q",
             "time": time,

@@ -131,6 +131,7 @@ def delayed_accelerations() -> Block:
 def observer(axis: Axis) -> Block:
     """Return the observer of an axis; x and z learn the gain of their thrust."""
     before = _with_free_range(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
+    flags = predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged", f"suspect_{axis.name}")
     return predictor.block(
         axis.name,
         TIME,
@@ -139,7 +140,7 @@ def observer(axis: Axis) -> Block:
         bandwidth=BANDWIDTH[axis.name],
         rate=RATES[axis.name],
         disturbance=DISTURBANCES[axis.name],
-        flags=predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged") if axis.excess else None,
+        flags=flags if axis.excess else None,
         gain=THRUST_GAIN if axis.excess else None,
     )
 

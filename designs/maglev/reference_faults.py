@@ -41,7 +41,7 @@ LIFTED, LONGEST = 0.0305, 40  # m, of the probe; samples counted without a chang
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
-LEARNING, GAINS, LEAK = 30.0, (0.8, 1.2), 1 / 32
+LEARNING, GAINS, LEAK = 30.0, (0.8, 1.2), 1 / 512
 POLES = np.array([60.0, 30.0, 30.0, 0.0, 40.0])  # rad/s, of the landing; phi is left to its spring
 WITHOUT_GAPS = np.array([60.0, 30.0, 30.0, 0.0, 14.0])  # rad/s: theta is predicted
 PHI_SPRING = 0.75 * 15_000.0  # 1/s^2, the compensated part
@@ -144,7 +144,7 @@ def _group(
 
 
 def observe(
-    state: Columns, q: Array, trusted: Flags, still: Array, ready: Flags
+    state: Columns, q: Array, trusted: Flags, frozen: Flags, still: Array, ready: Flags
 ) -> tuple[Array, Array, Array, dict[str, Array]]:
     """Return position, rate and disturbance (5, n) after the correction by the pose q, and the next states."""
     p = by_row([exp(-w * T) for w in BANDWIDTH], q)
@@ -156,11 +156,14 @@ def observe(
     correction = 1.5 * (1 - p) ** 2 * (1 + p) / T * nu
     learnt = reference_stage.rows(state, ["observer_x_learnt", "observer_z_learnt"])
     corrected = v + correction
-    corrected[1:3] = np.where(trusted, corrected[1:3], v[1:3] - learnt)
-    since = np.where(ready & trusted & (still >= 1), (1 - LEAK) * learnt + correction[1:3], 0.0)
+    corrected[1:3] = np.where(trusted, corrected[1:3], v[1:3] - np.where(frozen, learnt, 0.0))
     v = np.where(ready, corrected, 0.0)
     d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
     d[1:3] = np.where(trusted, d[1:3], 0.0)
+    at_change = reference_stage.rows(state, ["observer_x_d_at_change", "observer_z_d_at_change"])
+    since = (1 - LEAK) * learnt + correction[1:3] + T * (d[1:3] - at_change)
+    since = np.where(ready & trusted & (still >= 1), since, 0.0)
+    at_change = np.where(still >= 1, at_change, d[1:3])
     demand = reference_stage.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     g = reference_stage.rows(state, ["observer_x_g", "observer_z_g"])
     after_gain = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
@@ -169,8 +172,8 @@ def observe(
     next_q, next_v = np.clip(position + T * (v + T / 2 * a), low, high), np.clip(v + T * a, -rate, rate)
     next = {f"observer_{s}_{n}": row for n, all in zip("qvd", (next_q, next_v, d), strict=True)
             for s, row in zip(AXES, all, strict=True)}  # fmt: skip
-    for s, of_gain, of_rate in zip("xz", after_gain, since, strict=True):
-        next |= {f"observer_{s}_g": of_gain, f"observer_{s}_learnt": of_rate}
+    for s, *each in zip("xz", after_gain, since, at_change, strict=True):
+        next |= {f"observer_{s}_{n}": row for n, row in zip(("g", "learnt", "d_at_change"), each, strict=True)}
     return position, v, d, next
 
 
@@ -233,7 +236,7 @@ def step(
     flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
-    q, v, d, after_observers = observe(state, pose, flag["trusted"], still, ready)
+    q, v, d, after_observers = observe(state, pose, flag["trusted"], suspects[4:], still, ready)
     last, e = reference_stage.rows(state, LAST), pose - values[SENSORS:]
     w, finish = law(state, pose, values[SENSORS:], ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])

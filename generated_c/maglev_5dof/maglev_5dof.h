@@ -84,7 +84,8 @@ typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
     float v;                            /* m/s, -2 .. 2: predicted rate */
     float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float learnt;                       /* m/s, -63.8505 .. 63.8505: rate learnt since its code changed */
+    float learnt;                       /* m/s, -1042.29 .. 1042.29: rate learnt since its code changed */
+    float d_at_change;                  /* m/s^2, -20 .. 20: d as its code changed */
     float g;                            /* 1, 0.8 .. 1.2: learnt gain */
 } maglev_5dof_observer_state_t;
 
@@ -210,11 +211,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 48u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 460u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 468u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_48[(sizeof(maglev_5dof_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_460[(sizeof(maglev_5dof_state_t) == 460u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_468[(sizeof(maglev_5dof_state_t) == 468u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

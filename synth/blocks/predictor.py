@@ -11,12 +11,13 @@ prediction of a sample is a state, so a Block that decides whether to believe a 
 sample. Where the measurement is replaced by the prediction, nu is 0 and the observer runs open. It
 starts at the measurement, at rest: until the flag ``ready`` is set, q is the measurement, v and d are 0.
 
-A code that stands still says only in which count the coordinate is. Once the measurement is not trusted, what the rate
-learnt since its code last changed is taken back, because a frozen code teaches a wrong rate before it is noticed:
+A code that stands still says only in which count the coordinate is. Once it is known to be frozen, what the rate learnt
+from it since it last changed is taken back, both at once and through the disturbance, which was d_c at the change:
 
-    l' = (1 - LEAK) l + beta nu / T while the code is unchanged, 0 when it changes;   v+ = v - l
+    l' = (1 - LEAK) l + beta nu / T + T (d+ - d_c) while the code is unchanged, 0 when it changes;   v+ = v - l
 
-The leak bounds l without a limit, which would cost more than the product.
+A measurement that is refused was right until then, and nothing is taken back. The leak bounds l without a limit, which
+would cost more than the product.
 
 The gain g is 1, or is learnt from the disturbance that moves with the demand, g' = g + rate T a d+ (gradient of d^2),
 inside bounds. Without a trusted measurement g stays, and d is 0 where it is `forgotten`: a disturbance that is only the
@@ -40,7 +41,7 @@ from synth.timing import Discrete
 
 __all__ = ["Flags", "Gain", "block", "delay"]
 
-LEAK = 1 / 32  # of the learnt rate, in a sample: a code that is frozen in motion is noticed within 20 samples
+LEAK = 1 / 512  # of the learnt rate, in a sample: slow beside the time to notice a frozen code, 2 to 120 samples
 
 
 @arguments.checked
@@ -56,10 +57,11 @@ class Gain:
 @arguments.checked
 @dataclass(frozen=True)
 class Flags:
-    """Names of the inputs that say whether the measurement is used, and for how many samples it is unchanged."""
+    """Names of the inputs that say whether the measurement is used, since when it is unchanged, and if it is frozen."""
 
     trusted: str
     unchanged: str
+    frozen: str
 
 
 @arguments.checked
@@ -81,9 +83,9 @@ def block(
     `demand` is that of the sample before where the loop has a delay of one sample (`delay`). The outputs are
     ``<q>_expected``, the prediction for this sample, and ``<q>_estimate``, ``<q>_rate`` and ``<q>_disturbance`` after
     the correction; q is `name`. `rate` and `disturbance` bound the states v and d. With `flags`, in samples in which
-    the measurement is not trusted, the disturbance is 0, the gain stays, and the rate that was learnt since the
-    measurement last changed is taken back. With `ahead` the prediction for the next sample, when a command with a delay
-    of one sample acts, is given too, as ``<q>_ahead`` and ``<q>_rate_ahead``.
+    the measurement is not trusted, the disturbance is 0 and the gain stays, and where it is frozen, the rate that was
+    learnt since it last changed is taken back. With `ahead` the prediction for the next sample, when a command with a
+    delay of one sample acts, is given too, as ``<q>_ahead`` and ``<q>_rate_ahead``.
 
     Raises SignalError for a bandwidth that is not positive or not below 1/T, bounds that are not positive, units of
     measurement and demand that do not fit, or a learnt gain without `flags` or with bounds that exclude 1.
@@ -93,7 +95,7 @@ def block(
     p = math.exp(-bandwidth * T)
     beta = 1.5 * (1 - p) ** 2 * (1 + p) / T
     unit, largest = measured.unit, beta * (measured.high - measured.low)  # of the change of the rate in a sample
-    bound = 1.01 * largest / LEAK  # with room for rounding
+    bound = 1.01 * (largest + 2 * T * disturbance) / LEAK  # with room for rounding
     learnt = Signal("learnt", f"{unit}/s", -bound, bound, "rate learnt since its code changed")
     fastest = rate + (learnt.high if flags else largest)
     source = f"triple pole exp(-w T), w = {bandwidth:g} rad/s"
@@ -125,6 +127,7 @@ def block(
     inputs = [measured, demand, Signal("ready", "1", 0, 1, "an earlier sample was complete")]
     if flags:
         inputs.append(Signal(flags.trusted, "1", 0, 1, "the measurement is used"))
+        inputs.append(Signal(flags.frozen, "1", 0, 1, "the code stands still although the coordinate moves"))
         inputs.append(Signal(flags.unchanged, "1", 0, 1e6, "samples without a change of the code"))
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -133,10 +136,14 @@ def block(
         q, v, d = x["q"] + k["alpha"] * nu, x["v"] + correction, clip(x["d"] + k["gamma"] * nu, signals[3])
         if flags:
             trusted = u[flags.trusted]
-            v, d = ca.if_else(trusted, v, x["v"] - x["learnt"]), ca.if_else(trusted, d, 0.0)
-            since = ca.if_else(u[flags.unchanged] >= 1, (1 - LEAK) * x["learnt"] + correction, 0.0)
-            next["learnt"] = ca.if_else(u["ready"], ca.if_else(trusted, since, 0.0), 0.0)
+            v = ca.if_else(trusted, v, x["v"] - ca.if_else(u[flags.frozen], x["learnt"], 0.0))
+            d = ca.if_else(trusted, d, 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
+        if flags:
+            same = u[flags.unchanged] >= 1
+            more = ca.if_else(same, (1 - LEAK) * x["learnt"] + correction + T * (d - x["d_at_change"]), 0.0)
+            next["learnt"] = ca.if_else(u["ready"], ca.if_else(u[flags.trusted], more, 0.0), 0.0)
+            next["d_at_change"] = ca.if_else(same, x["d_at_change"], d)
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
         faster = v + T * a
         further = q + T / 2 * (v + faster)
@@ -152,7 +159,11 @@ def block(
         State(Signal("v", f"{unit}/s", -rate, rate, "predicted rate"), 0.0),
         State(Signal("d", f"{unit}/s^2", -disturbance, disturbance, "disturbance"), 0.0),
     ]
-    states += [State(learnt, 0.0)] if flags else []
+    if flags:
+        states += [
+            State(learnt, 0.0),
+            State(replace(signals[3], name="d_at_change", about="d as its code changed"), 0.0),
+        ]
     states += [State(Signal("g", "1", gain.low, gain.high, "learnt gain"), 1.0)] if gain else []
     return build(
         f"observer_{name}", time, law, inputs=inputs, outputs=signals, states=states,

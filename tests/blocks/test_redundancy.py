@@ -173,14 +173,14 @@ def test_a_frozen_sensor_does_not_answer_and_a_body_on_a_stop_is_not_probed() ->
 def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measurement() -> None:
     measured, w = Signal("x", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
     bounds = {"bandwidth": 60.0, "rate": 5.0, "disturbance": 20.0}
-    gain_bounds, flags = predictor.Gain(0.5, 1.5, 30.0), predictor.Flags("ok", "unchanged")
+    gain_bounds, flags = predictor.Gain(0.5, 1.5, 30.0), predictor.Flags("ok", "unchanged", "frozen")
     runner = Runner(predictor.block("q", TIME, measured, w, flags=flags, gain=gain_bounds, **bounds))
     x, v, gain, out = 0.0, 0.0, 1.1, {}
     for k in range(6000):
         a = 0.6 * np.sin(5.0 * k * T)
         lost = k >= 5000
         measured = out["q_expected"] if lost and k > 5000 else x
-        out = runner(x=measured, w=a, ready=float(k > 0), ok=1.0 - lost, unchanged=0.0)
+        out = runner(x=measured, w=a, ready=float(k > 0), ok=1.0 - lost, unchanged=0.0, frozen=0.0)
         out["q_expected"] = float(runner.state[0])
         x, v = x + T * v + T * T / 2 * gain * a, v + T * gain * a
     state = dict(zip([s.name for s in runner.block.states], runner.state, strict=True))
@@ -188,21 +188,35 @@ def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measureme
     assert abs(state["v"] - v) < 5e-3  # m/s, after 1 s without a measurement; with the gain 1 it is 12 mm/s and more
 
 
-@pytest.mark.parametrize("counted", [True, False], ids=["counted", "defect: not counted"])
-@pytest.mark.parametrize(("v", "a", "samples"), [(-0.14, 0.0, 4), (0.0, 0.67, 17)])
-def test_the_rate_that_a_frozen_code_teaches_is_taken_back(v: float, a: float, samples: int, counted: bool) -> None:
+def rate_error(v: float, a: float, samples: int, counted: bool = True, frozen: bool = True) -> float:
+    """Return the error of the rate, m/s, when a code that has stood still for some samples is no longer trusted."""
     measured, w = Signal("x", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
-    flags = predictor.Flags("ok", "unchanged")
+    flags = predictor.Flags("ok", "unchanged", "frozen")
     runner = Runner(predictor.block("q", TIME, measured, w, flags=flags, bandwidth=60.0, rate=5.0, disturbance=20.0))
     onset, rates = 400, v + a * T * np.arange(-400, samples + 1)
     for k in range(onset + samples):
         since, lost = k - onset, k == onset + samples - 1
         x = v * T * min(since, 0) + a * (T * min(since, 0)) ** 2 / 2
         unchanged = float(max(since, 0)) if counted else 0.0
-        inputs = {"w": a, "ready": float(k > 0), "ok": 1.0 - lost, "unchanged": unchanged}
+        inputs = {"w": a, "ready": float(k > 0), "ok": 1.0 - lost, "unchanged": unchanged, "frozen": lost * frozen}
         out = runner(x=float(runner.state[0]) if lost else x, **inputs)
-    error = abs(out["q_rate"] - rates[onset + samples - 1])
-    assert error < 1e-3 if counted else error > 2e-3, error  # m/s
+    return float(abs(out["q_rate"] - rates[onset + samples - 1]))
+
+
+FROZEN = pytest.mark.parametrize(("v", "a", "samples"), [(-0.14, 0.0, 4), (0.0, 0.67, 17), (0.0, 0.05, 75)])
+
+
+@FROZEN
+def test_the_rate_that_a_frozen_code_teaches_is_taken_back(v: float, a: float, samples: int) -> None:
+    assert rate_error(v, a, samples) < 1e-3
+
+
+@FROZEN
+def test_it_is_not_where_unchanged_codes_are_not_counted_or_the_reading_is_only_refused(
+    v: float, a: float, samples: int
+) -> None:
+    assert rate_error(v, a, samples, counted=False) > 2e-3
+    assert rate_error(v, a, samples, frozen=False) > 2e-3
 
 
 def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() -> None:

@@ -14,7 +14,7 @@ from synth.blocks import probe
 from synth.progress import silent
 from synth.simulate import campaign, injections
 
-PLANTS, TRAVEL, END = 17, 25e-3, 45e-3  # m
+PLANTS, TRAVEL, END = 17, 10e-3, 45e-3  # m
 
 
 def travel_and_time_to_notice(at_rest: probe.Probe) -> tuple[float, float]:
