@@ -136,17 +136,17 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
  *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
- *         0
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+ *         0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
  *         largest_position)
  *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
- *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
- *         x_trusted is set, else 0) if guard_ready is set, else 0
+ *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) + T * (x_disturbance - d_at_change) if 1
+ *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
  *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
  *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, float a_before, uint32_t unchanged)
+    bool trusted, float held, uint32_t suspect, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -156,44 +156,47 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     static const float T = 0.001f;                              /* s; sample period */
     static const float largest_position = 0.1f;                 /* m; bound of the prediction */
     static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
-    static const float learnt_decay = 0.96875f;                 /* 1; part of the learnt rate that stays */
+    static const float learnt_decay = 0.9980469f;               /* 1; part of the learnt rate that stays */
     static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
+    const float q = state->q;
+    const float nu = held - q;
+    const float v = state->v;
+    const float correction = beta * nu;
+    const float learnt = state->learnt;
     float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
+    float rate_part;
     float g_part = 0.0f;
-    if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
-        const float v = state->v;
-        const float learnt = state->learnt;
-        if (trusted) {
-            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
-            d_next = d_part;
-            const float correction = beta * nu;
-            rate_part = v + correction;
-            if (1u <= unchanged) {
-                state->learnt = (learnt_decay * learnt) + correction;
-            } else {
-                state->learnt = 0.0f;
-            }
-            g_part = learning_step * (a_before * d_part);
-        } else {
-            rate_part = v - learnt;
-            state->learnt = 0.0f;
-        }
-        q = q_2 + (alpha * nu);
+    if (trusted) {
+        const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
+        d_next = d_part;
+        rate_part = v + correction;
+        g_part = learning_step * (a_before * d_part);
     } else {
-        state->learnt = 0.0f;
+        rate_part = v - ((suspect != 0u) ? learnt : 0.0f);
+    }
+    float q_2 = held;
+    if (ready != 0u) {
+        q_2 = q + (alpha * nu);
+    } else {
+        d_next = 0.0f;
+        rate_part = 0.0f;
+        g_part = 0.0f;
     }
     const float g = state->g;
     const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(q + (half_T * (rate_part + faster)), largest_position);
+    state->q = maglev_5dof_limit(q_2 + (half_T * (rate_part + faster)), largest_position);
     state->v = maglev_5dof_limit(faster, largest_rate);
     state->d = d_next;
+    float more = 0.0f;
+    if (1u <= unchanged) {
+        more = (learnt_decay * learnt) + correction + (T * (d_next - state->d_at_change));
+    } else {
+        state->d_at_change = d_next;
+    }
+    state->learnt = (ready != 0u) ? ((trusted) ? more : 0.0f) : 0.0f;
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q_2, .rate = rate_part};
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
@@ -447,13 +450,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
      *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
      *         largest_position)
      *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
-     *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if
-     *         x_trusted is set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) + T * (x_disturbance - d_at_change) if 1
+     *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
      *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
@@ -500,13 +503,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
      *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
-     *         0
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (learnt if suspect_z is set, else
+     *         0)) if guard_ready is set, else 0
      *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
      *         largest_position)
      *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
-     *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if
-     *         z_trusted is set, else 0) if guard_ready is set, else 0
+     *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) + T * (z_disturbance - d_at_change) if 1
+     *         <= z_unchanged, else 0) if z_trusted is set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
      *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
@@ -839,9 +842,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
      *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
      *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
-     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
-     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
-     *         w_x_tracking; likewise w_z_unprobed
+     *     w_x_unprobed = limit(stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance, 10000) if landing_next is set,
+     *         else w_x_tracking; likewise w_z_unprobed
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
@@ -1032,9 +1035,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             landing = landing_landing;
         }
         const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, state->delay_a_x_last, x_unchanged);
+            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
         const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, state->delay_a_z_last, z_unchanged);
+            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -1067,11 +1070,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
                 (damping * (ramp_rate_x - observer_x.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
+            w_x_unprobed = maglev_5dof_limit(demand_w_x, 10000.0f);
             const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
                 (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
+            w_z_unprobed = maglev_5dof_limit(demand_w_z, 10000.0f);
             const float faster_w_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
             const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
                 (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound) : y_estimate;

@@ -107,52 +107,20 @@ static inline float f6_polynomial(float t)
 }
 
 typedef struct {
-    float k_p;                          /* 1; (16), steady: gain on the position, in units of position */
-    float k_s;                          /* 1; (16), steady: gain on the velocity, in units of position */
-    float k_h;                          /* 1; (16), steady: gain on the acceleration, in units of position */
-    float largest_prediction;           /* rad; beyond it the filter restarts */
-} planar_6dof_leadlag_filter_parameters_t;
-
-/* filter_phi, filter_x, filter_y: Kalman filter, (6)-(16) */
-PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_filter_state_t *state,
-    const planar_6dof_leadlag_filter_parameters_t *parameters, uint32_t ready, float raw)
-{
-    const float p = state->p;
-    const float e = raw - p;
-    const float now = p + (parameters->k_p * e);
-    const float a = state->h + (parameters->k_h * e);
-    const float angle_part = state->s + (parameters->k_s * e) + a;
-    const float prediction_p = now + angle_part;
-    const float prediction_s = angle_part + a;
-    float angle = now;
-    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) &&
-            (fabsf(prediction_s) <= parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
-        state->p = prediction_p;
-        state->s = prediction_s;
-        state->h = a;
-    } else {
-        angle = raw;
-        state->p = raw;
-        state->s = 0.0f;
-        state->h = 0.0f;
-    }
-    return angle;
-}
-
-typedef struct {
     float error;
-    float d;
+    float value_2;
 } planar_6dof_leadlag_loop_output_t;
 
 /* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
  * (24); lead-lag, (25)
- *     d_x = gain * (x_ref_held - x) + lead + integral
+ *     law_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
     planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
-    return (planar_6dof_leadlag_loop_output_t){.error = error, .d = (gain * error) + state->lead + state->integral};
+    return (planar_6dof_leadlag_loop_output_t){.error = error, .value_2 = (gain * error) + state->lead +
+        state->integral};
 }
 
 /* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
@@ -171,7 +139,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (planar_6dof_leadlag_state_t){
-        .guard_left = 5u,
+        .guard_left = 29u,
         .sensing_scale = 1.0f,
     };
 }
@@ -190,6 +158,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     planar_6dof_leadlag_output_t *out)
 #endif
 {
+    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
     static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
     static const float significant_r = 0.07043498f;             /* V; 0.024 A */
@@ -197,14 +166,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
-    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
-    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
-    static const float least_information = 0.08612997f;         /* V^2; 0.01 A^2: keeps a divisor from 0 */
+    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
+    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+    static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
+    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
+    static const float filter_x_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
+    static const float filter_y_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
+    static const float filter_phi_fastest = 0.007f; /* rad; T times the speed beyond which the filter restarts */
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
     static const float quadrature_limit = 1.134f;               /* A; largest quadrature current of a motor */
     static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
@@ -231,6 +204,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
     static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
     static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
+    static const float reckoning_x_position_gain = 0.093696f;   /* 1; 1 - r^2, r = 0.952 */
+    static const float reckoning_x_rate_gain = 0.002304f;       /* 1; (1 - r)^2, r = 0.952 */
+    static const float reckoning_x_half_step = 6.315046e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_y_position_gain = 0.093696f;   /* 1; 1 - r^2, r = 0.952 */
+    static const float reckoning_y_rate_gain = 0.002304f;       /* 1; (1 - r)^2, r = 0.952 */
+    static const float reckoning_y_half_step = 6.315046e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
+    static const float reckoning_phi_rate_gain = 6.4e-05f;      /* 1; (1 - r)^2, r = 0.992 */
+    static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
+    static const float filter_x_k_p = 0.110377386f; /* 1; (16), steady: gain on the position, in units of position */
+    static const float filter_x_k_s = 0.006452916f; /* 1; (16), steady: gain on the velocity, in units of position */
+    /* 1; (16), steady: gain on the acceleration, in units of position */
+    static const float filter_x_k_h = 9.431981e-05f;
+    static const float filter_y_k_p = 0.110377386f; /* 1; (16), steady: gain on the position, in units of position */
+    static const float filter_y_k_s = 0.006452916f; /* 1; (16), steady: gain on the velocity, in units of position */
+    /* 1; (16), steady: gain on the acceleration, in units of position */
+    static const float filter_y_k_h = 9.431981e-05f;
+    static const float filter_phi_k_p = 0.30911008f; /* 1; (16), steady: gain on the position, in units of position */
+    static const float filter_phi_k_s = 0.05698819f; /* 1; (16), steady: gain on the velocity, in units of position */
+    /* 1; (16), steady: gain on the acceleration, in units of position */
+    static const float filter_phi_k_h = 0.0026284785f;
     static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
     static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
     static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
@@ -251,16 +245,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
     static const float commutation_minus_half = -0.5f;          /* 1; (17): cos 120 degrees */
+    static const float braking_x_gain = -39587.992f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_y_gain = -39587.992f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_phi_gain = -2239.5518f;          /* (A)/rad; 0.5 / (b T^2) */
     /* 1; (23): 1 - integral_decay; times allocation_rear_share */
     static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
     /* 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
-    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f, .k_s = 0.05698819f,
-        .k_h = 0.0026284785f, .largest_prediction = 0.05f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
-        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
-    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
-        .k_h = 9.431981e-05f, .largest_prediction = 0.2f};
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -298,10 +289,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
         0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and measured, else 0 */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
+    const uint32_t guard_left = state->guard_left;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
@@ -351,7 +344,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             (sensing_first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
         const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
-            (both_m_exceed_suspect_V_ax && !is_jump) || common;
+            (both_m_exceed_suspect_V_ax && !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
@@ -395,16 +388,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && ((faults & 0x000001c0u) == 0u)) {
-        state->guard_left = 5u;
+    bool braking = false;
+    if ((guard_left <= 24u) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
+        state->guard_left = 29u;
         state->guard_ready = 1u;
     } else {
-        const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
             latched = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
+        braking = guard_left <= 25u;
+    }
+    if (braking) {
+        faults |= 0x40000000u;
     }
     if (latched != 0u) {
         /* safe_output: slew to the safe output once latched */
@@ -431,49 +428,133 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* filter_phi: Kalman filter, (6)-(16) */
-        const float filter_phi_p = state->filter_phi.p;
+        const bool braked = guard_left < 25u;
 
-        /* filter_x: Kalman filter, (6)-(16) */
-        const float filter_x_p = state->filter_x.p;
-
-        /* filter_y: Kalman filter, (6)-(16) */
-        const float filter_y_p = state->filter_y.p;
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
+        const float reckoning_phi_position = state->reckoning_phi_position;
+        const float reckoning_x_position = state->reckoning_x_position;
+        const float reckoning_y_position = state->reckoning_y_position;
 
         /* sensing: position and yaw, (1)-(5) (continued) */
-        bool accepted_x_raw = false;
+        const float sensing_offset_x = state->sensing_offset_x;
+        const float expected_x = reckoning_x_position - sensing_offset_x;
+        const float sensing_offset_y = state->sensing_offset_y;
+        const float expected_y = reckoning_y_position - sensing_offset_y;
+        bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
         float raw_yaw = 0.0f;
-        float sensing_within_x_next = 0.0f;
-        float sensing_within_y_next = 0.0f;
+        float last = 0.0f;
+        float within_x = 0.0f;
+        float within_y = 0.0f;
         if (complete) {
             const float sensing_scale = state->sensing_scale;
-            const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
-            const float X_s = sensing_scale * (V_ax_held - filter_phi_p_times_V_ay);
-            const float X_s_squared = X_s * X_s;
-            const float X_c = sensing_scale * (filter_phi_p_times_V_ay - V_bx_held);
-            const float X_c_squared = X_c * X_c;
+            const float sensing_phi_raw = state->sensing_phi_raw;
+            const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
+            const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
+            const float X_s_squared = X_s * X_s;
+            const float X_c_squared = X_c * X_c;
+            const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
+            /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + sensing_phi_raw_times_V_ax);
+            const float ratio_y_part = sensing_scale * (V_cy_held + sensing_phi_raw_times_V_ax);
+            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float Y_s_squared = Y_s * Y_s;
+            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+            const float ratio_y = -(Y_s_times_ratio_y_part /
+                (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared -
                 (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
-            const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
-            const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part = sensing_scale * (V_cy_held + filter_phi_p_times_V_ax);
-            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
             const float m_y = Y_s_squared + ratio_y_part_squared -
                 (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s -
                 (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
                 (Y_s - ratio_y_part);
-            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
-            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
+            const float ratio_x_squared = ratio_x * ratio_x;
+            const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            float within_x_2;
+            if (X_s_squared <= X_c_squared) {
+                if (X_c < 0.0f) {
+                    if (0.0f < f_x) {
+                        within_x_2 = f_x - half_pitch;
+                    } else {
+                        within_x_2 = f_x + half_pitch;
+                    }
+                } else {
+                    within_x_2 = f_x;
+                }
+            } else {
+                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
+            }
+            const float off_x = within_x_2 - expected_x;
+            float offset_x = sensing_offset_x;
+            if (half_pitch < fabsf(off_x)) {
+                if (0.0f < off_x) {
+                    if (-pitch <= sensing_offset_x) {
+                        offset_x = sensing_offset_x - pitch;
+                    }
+                } else {
+                    if (sensing_offset_x <= pitch) {
+                        offset_x = sensing_offset_x + pitch;
+                    }
+                }
+            }
+            const float accepted_x = within_x_2 + offset_x;
+            const float innovation_x = accepted_x - reckoning_x_position;
+            const float ratio_y_squared = ratio_y * ratio_y;
+            const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            float position;
+            if (Y_s_squared <= ratio_y_part_squared) {
+                if (-ratio_y_part < 0.0f) {
+                    if (0.0f < f_y) {
+                        position = f_y - half_pitch;
+                    } else {
+                        position = f_y + half_pitch;
+                    }
+                } else {
+                    position = f_y;
+                }
+            } else {
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
+            }
+            const float off_y = position - expected_y;
+            float offset_y = sensing_offset_y;
+            if (half_pitch < fabsf(off_y)) {
+                if (0.0f < off_y) {
+                    if (-pitch <= sensing_offset_y) {
+                        offset_y = sensing_offset_y - pitch;
+                    }
+                } else {
+                    if (sensing_offset_y <= pitch) {
+                        offset_y = sensing_offset_y + pitch;
+                    }
+                }
+            }
+            const float accepted_y = position + offset_y;
+            const float innovation_y = accepted_y - reckoning_y_position;
+            const float measured_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
+                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
+            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
+                least_information;
+            const float accepted_measured = sensing_phi_raw +
+                (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
+            const float measured_part_2 = accepted_measured - reckoning_phi_position;
+            const float squared = measured_part +
+                (yaw_innovation_weight * (information * (measured_part_2 * measured_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -487,100 +568,23 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_first_r_2 = r_2;
                     state->sensing_first_s_x = X_s;
                     state->sensing_first_s_y = Y_s;
-                    state->sensing_first_phi = filter_phi_p;
+                    state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                const float ratio_x = X_s_times_X_c /
-                    (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
-                /*@ admit -1.0f <= ratio_x <= 1.0f; */
-                const float ratio_x_squared = ratio_x * ratio_x;
-                const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
-                    (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-                float within_x_2;
-                if (X_s_squared <= X_c_squared) {
-                    if (X_c < 0.0f) {
-                        if (0.0f < f_x) {
-                            within_x_2 = f_x - half_pitch;
-                        } else {
-                            within_x_2 = f_x + half_pitch;
-                        }
-                    } else {
-                        within_x_2 = f_x;
-                    }
-                } else {
-                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
-                }
-                const float sensing_offset_x = state->sensing_offset_x;
-                const float off_x = within_x_2 - (filter_x_p - sensing_offset_x);
-                float offset_x = sensing_offset_x;
-                if (half_pitch < fabsf(off_x)) {
-                    if (0.0f < off_x) {
-                        if (-pitch <= sensing_offset_x) {
-                            const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                            offset_x = sensing_offset_x_minus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_x <= pitch) {
-                            const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                            offset_x = sensing_offset_x_plus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_plus_pitch;
-                        }
-                    }
-                }
-                x_raw = within_x_2 + offset_x;
-                sensing_within_x_next = within_x_2;
-                const float ratio_y = -(Y_s_times_ratio_y_part /
-                    (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
-                /*@ admit -1.0f <= ratio_y <= 1.0f; */
-                const float ratio_y_squared = ratio_y * ratio_y;
-                const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
-                    (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-                float position;
-                if (Y_s_squared <= ratio_y_part_squared) {
-                    if (-ratio_y_part < 0.0f) {
-                        if (0.0f < f_y) {
-                            position = f_y - half_pitch;
-                        } else {
-                            position = f_y + half_pitch;
-                        }
-                    } else {
-                        position = f_y;
-                    }
-                } else {
-                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
-                }
-                const float sensing_offset_y = state->sensing_offset_y;
-                const float off_y = position - (filter_y_p - sensing_offset_y);
-                float offset_y = sensing_offset_y;
-                if (half_pitch < fabsf(off_y)) {
-                    if (0.0f < off_y) {
-                        if (-pitch <= sensing_offset_y) {
-                            const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                            offset_y = sensing_offset_y_minus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_y <= pitch) {
-                            const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                            offset_y = sensing_offset_y_plus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_plus_pitch;
-                        }
-                    }
-                }
-                y_raw = position + offset_y;
-                sensing_within_y_next = position;
+                measured = true;
+                x_raw = accepted_x;
+                y_raw = accepted_y;
+                raw_yaw = accepted_measured;
+                within_x = within_x_2;
+                within_y = position;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
                 const float sensing_scale_part = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
                 state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_part, 0.18f);
-                accepted_x_raw = true;
-                const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-                const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y))))
-                    / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-                raw_yaw = filter_phi_p + yaw_correction;
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -590,21 +594,173 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 diagnostics->r_2 = r_2;
             }
 #endif
-        }
-        if (accepted_x_raw) {
-            state->sensing_within_x = sensing_within_x_next;
-            state->sensing_within_y = sensing_within_y_next;
         } else {
-            x_raw = filter_x_p;
-            y_raw = filter_y_p;
-            raw_yaw = filter_phi_p;
-            sensing_within_x_next = state->sensing_within_x;
-            sensing_within_y_next = state->sensing_within_y;
+            last = state->sensing_innovation_phi;
         }
-        const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
-        const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
+        if (!measured) {
+            const float passed_x = planar_6dof_leadlag_limit(expected_x, 0.0274f);
+            x_raw = passed_x + sensing_offset_x;
+            const float passed_y = planar_6dof_leadlag_limit(expected_y, 0.0274f);
+            y_raw = passed_y + sensing_offset_y;
+            raw_yaw = reckoning_phi_position + last;
+            within_x = passed_x;
+            within_y = passed_y;
+        }
         const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float reckoning_x_rate = state->reckoning_x_rate;
+        const float reckoning_y_rate = state->reckoning_y_rate;
+        const float reckoning_phi_rate = state->reckoning_phi_rate;
+        float corrected_x = x_raw;
+        float x_next_part = reckoning_x_rate;
+        float corrected_y = y_raw;
+        float y_next_part = reckoning_y_rate;
+        float corrected_phi = phi_raw;
+        float phi_next_part = reckoning_phi_rate;
+        if ((guard_ready != 0u) && measured) {
+            const float x_next_part_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * x_next_part_2);
+            x_next_part = reckoning_x_rate + (reckoning_x_rate_gain * x_next_part_2);
+            const float y_next_part_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * y_next_part_2);
+            y_next_part = reckoning_y_rate + (reckoning_y_rate_gain * y_next_part_2);
+            const float phi_next_part_2 = phi_raw - reckoning_phi_position;
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * phi_next_part_2);
+            phi_next_part = reckoning_phi_rate + (reckoning_phi_rate_gain * phi_next_part_2);
+            state->sensing_innovation_phi = phi_next_part_2;
+        } else {
+            /* sensing: position and yaw, (1)-(5) (continued) */
+            state->sensing_innovation_phi = 0.0f;
+        }
+
+        /* sensing: position and yaw, (1)-(5) (continued) */
+        state->sensing_phi_raw = phi_raw;
+
+        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        const float a_x = reckoning_x_half_step * state->delay_x;
+        const float middle_x = x_next_part + a_x;
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
+        const float x_advance = middle_x + a_x;
+        const float a_y = reckoning_y_half_step * state->delay_y;
+        const float middle_y = y_next_part + a_y;
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
+        const float y_advance = middle_y + a_y;
+        const float a_phi = reckoning_phi_half_step * state->delay_phi;
+        const float middle_phi = phi_next_part + a_phi;
+        const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, 0.05f);
+        const float phi_advance = middle_phi + a_phi;
+        state->reckoning_x_position = x_next;
+        state->reckoning_x_rate = planar_6dof_leadlag_limit(x_advance, 0.002f);
+        state->reckoning_y_position = y_next;
+        state->reckoning_y_rate = planar_6dof_leadlag_limit(y_advance, 0.002f);
+        state->reckoning_phi_position = phi_next;
+        state->reckoning_phi_rate = planar_6dof_leadlag_limit(phi_advance, 0.04f);
+
+        /* filter_x: Kalman filter, (6)-(16)
+         *     prediction_p = limit(p + k_p * (x_raw - p) + s + k_s * (x_raw - p) + h + k_h * (x_raw - p), 0.2)
+         *     prediction_s = limit(s + k_s * (x_raw - p) + h + k_h * (x_raw - p) + h + k_h * (x_raw - p),
+         *         0.00400004)
+         *     prediction_h = limit(h + k_h * (x_raw - p), 0.00400004)
+         *     x = p + k_p * (x_raw - p) if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h +
+         *         k_h * (x_raw - p)| <= fastest, else x_raw
+         *     p_next = prediction_p if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h + k_h
+         *         * (x_raw - p)| <= fastest, else x_raw
+         *     s_next = prediction_s if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h + k_h
+         *         * (x_raw - p)| <= fastest, else 0; likewise h_next */
+        const float filter_x_p = state->filter_x_p;
+        const float e_prediction_p = x_raw - filter_x_p;
+        const float a_prediction_p = state->filter_x_h + (filter_x_k_h * e_prediction_p);
+        const float prediction_p_part = state->filter_x_s + (filter_x_k_s * e_prediction_p) + a_prediction_p;
+        float x = x_raw;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_part) + fabsf(a_prediction_p)) <= filter_x_fastest)) {
+            const float now_prediction_p = filter_x_p + (filter_x_k_p * e_prediction_p);
+            const float prediction_p = now_prediction_p + prediction_p_part;
+            /*@ admit -0.2f <= prediction_p <= 0.2f; */
+            const float prediction_s = prediction_p_part + a_prediction_p;
+            /*@ admit -0.00400004f <= prediction_s <= 0.00400004f; */
+            const float prediction_h = a_prediction_p;
+            /*@ admit -0.00400004f <= prediction_h <= 0.00400004f; */
+            state->filter_x_p = prediction_p;
+            state->filter_x_s = prediction_s;
+            state->filter_x_h = prediction_h;
+            x = now_prediction_p;
+        } else {
+            state->filter_x_p = x_raw;
+            state->filter_x_s = 0.0f;
+            state->filter_x_h = 0.0f;
+        }
+
+        /* filter_y: Kalman filter, (6)-(16)
+         *     prediction_p = limit(p + k_p * (y_raw - p) + s + k_s * (y_raw - p) + h + k_h * (y_raw - p), 0.2)
+         *     prediction_s = limit(s + k_s * (y_raw - p) + h + k_h * (y_raw - p) + h + k_h * (y_raw - p),
+         *         0.00400004)
+         *     prediction_h = limit(h + k_h * (y_raw - p), 0.00400004)
+         *     y = p + k_p * (y_raw - p) if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h +
+         *         k_h * (y_raw - p)| <= fastest, else y_raw
+         *     p_next = prediction_p if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h + k_h
+         *         * (y_raw - p)| <= fastest, else y_raw
+         *     s_next = prediction_s if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h + k_h
+         *         * (y_raw - p)| <= fastest, else 0; likewise h_next */
+        const float filter_y_p = state->filter_y_p;
+        const float e_prediction_p_2 = y_raw - filter_y_p;
+        const float a_prediction_p_2 = state->filter_y_h + (filter_y_k_h * e_prediction_p_2);
+        const float prediction_p_part_2 = state->filter_y_s + (filter_y_k_s * e_prediction_p_2) + a_prediction_p_2;
+        float y = y_raw;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_part_2) + fabsf(a_prediction_p_2)) <= filter_y_fastest)) {
+            const float now_prediction_p_2 = filter_y_p + (filter_y_k_p * e_prediction_p_2);
+            const float prediction_p_2 = now_prediction_p_2 + prediction_p_part_2;
+            /*@ admit -0.2f <= prediction_p_2 <= 0.2f; */
+            const float prediction_s_2 = prediction_p_part_2 + a_prediction_p_2;
+            /*@ admit -0.00400004f <= prediction_s_2 <= 0.00400004f; */
+            const float prediction_h_2 = a_prediction_p_2;
+            /*@ admit -0.00400004f <= prediction_h_2 <= 0.00400004f; */
+            state->filter_y_p = prediction_p_2;
+            state->filter_y_s = prediction_s_2;
+            state->filter_y_h = prediction_h_2;
+            y = now_prediction_p_2;
+        } else {
+            state->filter_y_p = y_raw;
+            state->filter_y_s = 0.0f;
+            state->filter_y_h = 0.0f;
+        }
+
+        /* filter_phi: Kalman filter, (6)-(16)
+         *     prediction_p = limit(p + k_p * (phi_raw - p) + s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p),
+         *         0.05)
+         *     prediction_s = limit(s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p) + h + k_h * (phi_raw - p),
+         *         0.00700007)
+         *     prediction_h = limit(h + k_h * (phi_raw - p), 0.00700007)
+         *     phi = p + k_p * (phi_raw - p) if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)|
+         *         + |h + k_h * (phi_raw - p)| <= fastest, else phi_raw
+         *     p_next = prediction_p if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)| + |h +
+         *         k_h * (phi_raw - p)| <= fastest, else phi_raw
+         *     s_next = prediction_s if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)| + |h +
+         *         k_h * (phi_raw - p)| <= fastest, else 0; likewise h_next */
+        const float filter_phi_p = state->filter_phi_p;
+        const float e_prediction_p_3 = phi_raw - filter_phi_p;
+        const float a_prediction_p_3 = state->filter_phi_h + (filter_phi_k_h * e_prediction_p_3);
+        const float prediction_p_part_3 = state->filter_phi_s + (filter_phi_k_s * e_prediction_p_3) + a_prediction_p_3;
+        float phi = phi_raw;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_part_3) + fabsf(a_prediction_p_3)) <= filter_phi_fastest)) {
+            const float now_prediction_p_3 = filter_phi_p + (filter_phi_k_p * e_prediction_p_3);
+            const float prediction_p_3 = now_prediction_p_3 + prediction_p_part_3;
+            /*@ admit -0.05f <= prediction_p_3 <= 0.05f; */
+            const float prediction_s_3 = prediction_p_part_3 + a_prediction_p_3;
+            /*@ admit -0.00700007f <= prediction_s_3 <= 0.00700007f; */
+            const float prediction_h_3 = a_prediction_p_3;
+            /*@ admit -0.00700007f <= prediction_h_3 <= 0.00700007f; */
+            state->filter_phi_p = prediction_p_3;
+            state->filter_phi_s = prediction_s_3;
+            state->filter_phi_h = prediction_h_3;
+            phi = now_prediction_p_3;
+        } else {
+            state->filter_phi_p = phi_raw;
+            state->filter_phi_s = 0.0f;
+            state->filter_phi_h = 0.0f;
+        }
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -613,12 +769,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
-        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
-            loop_x_gain, x_ref_held, x);
-        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y,
-            loop_y_gain, y_ref_held, y);
-        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
-            loop_phi_gain, phi_ref_held, phi);
         const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z,
             loop_z_gain, z_ref_held, z);
 
@@ -637,6 +787,34 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* loop_psi: lead-lag, (25)
          *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
         state->loop_psi.lead = loop_psi_lead_input * loop_psi_output.error;
+        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
+            loop_x_gain, x_ref_held, x);
+        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y,
+            loop_y_gain, y_ref_held, y);
+        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
+            loop_phi_gain, phi_ref_held, phi);
+
+        /* braking: braking before the latch
+         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+        float d_phi;
+        float d_x;
+        float d_y;
+        if (braked) {
+            d_phi = braking_phi_gain * phi_advance;
+            d_x = braking_x_gain * x_advance;
+            d_y = braking_y_gain * y_advance;
+        } else {
+            d_x = loop_x_output.value_2;
+            d_y = loop_y_output.value_2;
+            d_phi = loop_phi_output.value_2;
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->law_x = loop_x_output.value_2;
+                diagnostics->law_y = loop_y_output.value_2;
+                diagnostics->law_phi = loop_phi_output.value_2;
+            }
+#endif
+        }
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
@@ -653,17 +831,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float cos_phi_argument = phi * phi;
         const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
         const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
-        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
-            planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
-        const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) -
-            (sin_i_CQ * loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y),
+            planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float yaw = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit -
+            fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
-        const float front_i_AD = loop_z_output.d - loop_theta_output.d;
-        const float i_AD = planar_6dof_leadlag_limit(front_i_AD + loop_psi_output.d, direct_limit);
-        const float i_BD = planar_6dof_leadlag_limit(front_i_AD - loop_psi_output.d, direct_limit);
-        const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), direct_limit);
+        const float front_i_AD = loop_z_output.value_2 - loop_theta_output.value_2;
+        const float i_AD = planar_6dof_leadlag_limit(front_i_AD + loop_psi_output.value_2, direct_limit);
+        const float i_BD = planar_6dof_leadlag_limit(front_i_AD - loop_psi_output.value_2, direct_limit);
+        const float i_CD = planar_6dof_leadlag_limit(loop_z_output.value_2 + (2.0f * loop_theta_output.value_2),
+            direct_limit);
         const float both = allocation_two * half;
         const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
         planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
@@ -688,15 +867,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
         state->loop_psi.integral = integral_3;
 
+        /* delay: delay of one sample
+         *     x_next = achieved_x; likewise y_next, phi_next */
+        state->delay_x = achieved_x;
+        state->delay_y = achieved_y;
+        state->delay_phi = achieved_phi;
+
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi)
          *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
+        const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
+        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
         const float quarter_sine_front = distance_front *
             quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
@@ -761,23 +946,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->measured = measured ? 1.0f : 0.0f;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->within_x = sensing_within_x_next;
-            diagnostics->within_y = sensing_within_y_next;
+            diagnostics->within_x = within_x;
+            diagnostics->within_y = within_y;
             diagnostics->phi_raw = phi_raw;
+            diagnostics->x_advance = x_advance;
+            diagnostics->y_advance = y_advance;
+            diagnostics->phi_advance = phi_advance;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
             diagnostics->z = z;
             diagnostics->theta = theta;
             diagnostics->psi = psi;
-            diagnostics->d_x = loop_x_output.d;
-            diagnostics->d_y = loop_y_output.d;
-            diagnostics->d_phi = loop_phi_output.d;
-            diagnostics->d_z = loop_z_output.d;
-            diagnostics->d_theta = loop_theta_output.d;
-            diagnostics->d_psi = loop_psi_output.d;
+            diagnostics->d_z = loop_z_output.value_2;
+            diagnostics->d_theta = loop_theta_output.value_2;
+            diagnostics->d_psi = loop_psi_output.value_2;
+            diagnostics->d_phi = d_phi;
+            diagnostics->d_x = d_x;
+            diagnostics->d_y = d_y;
             diagnostics->i_CQ = i_CQ;
             diagnostics->i_AQ = i_AQ;
             diagnostics->i_BQ = i_BQ;
@@ -789,11 +978,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit -
-                fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(phi_next) >= 0.05f) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >=
+                planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000020u : 0u;
         }
 #endif
     }

@@ -9,9 +9,9 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
- * last of them until init, and the outputs move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB,
- * i_CC to 0 A at 126 A/s.
+ * When a measurement is refused in 5 samples in a row, a latch is certain: whatever is measured then, the step brakes
+ * the machine in the 23 samples from the next one on, and latches in the one after these until init, and the outputs
+ * move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
@@ -136,12 +136,9 @@ typedef struct {
     planar_6dof_leadlag_loop_state_t loop_x;
     planar_6dof_leadlag_loop_state_t loop_y;
     planar_6dof_leadlag_loop_state_t loop_phi;
-    float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
-    float loop_z_lead;                  /* A, -3.1652 .. 3.1652: state of the lead filter */
-    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: integral of the error */
-    float loop_theta_lead;              /* A, -5.91031 .. 5.91031: state of the lead filter */
-    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
-    float loop_psi_lead;                /* A, -6.50134 .. 6.50134: state of the lead filter */
+    planar_6dof_leadlag_loop_state_t loop_z;
+    planar_6dof_leadlag_loop_state_t loop_theta;
+    planar_6dof_leadlag_loop_state_t loop_psi;
     float delay_x;                      /* A, -1.449 .. 1.449: demand that acts until the next sample */
     float delay_y;                      /* A, -2.6145 .. 2.6145: demand that acts until the next sample */
     float delay_phi;                    /* A, -2.52 .. 2.52: demand that acts until the next sample */
@@ -194,7 +191,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  brakes, a latch follows
+ *   bit 30  brakes in the 23 samples from the next one on, then latches; set until init
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
