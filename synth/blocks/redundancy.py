@@ -171,8 +171,7 @@ def _vote(
     agreement = ca.fabs(r) <= relation.threshold
     agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
-    excluded = {n: x[f"excluded_{n}"] for n in names}
-    stands = {n: still[f"still_{n}"] for n in names}
+    excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
 
     def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
         return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)

@@ -128,11 +128,12 @@ def guard(
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
-    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in held_inputs]
+    last = "last good value"
+    states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
     left = Signal("left", "1", 1, max(samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
     states += [State(left, samples, True), *(State(f, 0, True) for f in flags)] if measured else []
-    outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
+    outputs = [replace(g.signal, name=f"{g.signal.name}_held") for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
@@ -197,16 +198,14 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
             value | before, {f"last_{n}": v for n, v in value.items()}, numbers=_slew_numbers(time, outputs, safety)
         )
 
+    last = "last output"
     block = build(
         SAFE_OUTPUT,
         time,
         law,
-        inputs=[
-            _flag("latched", "safe output until init"),
-            *(_renamed(s, f"{s.name}_computed", s.about) for s in outputs),
-        ],
-        outputs=[*outputs, *(_renamed(s, f"{s.name}_before", "one sample ago") for s in outputs)],
-        states=[State(_renamed(s, f"last_{s.name}", "last output"), safety.safe_output[s.name]) for s in outputs],
+        inputs=[_flag("latched", "safe output until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)],
+        outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in outputs)],
+        states=[State(replace(s, name=f"last_{s.name}", about=last), safety.safe_output[s.name]) for s in outputs],
         tag="slew to the safe output once latched",
     )
     values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
@@ -293,10 +292,6 @@ def _replacement(g: GuardedInput) -> Constant:
             "choose one inside"
         )
     return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, "in place of a refused value")
-
-
-def _renamed(signal: Signal, name: str, about: str) -> Signal:
-    return replace(signal, name=name, about=about)
 
 
 def _flag(name: str, about: str) -> Signal:
