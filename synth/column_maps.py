@@ -17,7 +17,7 @@ KEPT = 16  # functions
 
 
 def map_columns(function: ca.Function, *arguments: Array) -> list[Array]:
-    """Return the results (m, N) of a function at N columns of its arguments (n, N), or one column for all."""
+    """Return the results (m, N) of a function at N columns of its arguments (n, N), or one (n,) for all."""
     return _map(function, max(a.shape[1] for a in arguments if a.ndim > 1))(*arguments)
 
 
@@ -67,5 +67,6 @@ def _evaluation(function: ca.Function) -> Evaluation:
 
 def _by_columns(argument: Array, shape: tuple[int, int]) -> Array:
     """Return an argument column after column, as CasADi stores it."""
-    whole = np.broadcast_to(argument, shape) if argument.size else np.zeros(shape)
+    each = argument.reshape(-1, 1) if argument.ndim == 1 else argument
+    whole = np.broadcast_to(each, shape) if argument.size else np.zeros(shape)
     return np.array(whole.T, dtype=np.float64, order="C")

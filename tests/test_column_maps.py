@@ -20,8 +20,10 @@ def test_the_results_are_those_of_casadi() -> None:
 
 
 def test_one_column_stands_for_all_and_an_argument_may_be_empty() -> None:
-    one = column_maps.map_columns(F, AT[:, :1], INPUTS)
-    assert [r.tolist() for r in one] == [r.tolist() for r in column_maps.map_columns(F, np.tile(AT[:, :1], 7), INPUTS)]
+    for first in (AT[:, :1], AT[:, 0]):
+        one = column_maps.map_columns(F, first, INPUTS)
+        all = column_maps.map_columns(F, np.tile(AT[:, :1], 7), INPUTS)
+        assert [r.tolist() for r in one] == [r.tolist() for r in all]
     g = ca.Function("g", [ca.SX.sym("none", 0), U], [2 * U])
     np.testing.assert_array_equal(column_maps.map_columns(g, np.array([]), INPUTS)[0], 2 * INPUTS)
 

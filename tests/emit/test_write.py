@@ -134,7 +134,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert all(3.1 < ratio < 4.1 for ratio in ratios.values()), ratios  # lines have a constant part
+    assert all(3.1 < ratio < 4.05 for ratio in ratios.values()), ratios  # lines have a constant part
 
 
 @pytest.mark.slow
@@ -148,7 +148,7 @@ def test_a_search_through_all_nodes_for_each_axis_is_detected(monkeypatch: pytes
         return plain(program, users, node_ranges, f)
 
     monkeypatch.setattr(surrogates, "_candidate_variables", searched)
-    assert growth()["calls"] > 4.1
+    assert growth()["calls"] > 4.05
 
 
 def test_axes_share_their_function_and_their_branch() -> None:

@@ -40,8 +40,8 @@ FREE = [
 ]
 
 
-def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
-    """Return the laws of z and x for values of the free parameters."""
+def controller(p: Mapping[str, float]) -> stage.Controller:
+    """Return the controller for values of the free parameters."""
     z = axis.servo(
         INVERSE.chain("z"),
         modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
@@ -60,16 +60,9 @@ def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
         anti_windup=30.0,
         set_point=p["set_point_x"],
     )
-    return z, x
+    return stage.controller("levitator_2dof", TIME, INTERFACE, [z, x])
 
 
-def controller(p: Mapping[str, float]) -> stage.Controller:
-    """Return the controller for values of the free parameters."""
-    return stage.controller("levitator_2dof", TIME, INTERFACE, axes(p))
-
-
-DECLARED = {f.name: f.value for f in FREE}
-Z, X = axes(DECLARED)
 MAINS = {"hum": Sine(0.2, HUM)}  # N
 
 EXPERIMENTS = [
@@ -83,7 +76,7 @@ EXPERIMENTS = [
 ]
 
 DESIGN = stage.design(
-    controller(DECLARED),
+    controller({f.name: f.value for f in FREE}),
     PLANT,
     reference=reference.step,
     operating_points={"low": {"z": -5e-4}, "mid": {"z": 0.0}, "high": {"z": 5e-4}, "side": {"x": 8e-4}},
