@@ -37,7 +37,7 @@ CORE = 2000  # steps of a core
 PARTS = {
     "sensing": ("sensing", "vertical_kinematics"),
     "filters": ("filter_",),
-    "prediction": ("reckoning",),
+    "prediction": ("reckoning", "delay"),
     "law": ("loop_", "lqg_", "braking"),
 }
 WIDTHS = (17, 20, 8, 9, 10, 15, 10)
