@@ -141,8 +141,8 @@ typedef struct {
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
  *         largest_position)
  *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
- *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) + T * (x_disturbance - d_at_change) if 1
- *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
+ *     learnt_next = (learnt_decay * learnt + beta * (x_held - q) + T * (limit(d + gamma * (x_held - q),
+ *         largest_disturbance) - d_at_change) if 1 <= x_unchanged, else 0) if x_trusted is set, else 0
  *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
  *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
@@ -161,19 +161,27 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
 
     const float q = state->q;
     const float nu = held - q;
+    const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
     const float v = state->v;
     const float correction = beta * nu;
+    const bool same = 1u <= unchanged;
     const float learnt = state->learnt;
-    float d_next = 0.0f;
+    const float d_at_change = state->d_at_change;
+    float more = 0.0f;
+    if (same) {
+        more = (learnt_decay * learnt) + correction + (T * (d_part - d_at_change));
+    }
+    float d_next = d_part;
     float rate_part;
     float g_part = 0.0f;
     if (trusted) {
-        const float d_part = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
-        d_next = d_part;
         rate_part = v + correction;
+        state->learnt = more;
         g_part = learning_step * (a_before * d_part);
     } else {
+        d_next = 0.0f;
         rate_part = v - ((suspect != 0u) ? learnt : 0.0f);
+        state->learnt = 0.0f;
     }
     float q_2 = held;
     if (ready != 0u) {
@@ -188,13 +196,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     state->q = maglev_5dof_limit(q_2 + (half_T * (rate_part + faster)), largest_position);
     state->v = maglev_5dof_limit(faster, largest_rate);
     state->d = d_next;
-    float more = 0.0f;
-    if (1u <= unchanged) {
-        more = (learnt_decay * learnt) + correction + (T * (d_next - state->d_at_change));
-    } else {
-        state->d_at_change = d_next;
-    }
-    state->learnt = (ready != 0u) ? ((trusted) ? more : 0.0f) : 0.0f;
+    state->d_at_change = (same) ? d_at_change : d_next;
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q_2, .rate = rate_part};
 }
@@ -455,8 +457,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
      *         largest_position)
      *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
-     *     learnt_next = ((learnt_decay * learnt + beta * (x_held - q) + T * (x_disturbance - d_at_change) if 1
-     *         <= x_unchanged, else 0) if x_trusted is set, else 0) if guard_ready is set, else 0
+     *     learnt_next = (learnt_decay * learnt + beta * (x_held - q) + T * (limit(d + gamma * (x_held - q),
+     *         largest_disturbance) - d_at_change) if 1 <= x_unchanged, else 0) if x_trusted is set, else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
      *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
@@ -508,8 +510,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
      *         largest_position)
      *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
-     *     learnt_next = ((learnt_decay * learnt + beta * (z_held - q) + T * (z_disturbance - d_at_change) if 1
-     *         <= z_unchanged, else 0) if z_trusted is set, else 0) if guard_ready is set, else 0
+     *     learnt_next = (learnt_decay * learnt + beta * (z_held - q) + T * (limit(d + gamma * (z_held - q),
+     *         largest_disturbance) - d_at_change) if 1 <= z_unchanged, else 0) if z_trusted is set, else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
      *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;

@@ -20,9 +20,9 @@
  *   - zero current pulls the platen up from a gap below 28.7 mm
  *   - the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all parameters
  *     at their tolerances
- *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00024 m/s (z) and hits a stop at
+ *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00027 m/s (x) and hits a stop at
  *     0.0056 m/s (y)
- *   - in motion the machine reaches 0.0043 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
+ *   - in motion the machine reaches 0.0044 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.

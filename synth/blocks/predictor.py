@@ -135,14 +135,13 @@ def block(
         correction, next = k["beta"] * nu, {}
         q, v, d = x["q"] + k["alpha"] * nu, x["v"] + correction, clip(x["d"] + k["gamma"] * nu, signals[3])
         if flags:
-            trusted = u[flags.trusted]
+            trusted, same = u[flags.trusted], u[flags.unchanged] >= 1
+            more = ca.if_else(same, (1 - LEAK) * x["learnt"] + correction + T * (d - x["d_at_change"]), 0.0)
+            next["learnt"] = ca.if_else(trusted, more, 0.0)
             v = ca.if_else(trusted, v, x["v"] - ca.if_else(u[flags.frozen], x["learnt"], 0.0))
             d = ca.if_else(trusted, d, 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         if flags:
-            same = u[flags.unchanged] >= 1
-            more = ca.if_else(same, (1 - LEAK) * x["learnt"] + correction + T * (d - x["d_at_change"]), 0.0)
-            next["learnt"] = ca.if_else(u["ready"], ca.if_else(u[flags.trusted], more, 0.0), 0.0)
             next["d_at_change"] = ca.if_else(same, x["d_at_change"], d)
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
         faster = v + T * a
