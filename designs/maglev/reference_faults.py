@@ -154,17 +154,19 @@ def observe(
     rate, most = by_row(RATES, q), by_row(DISTURBANCES, q)
     position = np.where(ready, before + (1 - p**3) * nu, q)
     correction = 1.5 * (1 - p) ** 2 * (1 + p) / T * nu
-    learnt = reference_stage.rows(state, ["observer_x_learnt", "observer_z_learnt"])
+    at_change, gained = (
+        reference_stage.rows(state, [f"observer_{s}_{n}" for s in "xz"]) for n in ("d_at_change", "gained")
+    )
+    # A correction of the rate is that of d times 3/2 T (1 + p) / (1 - p).
+    learnt = (1.5 * T * (1 + p) / (1 - p))[1:3] * (d[1:3] - at_change) + T * gained
     corrected = v + correction
     corrected[1:3] = np.where(trusted, corrected[1:3], v[1:3] - np.where(frozen, learnt, 0.0))
     v = np.where(ready, corrected, 0.0)
-    d = np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most)
-    at_change = reference_stage.rows(state, ["observer_x_d_at_change", "observer_z_d_at_change"])
-    since = (1 - LEAK) * learnt + correction[1:3] + T * (d[1:3] - at_change)
-    since = np.where(trusted & (still >= 1), since, 0.0)
+    d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
     d[1:3] = np.where(trusted, d[1:3], 0.0)
-    d = np.where(ready, d, 0.0)
-    at_change = np.where(still >= 1, at_change, d[1:3])
+    same = trusted & (still >= 1)
+    gained = np.where(same, (1 - LEAK) * gained + d[1:3] - at_change, 0.0)
+    at_change = np.where(same, at_change, d[1:3])
     demand = reference_stage.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     g = reference_stage.rows(state, ["observer_x_g", "observer_z_g"])
     after_gain = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
@@ -173,8 +175,8 @@ def observe(
     next_q, next_v = np.clip(position + T * (v + T / 2 * a), low, high), np.clip(v + T * a, -rate, rate)
     next = {f"observer_{s}_{n}": row for n, all in zip("qvd", (next_q, next_v, d), strict=True)
             for s, row in zip(AXES, all, strict=True)}  # fmt: skip
-    for s, *each in zip("xz", after_gain, since, at_change, strict=True):
-        next |= {f"observer_{s}_{n}": row for n, row in zip(("g", "learnt", "d_at_change"), each, strict=True)}
+    for s, *each in zip("xz", after_gain, gained, at_change, strict=True):
+        next |= {f"observer_{s}_{n}": row for n, row in zip(("g", "gained", "d_at_change"), each, strict=True)}
     return position, v, d, next
 
 

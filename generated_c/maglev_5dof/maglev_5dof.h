@@ -84,7 +84,7 @@ typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
     float v;                            /* m/s, -2 .. 2: predicted rate */
     float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float learnt;                       /* m/s, -1042.29 .. 1042.29: rate learnt since its code changed */
+    float gained;                       /* m/s^2, -20684.8 .. 20684.8: sum of what d gained since the code changed */
     float d_at_change;                  /* m/s^2, -20 .. 20: d as its code changed */
     float g;                            /* 1, 0.8 .. 1.2: learnt gain */
 } maglev_5dof_observer_state_t;

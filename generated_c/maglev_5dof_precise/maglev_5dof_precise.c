@@ -140,13 +140,13 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
  *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
- *         0)) if guard_ready is set, else 0
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
+ *         T * gained if suspect_x is set, else 0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
  *         largest_position)
  *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
- *     learnt_next = (learnt_decay * learnt + beta * (x_held - q) + T * (limit(d + gamma * (x_held - q),
- *         largest_disturbance) - d_at_change) if 1 <= x_unchanged, else 0) if x_trusted is set, else 0
+ *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
+ *         else 0
  *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
  *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
@@ -157,53 +157,51 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
     static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
     static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-    static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float T = 0.001f;                              /* s; sample period */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float largest_position = 0.1f;                 /* m; bound of the prediction */
     static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
-    static const float learnt_decay = 0.9980469f;               /* 1; part of the learnt rate that stays */
+    static const float gained_decay = 0.9980469f;               /* 1; part of the sum that stays */
     static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
 
-    const float q = state->q;
-    const float nu = held - q;
-    const float d_part = maglev_5dof_precise_limit(state->d + (gamma * nu), largest_disturbance);
-    const float v = state->v;
-    const float correction = beta * nu;
-    const bool same = 1u <= unchanged;
-    const float learnt = state->learnt;
     const float d_at_change = state->d_at_change;
-    float more = 0.0f;
-    if (same) {
-        more = (learnt_decay * learnt) + correction + (T * (d_part - d_at_change));
-    }
-    float d_next = d_part;
-    float rate_part;
+    const float gained = state->gained;
+    float d_next = 0.0f;
+    float q = held;
+    float rate_part = 0.0f;
     float g_part = 0.0f;
-    if (trusted) {
-        rate_part = v + correction;
-        state->learnt = more;
-        g_part = learning_step * (a_before * d_part);
-    } else {
-        d_next = 0.0f;
-        rate_part = v - ((suspect != 0u) ? learnt : 0.0f);
-        state->learnt = 0.0f;
-    }
-    float q_2 = held;
     if (ready != 0u) {
-        q_2 = q + (alpha * nu);
-    } else {
-        d_next = 0.0f;
-        rate_part = 0.0f;
-        g_part = 0.0f;
+        const float q_2 = state->q;
+        const float nu = held - q_2;
+        const float d = state->d;
+        const float v = state->v;
+        if (trusted) {
+            const float d_part = maglev_5dof_precise_limit(d + (gamma * nu), largest_disturbance);
+            d_next = d_part;
+            rate_part = v + (beta * nu);
+            g_part = learning_step * (a_before * d_part);
+        } else {
+            float rate_part_2 = 0.0f;
+            if (suspect != 0u) {
+                rate_part_2 = (beta / gamma * (d - d_at_change)) + (T * gained);
+            }
+            rate_part = v - rate_part_2;
+        }
+        q = q_2 + (alpha * nu);
     }
     const float g = state->g;
     const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_precise_limit(q_2 + (half_T * (rate_part + faster)), largest_position);
+    state->q = maglev_5dof_precise_limit(q + (half_T * (rate_part + faster)), largest_position);
     state->v = maglev_5dof_precise_limit(faster, largest_rate);
     state->d = d_next;
-    state->d_at_change = (same) ? d_at_change : d_next;
+    if (trusted && (1u <= unchanged)) {
+        state->gained = (gained_decay * gained) + (d_next - d_at_change);
+    } else {
+        state->gained = 0.0f;
+        state->d_at_change = d_next;
+    }
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q_2, .rate = rate_part};
+    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
 }
 
 typedef struct {
@@ -534,13 +532,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
      *         if guard_ready is set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (learnt if suspect_x is set, else
-     *         0)) if guard_ready is set, else 0
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
+     *         T * gained if suspect_x is set, else 0)) if guard_ready is set, else 0
      *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
      *         largest_position)
      *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
-     *     learnt_next = (learnt_decay * learnt + beta * (x_held - q) + T * (limit(d + gamma * (x_held - q),
-     *         largest_disturbance) - d_at_change) if 1 <= x_unchanged, else 0) if x_trusted is set, else 0
+     *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
+     *         else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
      *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_x_q = state->observer_x.q;
@@ -588,13 +586,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
      *         if guard_ready is set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (learnt if suspect_z is set, else
-     *         0)) if guard_ready is set, else 0
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (beta / gamma * (d - d_at_change) +
+     *         T * gained if suspect_z is set, else 0)) if guard_ready is set, else 0
      *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
      *         largest_position)
      *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
-     *     learnt_next = (learnt_decay * learnt + beta * (z_held - q) + T * (limit(d + gamma * (z_held - q),
-     *         largest_disturbance) - d_at_change) if 1 <= z_unchanged, else 0) if z_trusted is set, else 0
+     *     gained_next = gained_decay * gained + z_disturbance - d_at_change if z_trusted and 1 <= z_unchanged,
+     *         else 0
      *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
      *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
     const float observer_z_q = state->observer_z.q;
@@ -937,9 +935,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
 
     /* landing: ramps and state feedback
-     *     w_x_unprobed = limit(stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
-     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance, 10000) if landing_next is set,
-     *         else w_x_tracking; likewise w_z_unprobed
+     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+     *         w_x_tracking; likewise w_z_unprobed
      *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
      *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
      *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
@@ -1292,14 +1290,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
                 (damping * (ramp_rate_x - observer_x.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
-            w_x_unprobed = maglev_5dof_precise_limit(demand_w_x, 10000.0f);
+            w_x_unprobed = demand_w_x;
             const float demand_w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
                 (maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
             w_y = demand_w_y;
             const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
                 (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            w_z_unprobed = maglev_5dof_precise_limit(demand_w_z, 10000.0f);
+            w_z_unprobed = demand_w_z;
             const float faster_w_y = maglev_5dof_precise_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
             const float landing_r_y_part_2 = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
                 (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound);
@@ -1375,7 +1373,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
                     pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
                 }
-                w_x = maglev_5dof_precise_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                w_x = w_x_unprobed + pulse_w_x;
                 if (7u <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (7u <= x_unchanged) ?
@@ -1411,7 +1409,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
                     pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
                 }
-                w_z = maglev_5dof_precise_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                w_z = w_z_unprobed + pulse_w_z;
                 if (7u <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (7u <= z_unchanged) ?

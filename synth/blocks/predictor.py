@@ -14,10 +14,11 @@ starts at the measurement, at rest: until the flag ``ready`` is set, q is the me
 A code that stands still says only in which count the coordinate is. Once it is known to be frozen, what the rate learnt
 from it since it last changed is taken back, both at once and through the disturbance, which was d_c at the change:
 
-    l' = (1 - LEAK) l + beta nu / T + T (d+ - d_c) while the code is unchanged, 0 when it changes;   v+ = v - l
+    l = (beta / gamma) T (d - d_c) + T m,   m' = (1 - LEAK) m + d+ - d_c while the code is unchanged;   v+ = v - l
 
-A measurement that is refused was right until then, and nothing is taken back. The leak bounds l without a limit, which
-would cost more than the product.
+The first term is the sum of beta nu / T since the change, and m the sum of what d gained. A measurement that is refused
+was right until then, and nothing is taken back. The leak bounds m without a limit, which would cost more than the
+product.
 
 The gain g is 1, or is learnt from the disturbance that moves with the demand, g' = g + rate T a d+ (gradient of d^2),
 inside bounds. Without a trusted measurement g stays, and d is 0 where it is `forgotten`: a disturbance that is only the
@@ -41,7 +42,7 @@ from synth.timing import Discrete
 
 __all__ = ["Flags", "Gain", "block", "delay"]
 
-LEAK = 1 / 512  # of the learnt rate, in a sample: slow beside the time to notice a frozen code, 2 to 120 samples
+LEAK = 1 / 512  # of the sum, in a sample: slow beside the time to notice a frozen code, 2 to 120 samples
 
 
 @arguments.checked
@@ -95,9 +96,10 @@ def block(
     p = math.exp(-bandwidth * T)
     beta = 1.5 * (1 - p) ** 2 * (1 + p) / T
     unit, largest = measured.unit, beta * (measured.high - measured.low)  # of the change of the rate in a sample
-    bound = 1.01 * (largest + 2 * T * disturbance) / LEAK  # with room for rounding
-    learnt = Signal("learnt", f"{unit}/s", -bound, bound, "rate learnt since its code changed")
-    fastest = rate + (learnt.high if flags else largest)
+    bound = 2.02 * disturbance / LEAK  # with room for rounding
+    gained = Signal("gained", f"{unit}/s^2", -bound, bound, "sum of what d gained since the code changed")
+    learnt = beta * T**2 / (1 - p) ** 3 * 2 * disturbance + T * bound
+    fastest = rate + (1.01 * learnt if flags else largest)
     source = f"triple pole exp(-w T), w = {bandwidth:g} rad/s"
     constants = [
         Constant("alpha", 1 - p**3, "1", source),
@@ -112,7 +114,7 @@ def block(
     ]
     if measured.low == -measured.high:
         numbers.append(Constant("largest_position", measured.high, measured.unit, "bound of the prediction"))
-    numbers += [Constant("learnt_decay", 1 - LEAK, "1", "part of the learnt rate that stays")] if flags else []
+    numbers += [Constant("gained_decay", 1 - LEAK, "1", "part of the sum that stays")] if flags else []
     numbers += [Constant("learning_step", gain.rate * T, "s^4/m^2", f"{gain.rate:g} times T")] if gain else []
     expected = Signal(f"{name}_expected", unit, measured.low, measured.high, f"{name} predicted for this sample")
     signals = [
@@ -135,14 +137,15 @@ def block(
         correction, next = k["beta"] * nu, {}
         q, v, d = x["q"] + k["alpha"] * nu, x["v"] + correction, clip(x["d"] + k["gamma"] * nu, signals[3])
         if flags:
-            trusted, same = u[flags.trusted], u[flags.unchanged] >= 1
-            more = ca.if_else(same, (1 - LEAK) * x["learnt"] + correction + T * (d - x["d_at_change"]), 0.0)
-            next["learnt"] = ca.if_else(trusted, more, 0.0)
-            v = ca.if_else(trusted, v, x["v"] - ca.if_else(u[flags.frozen], x["learnt"], 0.0))
+            trusted = u[flags.trusted]
+            learnt = k["beta"] / k["gamma"] * (x["d"] - x["d_at_change"]) + T * x["gained"]
+            v = ca.if_else(trusted, v, x["v"] - ca.if_else(u[flags.frozen], learnt, 0.0))
             d = ca.if_else(trusted, d, 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         if flags:
-            next["d_at_change"] = ca.if_else(same, x["d_at_change"], d)
+            same = ca.logic_and(trusted, u[flags.unchanged] >= 1)
+            more = (1 - LEAK) * x["gained"] + (d - x["d_at_change"])
+            next |= {"gained": ca.if_else(same, more, 0.0), "d_at_change": ca.if_else(same, x["d_at_change"], d)}
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
         faster = v + T * a
         further = q + T / 2 * (v + faster)
@@ -160,7 +163,7 @@ def block(
     ]
     if flags:
         states += [
-            State(learnt, 0.0),
+            State(gained, 0.0),
             State(replace(signals[3], name="d_at_change", about="d as its code changed"), 0.0),
         ]
     states += [State(Signal("g", "1", gain.low, gain.high, "learnt gain"), 1.0)] if gain else []
