@@ -134,8 +134,8 @@ def block(
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         nu = u[measured.name] - x["q"]
-        correction, next = k["beta"] * nu, {}
-        q, v, d = x["q"] + k["alpha"] * nu, x["v"] + correction, clip(x["d"] + k["gamma"] * nu, signals[3])
+        next: dict[str, ca.SX] = {}
+        q, v, d = x["q"] + k["alpha"] * nu, x["v"] + k["beta"] * nu, clip(x["d"] + k["gamma"] * nu, signals[3])
         if flags:
             trusted = u[flags.trusted]
             learnt = k["beta"] / k["gamma"] * (x["d"] - x["d_at_change"]) + T * x["gained"]
