@@ -13,3 +13,9 @@ def design(name: str = "levitator_pid") -> Any:
     if str(FOLDER) not in sys.path:
         sys.path.append(str(FOLDER))
     return importlib.import_module(f"designs.{name}.design")
+
+
+def axes() -> Any:
+    """Return the laws of z and x of the tuned design at the initial values of its free parameters."""
+    tuned = design("levitator_2dof")
+    return tuned.axes({free.name: free.value for free in tuned.FREE})

@@ -42,7 +42,8 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     """x does not depend on z: its loop is the model that it was made from, with hold and delay, under its servo."""
     T = DESIGN.TIME.period_s
     model = linearisation.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
-    servo = DESIGN.X.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
+    _, x = levitator.axes()
+    servo = x.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
     K = loop.linearise_block(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
     P = loop.sampled(model, T, T)
     inputs = {name: i for i, name in enumerate(K.inputs)}

@@ -25,6 +25,7 @@ from tests import levitator
 TIME = Discrete(1 / 2000)
 DESIGN: Any = levitator.design("levitator_2dof")
 REFERENCE: Any = DESIGN.reference
+Z, X = levitator.axes()
 NOISE = axis.kalman(process={"v": 1e-3}, sensor={"q": 1e-12})
 
 
@@ -61,7 +62,7 @@ def regulator_for(delay: int = 1, **changed: Any) -> Regulator:
 @pytest.mark.parametrize("name", ["z", "x"])
 def test_all_gains_are_those_of_the_reference(name: str) -> None:
     """Doubling, a filter and Ackermann's formula in 60 digits, written without the toolkit."""
-    law = DESIGN.Z if name == "z" else DESIGN.X
+    law = Z if name == "z" else X
     regulator, gains = axis_regulator.synthesise(law.axes[0], TIME, 1), REFERENCE.gains(name)
     controller, k = regulator.controller, len(gains.on_eta[0])
     expected = {
@@ -160,9 +161,9 @@ def around(**changed: Any) -> Interface:
 
 def test_the_state_bounds_of_a_saturated_axis_hold_and_have_the_right_magnitude() -> None:
     """The derived bounds hold for any input in range without the Block's own limits."""
-    block = DESIGN.X.law(TIME, around()).blocks[0]
+    block = X.law(TIME, around()).blocks[0]
     bounds = np.array([s.signal.high for s in block.states if not s.integer])
-    controller = axis_regulator.synthesise(DESIGN.X.axes[0], TIME, 1).controller
+    controller = axis_regulator.synthesise(X.axes[0], TIME, 1).controller
     signs = np.repeat(np.random.default_rng(1).choice([-1.0, 1.0], (500, 2)), 40, axis=0)
     x, largest = np.zeros(len(bounds)), np.zeros(len(bounds))
     for sign in signs:
@@ -178,8 +179,8 @@ def test_the_state_bounds_of_a_saturated_axis_hold_and_have_the_right_magnitude(
 
 def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
     """Planted defect: the axis is designed without delay, the loop has a delay of one sample."""
-    forgetful = stage.controller("late", TIME, around(delay=0), [DESIGN.Z, DESIGN.X])
-    sound = stage.controller("sound", TIME, around(), [DESIGN.Z, DESIGN.X])
+    forgetful = stage.controller("late", TIME, around(delay=0), [Z, X])
+    sound = stage.controller("sound", TIME, around(), [Z, X])
     late = replace(forgetful, interface=around())
     points = {"mid": {"z": 0.0}}
     require = {"phase_margin": 30.0, "modulus_margin": 0.5}
@@ -291,11 +292,11 @@ def test_a_plant_that_the_command_does_not_influence_is_refused() -> None:
 def test_an_output_without_a_sensor_or_set_point_is_refused() -> None:
     for changed in ({"set_points": [SetPoint("z_ref", "z", -5e-4, 5e-4)]}, {"sensors": [Sensor("z")]}):
         with pytest.raises(SignalError, match="the axis of 'x' needs a sensor and a set-point"):
-            DESIGN.X.law(TIME, around(**changed))
+            X.law(TIME, around(**changed))
 
 
 def test_the_document_contains_the_synthesised_gains() -> None:
-    document = DESIGN.X.law(TIME, around()).gains(np.float32)["x"]
+    document = X.law(TIME, around()).gains(np.float32)["x"]
     assert document["delay_samples"] == 1 and document["speeds_per_s"] == [25.0, 20.0, 20.0]
     assert document["certificate"]["error_dies_out"] and document["states"][2] == "i2_late1"
     assert len(document["K"]) == len(document["states"]) == 8

@@ -25,6 +25,8 @@ PARAMETERS = (
     Parameter("s", 400.0, "N/m", 0.1, "frequency of the free motion"),
 )
 VELOCITY = {"z": "vz", "x": "vx"}
+HEAVY = {"K": 18.0, "F0": 13.7, "M": 1.57}  # of a weak magnet under a payload
+STIFF = {"k": 7.2, "s": 440.0}  # of a stiff flexure
 STOPS = {"z": (-6e-4, 6e-4), "x": (-1e-3, 1e-3)}  # m
 
 
