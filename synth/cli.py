@@ -220,6 +220,31 @@ def study(
     raise typer.Exit(study_command.study(name, as_json, fresh, chosen))
 
 
+@app.command(epilog="Example: synth compare my_stage my_other_stage --plants 1000 --report comparison.html")
+def compare(
+    first: Name,
+    second: Name,
+    as_json: AsJson = False,
+    plants: Annotated[int, typer.Option(min=1, help="machines to draw; the first is the nominal one")] = 200,
+    experiments: Annotated[
+        list[str] | None, typer.Option(help="pattern of experiments' names; may be repeated")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the machines")] = 0,
+    sampling: Annotated[
+        Sampling, typer.Option(help="how machines are drawn within their tolerances")
+    ] = Sampling.UNIFORM,
+    report: Annotated[Path | None, typer.Option(help="file for a page with the tables, as HTML")] = None,
+    fresh: Fresh = False,
+) -> None:
+    """Run two designs of one plant on the same machines: experiments, margins, instructions side by side. No verdicts."""
+    from synth import compare_command
+    from synth.simulate import sampling as samplings
+
+    drawn = samplings.Sampling(plants, seed, samplings.Method(sampling.value))
+    chosen = compare_command.CompareChoice(drawn, tuple(experiments or ()), report)
+    raise typer.Exit(compare_command.compare((first, second), as_json, fresh, chosen))
+
+
 @app.command(epilog="Example: synth tune my_stage --plants 16 --report tuning.html")
 def tune(
     name: Name,

@@ -49,7 +49,7 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
     if any(outcome.error for outcome in outcomes.values()):
         return 2
-    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
+    table = outcomes[name].value if name in outcomes else study_jobs.result(design, plan, outcomes)
     worst = None
     if chosen.search is not None:
         climb = partial(study_jobs.search, design, plan, table, chosen.search)

@@ -63,13 +63,13 @@ def jobs(design: Design, plan: Plan) -> list[Job]:
     stage, first = stage_of(design), f"{design.name} compile"
     study.select(stage.experiments, plan.experiments)
     compile = Job(first, design.name, partial(_compile, stage, plan))
-    batches = [Job(_name(b), design.name, partial(_batch, design, plan, b), (first,)) for b in plan.batches]
+    batches = [Job(_name(design, b), design.name, partial(_batch, design, plan, b), (first,)) for b in plan.batches]
     return [compile, *batches]
 
 
-def result(plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
-    """Return the whole table from the outcomes of all jobs, none of which failed."""
-    return study.join([outcomes[_name(batch)].value for batch in plan.batches])
+def result(design: Design, plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
+    """Return the whole table from the outcomes of all jobs of a design, none of which failed."""
+    return study.join([outcomes[_name(design, batch)].value for batch in plan.batches])
 
 
 def _batch(design: Design, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
@@ -158,8 +158,8 @@ def _design(root: str, name: str) -> Design:
     return design
 
 
-def _name(batch: Sequence[range]) -> str:
-    return f"rows {batch[0][0]} to {batch[-1][-1]}"
+def _name(design: Design, batch: Sequence[range]) -> str:
+    return f"{design.name} rows {batch[0][0]} to {batch[-1][-1]}"
 
 
 def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:

@@ -8,8 +8,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from synth.check import Check
+from synth.report import comparison as comparisons
+from synth.report import page
 from synth.report import tuning as tunings
 from synth.report.audit import Row
+from synth.report.comparison import Side
 from synth.simulate import fault_table
 from synth.simulate import study as studies
 from synth.simulate.fault_rows import Campaign
@@ -82,11 +85,22 @@ def print_machine(design: str, study: StudyTable) -> None:
 def print_tuning(design: str, tuning: Tuning, tuned: Tuned) -> None:
     """Print the proposed values beside the declared ones, goals, margins, and the certificate of the proposal."""
     console = Console(width=None if sys.stdout.isatty() else 160)
-    for t in tunings.tables(tuning, tuned):
-        rows = ([cell if isinstance(cell, str) else f"{cell:.4g}" for cell in row] for row in t.rows)
-        _print(console, f"{design}: {t.caption}", t.columns, rows)
+    _print_tables(console, design, tunings.tables(tuning, tuned))
     print_checks(f"{design}: certificate of the proposal", tuned.certificate.checks)
     console.print("\n".join(tunings.notes(tuned)), highlight=False, markup=False)
+
+
+def print_comparison(sides: tuple[Side, Side]) -> None:
+    """Print experiments, margins and instructions of two designs side by side, and their yields."""
+    console = Console(width=None if sys.stdout.isatty() else 200)
+    _print_tables(console, " and ".join(side.name for side in sides), comparisons.tables(sides))
+    console.print("\n".join(comparisons.notes(sides)), highlight=False, markup=False)
+
+
+def _print_tables(console: Console, title: str, of: Sequence[page.Table]) -> None:
+    for t in of:
+        rows = ([cell if isinstance(cell, str) else f"{cell:.4g}" for cell in row] for row in t.rows)
+        _print(console, f"{title}: {t.caption}", t.columns, rows)
 
 
 def print_cost(cost: costs.Cost) -> None:

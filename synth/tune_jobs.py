@@ -7,7 +7,7 @@ A candidate reaches every goal where no r exceeds 1. Candidates run as variants 
 (`build.vary`), without a compilation: with gains at run time one costs 0.1 to 5 s, with C of its own 3 to 60 s.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,8 +26,6 @@ from synth.simulate.study import StudyTable
 from synth.tuning import Candidate, Goal, Plan, Tuning
 from synth.verify import standard
 from synth.workspace import Design
-
-DISK = "disk_margin"
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,20 +135,6 @@ def _worst(values: NDArray[np.float64] | None, failed: bool) -> float:
 
 def _margin_goals(stage: Stage, tuning: Tuning, survey: robustness.Survey) -> tuple[Goal, ...]:
     required = {**stage.require, **tuning.require}
-    least = least_margins(stage, survey, required)
+    least = standard.least_margins(stage, survey, required)
     units = {name: each.unit for name, each in robustness.REQUIREMENTS.items()}
     return tuple(Goal(name, units.get(name, "1"), least[name], limit, True) for name, limit in required.items())
-
-
-def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:
-    """Return the least of each margin over the loops of a survey, 0 without an equilibrium.
-
-    The disk margin is that of the nominal plant at the operating points, its certified lower bound.
-    """
-    stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
-    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
-    if DISK in names:
-        loops = standard.loops(stage)
-        disks = [robustness.disk_margins(loops, point)["both"].lower for point in loops.points] if stable else [0.0]
-        margins[DISK] = min(disks)
-    return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)

@@ -24,7 +24,7 @@ from synth.errors import DesignError
 from synth.execute import build
 from synth.jobs import Job
 from synth.progress import Display, Progress
-from synth.tune_jobs import DISK, Search, least_margins, measure_goals, with_values
+from synth.tune_jobs import Search, measure_goals, with_values
 from synth.tuning import Candidate, Certificate, Tuned
 from synth.verify import standard
 
@@ -146,6 +146,8 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
     if not stage.operating_points:
         return Certificate(goals, tuple(checks), {})
     survey = robustness.survey(standard.over_tolerances(stage))
-    required = {name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != DISK}
+    required = {name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != standard.DISK}
     checks += robustness.checks(survey.loops, required, survey.unsolved)
-    return Certificate(goals, tuple(checks), least_margins(stage, survey, (*robustness.REQUIREMENTS, DISK)))
+    return Certificate(
+        goals, tuple(checks), standard.least_margins(stage, survey, (*robustness.REQUIREMENTS, standard.DISK))
+    )

@@ -56,6 +56,7 @@ LAYERS += (
     "study_jobs",
     "tune_jobs",
     "tune_search",
+    "comparison",
     "tables",
     "stage",
     "testing",
@@ -63,6 +64,7 @@ LAYERS += (
     "command_results",
     "study_command",
     "tune_command",
+    "compare_command",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}

@@ -40,7 +40,7 @@ def design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Design:
 def whole(design: Design, plan: Plan = PLAN, processes: int = 2) -> StudyTable:
     outcomes = jobs.run(study_jobs.jobs(design, plan), Lines(lambda about, line: None), processes)
     assert not any(o.error for o in outcomes.values()), outcomes
-    return study_jobs.result(plan, outcomes)
+    return study_jobs.result(design, plan, outcomes)
 
 
 def require_equal(first: StudyTable, second: StudyTable) -> None:

@@ -89,7 +89,8 @@ def _step(
         excursion = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
         checks.append(Check("gap moves by", excursion, 20e-6, "m", "during the step"))
     about = f"{axis} from {start:g} to {target:g} {unit}, encoders of 10 um, one sample of delay"
-    return experiment(trajectory, about, {axis: run.reference}, {}, checks, overload=True)
+    figures = {f"hunting, u{unit}": float(np.ptp(trajectory[axis][-1000:])) * 1e6}  # in the last second
+    return experiment(trajectory, about, {axis: run.reference}, figures, checks, overload=True)
 
 
 def response(

@@ -247,16 +247,23 @@ def estimate_yield(table: StudyTable) -> Yield:
     return Yield(kept / n, float(interval.low), float(interval.high))
 
 
-def notes(table: StudyTable) -> list[str]:
-    """Return the yield and its meaning as sentences, and why machines have no result."""
+def yield_notes(table: StudyTable) -> list[str]:
+    """Return the yield as a sentence, and why machines have no result."""
     share = estimate_yield(table)
     errors = Counter((experiment, reason) for _, experiment, reason in table.errors)
     return [
         f"{int(table.passed.sum())} of {len(table.rows)} machines keep every limit: yield {share.share:.2%}, "
         f"{share.low:.2%} to {share.high:.2%} with {CONFIDENCE:.0%} confidence.",
+        *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
+    ]
+
+
+def notes(table: StudyTable) -> list[str]:
+    """Return the yield and its meaning as sentences, and why machines have no result."""
+    return [
+        *yield_notes(table),
         f"{table.integration.substeps} steps of order {table.integration.order} a sample in lanes, with an error of a "
         f"state of at most {table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
         "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
         "rank correlation; |h| where deviations of h to both sides act alike.",
-        *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
     ]

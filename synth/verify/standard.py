@@ -8,7 +8,7 @@ Single precision is compared with double in two ways: from the same bits in step
 and by the true path of the plant in closed loops with ideal sensors.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,6 +31,7 @@ SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
 DIVERGENT_SHARE = 1e-3  # fraction of random steps whose decisions differ in single precision
+DISK = "disk_margin"
 PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in single against double
 
 
@@ -88,6 +89,20 @@ def loops(stage: Stage) -> robustness.Loops:
 def over_tolerances(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
     return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
+
+
+def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:
+    """Return the least of each margin over the loops of a survey, 0 without an equilibrium.
+
+    The disk margin is that of the nominal plant at the operating points, its certified lower bound.
+    """
+    stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
+    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
+    if DISK in names:
+        nominal = loops(stage)
+        disks = [robustness.disk_margins(nominal, point)["both"].lower for point in nominal.points] if stable else [0.0]
+        margins[DISK] = min(disks)
+    return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)
 
 
 def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
