@@ -236,7 +236,7 @@ def compare(
     report: Annotated[Path | None, typer.Option(help="file for a page with the tables, as HTML")] = None,
     fresh: Fresh = False,
 ) -> None:
-    """Run two designs of one plant on the same machines: experiments, margins, instructions side by side. No verdicts."""
+    """Run two designs of one plant on the same machines: values, margins, instructions side by side. No verdicts."""
     from synth import compare_command
     from synth.simulate import sampling as samplings
 

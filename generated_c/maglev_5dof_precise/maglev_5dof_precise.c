@@ -49,7 +49,7 @@ static inline uint32_t maglev_5dof_precise_flag(bool holds)
 
 static inline bool maglev_5dof_precise_equal(float a, float b)
 {
-    return (a <= b) && (b <= a);
+    return (a <= b) && !(a < b);
 }
 
 #if defined(__GNUC__)
@@ -696,10 +696,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
-    bool suspect_y1 = false;
-    bool suspect_y2 = false;
-    bool suspect_y3 = false;
-    bool suspect_y4 = false;
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
     bool gaps_sufficient = true;
@@ -743,19 +739,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
         const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
-        bool suspects_y1;
-        bool suspects_y2;
-        bool suspects_y3;
-        bool suspects_y4;
+        bool suspect_y1;
+        bool suspect_y2;
+        bool suspect_y3;
+        bool suspect_y4;
         bool determined;
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = redundancy_undecided_0 == 0u;
             if (agreement || (guard_ready == 0u)) {
                 const bool suspect_y1_test = redundancy_undecided_0 != 0u;
-                suspects_y1 = suspect_y1_test;
-                suspects_y2 = suspect_y1_test;
-                suspects_y3 = suspect_y1_test;
-                suspects_y4 = suspect_y1_test;
+                suspect_y1 = suspect_y1_test;
+                suspect_y2 = suspect_y1_test;
+                suspect_y3 = suspect_y1_test;
+                suspect_y4 = suspect_y1_test;
                 determined = agreeing;
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
@@ -821,13 +817,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspects_y1 = (maglev_5dof_precise_flag(least_upto_score_y1) + waited) != 0u;
+                suspect_y1 = (maglev_5dof_precise_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
-                suspects_y2 = (maglev_5dof_precise_flag(least_upto_score_y2) + waited) != 0u;
+                suspect_y2 = (maglev_5dof_precise_flag(least_upto_score_y2) + waited) != 0u;
                 const bool least_upto_score_y3 = least <= score_y3;
-                suspects_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
+                suspect_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
-                suspects_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
+                suspect_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
                 const float contradictory_y1_y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
                     ((least_upto_score_y1) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
                 y1_held = contradictory_y1_y1_held;
@@ -869,10 +865,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
                 (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
             const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
-            suspects_y1 = (redundancy_excluded_y1 + doubted) != 0u;
-            suspects_y2 = (redundancy_excluded_y2 + doubted) != 0u;
-            suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
-            suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
+            suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
+            suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
+            suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
+            suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
             const uint32_t gaps_sufficient_part = maglev_5dof_precise_flag((usable_y1) ? false : true) +
                 maglev_5dof_precise_flag((usable_y2) ? false : true) +
                 maglev_5dof_precise_flag((usable_y3) ? false : true);
@@ -901,10 +897,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_undecided_0_next = doubted;
         }
-        suspect_y1 = suspects_y1;
-        suspect_y2 = suspects_y2;
-        suspect_y3 = suspects_y3;
-        suspect_y4 = suspects_y4;
         const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
         const uint32_t flag_suspect_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
         const bool unusual_z_trusted = usable_z && (flag_suspect_z == 0u);
@@ -913,12 +905,35 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
         regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspects_y4 || suspects_y3 ||
-            suspects_y2 || suspects_y1) ? 1u : redundancy_degraded;
+        const uint32_t degraded_2 = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
+            suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
+        redundancy_degraded_next = degraded_2;
+
+        /* guard: range acceptance, hold, latch (continued) */
+        if (suspect_y1) {
+            faults |= 0x00000800u;
+        }
+        if (suspect_y2) {
+            faults |= 0x00001000u;
+        }
+        if (suspect_y3) {
+            faults |= 0x00002000u;
+        }
+        if (suspect_y4) {
+            faults |= 0x00004000u;
+        }
+        if (suspects_x != 0u) {
+            faults |= 0x00008000u;
+        }
+        if (flag_suspect_z != 0u) {
+            faults |= 0x00010000u;
+        }
         suspect_x = suspects_x;
         suspect_z = flag_suspect_z;
         x_trusted = unusual_x_trusted;
         z_trusted = unusual_z_trusted;
+
+        /* redundancy: parity, innovations, frozen codes (continued) */
         x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
         z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
         degraded = guard_ready;
@@ -930,6 +945,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->y2_expected = y2_expected;
             diagnostics->y3_expected = y3_expected;
             diagnostics->y4_expected = y4_expected;
+            diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
+            diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
+            diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
+            diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
         }
 #endif
     }
@@ -1092,24 +1111,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
     /* guard: range acceptance, hold, latch (continued) */
     const float missed_calls = in->missed_calls;
-    if (suspect_y1) {
-        faults |= 0x00000800u;
-    }
-    if (suspect_y2) {
-        faults |= 0x00001000u;
-    }
-    if (suspect_y3) {
-        faults |= 0x00002000u;
-    }
-    if (suspect_y4) {
-        faults |= 0x00004000u;
-    }
-    if (suspect_x != 0u) {
-        faults |= 0x00008000u;
-    }
-    if (suspect_z != 0u) {
-        faults |= 0x00010000u;
-    }
     if (degraded != 0u) {
         faults |= 0x00020000u;
     }
@@ -1645,10 +1646,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
         diagnostics->x_unchanged = (float)x_unchanged;
         diagnostics->z_unchanged = (float)z_unchanged;
-        diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
-        diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
-        diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
-        diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
         diagnostics->suspect_x = (float)suspect_x;
         diagnostics->suspect_z = (float)suspect_z;
         diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;

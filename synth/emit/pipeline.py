@@ -4,6 +4,7 @@
     lower.program                  CasADi expressions to nodes in SSA form, common subexpression elimination
     fold.folded                    constant folding, algebraic simplification, shared reciprocals
     flags.simplified               truth values: sums and choices of 0 and 1 become logic
+    fault_bits.gather              bits that one side of a condition sets are set on that side
     safe.require_safe              proof on the program as written: no division by 0, no argument outside a domain
     replace.replace_functions      surrogates: minimax polynomials for functions of one variable
     limits.without_idle            dead limits by range analysis
@@ -33,7 +34,7 @@ from synth.emit.c import c_text, equations, header, kinds, layout, printer
 from synth.emit.c import lines as wrapping
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, flags, fold, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.passes import calls, fault_bits, flags, fold, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
@@ -104,7 +105,7 @@ def _run_passes(
     """Return the constants, program, surrogates and composed program of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
-    program = flags.simplified(fold.folded(program))
+    program = fault_bits.gather(flags.simplified(fold.folded(program)))
     composed = _without_certificates(limits.without_idle(program, bounds, scalar))
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
     polynomials: tuple[Surrogate, ...] = ()

@@ -87,9 +87,9 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
 
 
 def _equal(name: str, layout: Layout) -> list[str]:
-    """Return the function that compares two real numbers; like ==, it is false for NaN."""
+    """Return the function that compares two real numbers by one comparison; like ==, it is false for NaN."""
     head = f"static inline bool {name}_equal({layout.ctype} a, {layout.ctype} b)"
-    return [head, "{", "    return (a <= b) && (b <= a);", "}", ""]
+    return [head, "{", "    return (a <= b) && !(a < b);", "}", ""]
 
 
 def _inline(block: Block) -> list[str]:
