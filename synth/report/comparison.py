@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from synth.analyse import robustness
 from synth.report import page
 from synth.report.page import Section, Table, Text
 from synth.simulate import study
@@ -33,27 +34,36 @@ class Side:
 
 
 def tables(sides: tuple[Side, Side]) -> tuple[Table, ...]:
-    """Return the tables of the experiments, of the margins, and of the instructions where both were measured."""
+    """Return the tables of limited values, other values, margins, and instructions where both were measured."""
     first, second = sides
-    margins = tuple((n.replace("_", " "), least, second.margins[n]) for n, least in first.margins.items())
-    columns = ("what", "unit", *(f"{side.name}: {statistic}" for side in sides for statistic in STATISTICS))
+    margins = tuple((_with_unit(n), least, second.margins[n]) for n, least in first.margins.items())
+    columns = ("what", "unit", *(f"{statistic} {letter}" for statistic in STATISTICS for letter in "AB"))
+    limits = {**first.study.limits, **second.study.limits}
+    values = {row[0]: row for row in _experiments(first.study, second.study)}
+    limited, others = (tuple(row for n, row in values.items() if (n in limits) == is_in) for is_in in (True, False))
+    captions = f"Limited values on {len(first.study.rows)} machines: A {first.name}, B {second.name}", "Other values"
     return (
-        Table(f"Experiments on {len(first.study.rows)} machines", columns, _experiments(sides)),
+        *(Table(caption, columns, rows, 3) for caption, rows in zip(captions, (limited, others), strict=True)),
         Table("Least margins", ("margin", first.name, second.name), margins),
         *_instructions(sides),
     )
 
 
-def _experiments(sides: tuple[Side, Side]) -> tuple[tuple[page.Cell, ...], ...]:
+def _with_unit(margin: str) -> str:
+    unit = robustness.REQUIREMENTS[margin].unit if margin in robustness.REQUIREMENTS else "1"
+    return margin.replace("_", " ") + ("" if unit == "1" else f", {unit}")
+
+
+def _experiments(*studies: StudyTable) -> tuple[tuple[page.Cell, ...], ...]:
     """Return a row for each value of an experiment that one of the designs has, as most have both."""
-    first, second = ({s.name: s for s in study.summarise(side.study)} for side in sides)
+    first, second = ({s.name: s for s in study.summarise(table)} for table in studies)
     return tuple(_row(name, first.get(name), second.get(name)) for name in dict.fromkeys([*first, *second]))
 
 
 def _row(name: str, *summaries: Summary | None) -> tuple[page.Cell, ...]:
     unit = next(s.unit for s in summaries if s)
-    empty = ("",) * len(STATISTICS)
-    return (name, unit, *(v for s in summaries for v in ((s.nominal, s.percentile_95, s.worst) if s else empty)))
+    values = [(s.nominal, s.percentile_95, s.worst) if s else ("",) * len(STATISTICS) for s in summaries]
+    return (name, unit, *(value for pair in zip(*values, strict=True) for value in pair))
 
 
 def _instructions(sides: tuple[Side, Side]) -> tuple[Table, ...]:
@@ -76,9 +86,9 @@ def notes(sides: tuple[Side, Side]) -> list[str]:
 
 def section(sides: tuple[Side, Side]) -> Section:
     """Return the section: what is compared, the yields, and the tables."""
-    experiments, margins, *instructions = tables(sides)
+    limited, others, margins, *instructions = tables(sides)
     text = Text("\n\n".join([ABOUT, *notes(sides)]))
-    return Section(TITLE, (text, experiments, Text(MARGINS), margins, *instructions))
+    return Section(TITLE, (text, limited, Text(MARGINS), margins, *instructions, others))
 
 
 def page_text(sides: tuple[Side, Side]) -> str:
