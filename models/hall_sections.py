@@ -257,6 +257,7 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("half_pitch", l / 2, "m", "half of the pitch"),
         Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
         *contradictions.numbers(A, CONFIRMATION),
+        Constant("memory", MEMORY, "1", "samples for which a contradiction is remembered", ("contradiction",)),
         Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} A^2: keeps a divisor from 0"),
         Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),

@@ -341,9 +341,14 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const uint32_t others_0 = 3u;                        /* 1; sensors beside one */
     static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
     static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
      * travel_high_z */
     static const float travel = -0.0499f;
@@ -351,7 +356,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
     static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
     static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const uint32_t tolerated = 2u;                       /* 1; readings of a group that may be missing */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
     static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
     static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
@@ -381,6 +388,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
     static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
     static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t fourth_quarter = 12u;                 /* 1; last sample of the second push */
+    static const uint32_t first_quarter = 3u;                   /* 1; last sample of the first push of a pair */
+    static const uint32_t third_quarter = 9u;                   /* 1; last sample of the push to the other side */
     static const float M_x = 10.6f;                             /* kg; Table I */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float M_z = 8.6f;                              /* kg; Table I */
@@ -392,17 +403,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions before the one that excludes */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
     static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
     static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
     static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
     static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
+    static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
     static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
     static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
     static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
     /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
     static const float acceleration_step = 0.004f;
+    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
     /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
     static const float first_push = 0.46666667f;
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
@@ -462,14 +479,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= x_unchanged, else 0
+     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+     *         sample or quiet_samples <= x_unchanged, else 0
      *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
-     *         sample or 40 <= x_unchanged, else towards */
+     *         sample or quiet_samples <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = 5u <= probe_x_attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -515,24 +530,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
+     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+     *         sample or quiet_samples <= z_unchanged, else 0
      *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_z, else first_push)) if 1 <=
-     *         sample or 40 <= z_unchanged, else towards */
+     *         sample or quiet_samples <= z_unchanged, else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = 5u <= probe_z_attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
      *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
      *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-     *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
-     *         z_unchanged
-     *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
-     *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
-     *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+     *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
+     *         0; likewise z_unchanged, still_y1_next, still_y2_next, still_y3_next, still_y4_next
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
+     *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
@@ -544,11 +555,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
         if (gate < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_next = 10u;
+            redundancy_doubts_x_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_x) {
                 redundancy_doubts_x_next = redundancy_doubts_x - 1u;
@@ -557,7 +568,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
+    const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
@@ -565,11 +576,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
         if (gate < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_next = 10u;
+            redundancy_doubts_z_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_z) {
                 redundancy_doubts_z_next = redundancy_doubts_z - 1u;
@@ -578,7 +589,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
+    const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -592,25 +603,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_y1 = (still_samples <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
     uint32_t still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_y2 = (still_samples <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
     uint32_t still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_y3 = (still_samples <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
     uint32_t still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     bool suspect_y1 = false;
     bool suspect_y2 = false;
@@ -681,37 +692,37 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
                 const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
                 const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
-                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const bool repeats_y1 = repeated_samples <= still_y1;
                 const float least_E = candidate_part * size;
-                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
-                const bool still_y2_at_least_3 = 3u <= still_y2;
-                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
-                const bool still_y3_at_least_3 = 3u <= still_y3;
-                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
-                const bool still_y4_at_least_3 = 3u <= still_y4;
-                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
+                const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
+                const bool repeats_y2 = repeated_samples <= still_y2;
+                const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
+                const bool repeats_y3 = repeated_samples <= still_y3;
+                const bool candidate_y3 = repeats_y3 && (least_E < E_y3);
+                const bool repeats_y4 = repeated_samples <= still_y4;
+                const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
                 const bool first = candidates != 0u;
-                const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
-                    maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
+                const uint32_t score_y1_part = maglev_5dof_flag(still_y1 < repeated_samples) +
+                    maglev_5dof_flag(still_y2 < repeated_samples) + maglev_5dof_flag(still_y3 < repeated_samples);
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 uint32_t suspect_y1_part = 0u;
-                if (moving == 3u) {
-                    const bool flag_y1 = 8u <= still_y1;
+                if ((score_y1_part + maglev_5dof_flag(still_y4 < repeated_samples)) == others_0) {
+                    const bool stands_y1 = still_samples <= still_y1;
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
-                    const bool flag_y2 = 8u <= still_y2;
-                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
-                    const bool flag_y3 = 8u <= still_y3;
-                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
-                    const bool flag_y4 = 8u <= still_y4;
-                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
-                    suspect_y1_part = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
-                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
+                    preferred_y1 = (stands_y1) ? second_rule : 0.0f;
+                    const bool stands_y2 = still_samples <= still_y2;
+                    preferred_y2 = (stands_y2) ? second_rule : 0.0f;
+                    const bool stands_y3 = still_samples <= still_y3;
+                    preferred_y3 = (stands_y3) ? second_rule : 0.0f;
+                    const bool stands_y4 = still_samples <= still_y4;
+                    preferred_y4 = (stands_y4) ? second_rule : 0.0f;
+                    suspect_y1_part = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) +
+                        maglev_5dof_flag(stands_y3) + maglev_5dof_flag(stands_y4);
                 }
                 const float score_y1 = E_y1 +
                     (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
@@ -733,7 +744,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     (best - second)) && (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
-                const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
+                const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
                 suspects_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
                 suspects_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
@@ -753,7 +764,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
                 bool contradictory_y4 = least_upto_score_y4;
-                if (redundancy_contradictions_0 < 2u) {
+                if (redundancy_contradictions_0 < excluded_from) {
                     contradictory_y1 = false;
                     contradictory_y2 = false;
                     contradictory_y3 = false;
@@ -763,14 +774,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
-                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
-                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
+                    maglev_5dof_flag(repeats_y2 && contradictory_y2) + maglev_5dof_flag(repeats_y3 && contradictory_y3);
                 redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
-                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                    maglev_5dof_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0) != 0u);
                 determined = waited == 0u;
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
+                const uint32_t redundancy_contradictions_0_part = (most_contradictions <= redundancy_contradictions_0) ?
+                    redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
+                redundancy_contradictions_0_next = redundancy_contradictions_0_part;
                 redundancy_undecided_0_next = waited;
             }
         } else {
@@ -785,7 +796,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const uint32_t gaps_sufficient_part = maglev_5dof_flag((usable_y1) ? false : true) +
                 maglev_5dof_flag((usable_y2) ? false : true) + maglev_5dof_flag((usable_y3) ? false : true);
             const uint32_t missing = gaps_sufficient_part + maglev_5dof_flag((usable_y4) ? false : true);
-            gaps_sufficient = missing <= 2u;
+            gaps_sufficient = missing <= tolerated;
             const bool missing_at_most_1 = missing <= 1u;
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
@@ -845,7 +856,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
      *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
      *         w_x_tracking; likewise w_z_unprobed
-     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
+     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
      *         acceleration_step_y) if landing_next is set, else dr_y
@@ -922,7 +933,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
     if (enough) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
     } else {
         const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
@@ -1204,18 +1215,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (40u <= x_unchanged)) {
+        if (runs_w_x || (quiet_samples <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
                 float pulse_w_x = 0.0f;
-                if (probe_x_sample <= 12u) {
+                if (probe_x_sample <= fourth_quarter) {
                     const float push_w_x = state->probe_x_towards * (float)w_x_part;
-                    pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
+                    pulse_w_x = ((first_quarter < probe_x_sample) && (probe_x_sample <= third_quarter)) ? -push_w_x :
+                        push_w_x;
                 }
                 w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
-                if (15u <= probe_x_sample) {
+                if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
+                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
@@ -1236,24 +1249,26 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
 
         /* landing: ramps and state feedback (continued) */
-        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (40u <= z_unchanged)) {
+        if (runs_w_z || (quiet_samples <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
                 float pulse_w_z = 0.0f;
-                if (probe_z_sample <= 12u) {
+                if (probe_z_sample <= fourth_quarter) {
                     const float push_w_z = state->probe_z_towards * (float)w_z_part;
-                    pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
+                    pulse_w_z = ((first_quarter < probe_z_sample) && (probe_z_sample <= third_quarter)) ? -push_w_z :
+                        push_w_z;
                 }
                 w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
-                if (15u <= probe_z_sample) {
+                if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
+                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
                 }

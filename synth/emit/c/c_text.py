@@ -160,7 +160,7 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
-    read = {n.name for n in program.nodes if n.op == "constant"}
+    read = {n.name for n in program.nodes if n.op in ("constant", "literal")}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
     rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
     rows += routines.parameters(block, program, layout)

@@ -153,7 +153,7 @@ class _Text:
 
     def _leaf(self, node: Node) -> tuple[str, int] | None:
         if node.op == "literal":
-            return f"{node.value:.6g}", ATOM if node.value >= 0 else 6
+            return node.name or f"{node.value:.6g}", ATOM if node.value >= 0 else 6
         if node.op in ("input", "state", "constant"):
             sign = "-" if node.op == "constant" and node.value < 0 else ""
             return f"{sign}{_local(node.name, self.block)}", 6 if sign else ATOM

@@ -227,7 +227,7 @@ class Expressions:
         """Return node k as a uint32_t."""
         node = self.p.nodes[k]
         if node.op == "literal":
-            return Text(f"{int(node.value)}u")
+            return Text(constant(node.name) if node.name else f"{int(node.value)}u")
         if self.kinds[k] == "logical":
             return Text(f"{self.name}_flag({self.condition(k).c})")
         return self.operand(k) if self.kinds[k] == "integer" else self._cast("uint32_t", k, self.value(k))

@@ -242,7 +242,9 @@ class _Printer:
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
         if routine.by_value:
-            passed += [signed_constant(n).c if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+            passed += [
+                signed_constant(n).c if n.op == "constant" else literal(n.value, self.c.scalar).c for n in call.numbers
+            ]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
