@@ -145,7 +145,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
             x_weight, yaw_weight = _innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            squared += yaw_weight * (information * (phi + yaw_correction - u["phi_predicted"]) ** 2)
+            yaw_innovation = phi + yaw_correction - u["phi_predicted"]
+            squared += yaw_weight * (information * yaw_innovation**2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.

@@ -52,7 +52,8 @@ def isolate(
     for n in names:
         second = ca.fmax(second, ca.fmin(best, score[n]))
         best = ca.fmax(best, score[n])
-    by_code = candidates + sum(alone.values(), start=ca.SX(0)) > 0
+    standing = sum(alone.values(), start=ca.SX(0))
+    by_code = candidates + standing > 0
     distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 

@@ -77,9 +77,9 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
     numbers = [
         Constant("first_push", a, demand.unit, f"acceleration of the first pair, which {about}"),
         Constant("quiet_samples", probe.quiet, "1", "without a change of the code until it probes", ("unchanged",)),
-        Constant("first_quarter", n, "1", "last sample of the first push of a pair", ("sample",)),
-        Constant("third_quarter", 3 * n, "1", "last sample of the push to the other side", ("sample",)),
-        Constant("fourth_quarter", 4 * n, "1", "last sample of the second push", ("sample",)),
+        Constant("first_push_end", n, "1", "last sample of the first push of a pair", ("sample",)),
+        Constant("reverse_push_end", 3 * n, "1", "last sample of the push to the other side", ("sample",)),
+        Constant("last_push_end", 4 * n, "1", "last sample of the second push", ("sample",)),
         Constant("pair_samples", pair, "1", "of a pair with its answer", ("sample", "unchanged")),
         Constant("most_attempts", probe.attempts, "1", "pairs without an answer: the sensor is frozen", ("attempt",)),
     ]
@@ -90,7 +90,8 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         active = ca.logic_or(runs, waits)
         ends = x["sample"] >= pair
         sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), u["free"])
-        failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], x["attempt"] + 1)
+        one_more = x["attempt"] + 1
+        failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], one_more)
         after = ca.if_else(ends, ca.if_else(still >= pair, failures, 0), x["attempt"])
         attempt = ca.if_else(runs, after, x["attempt"])
         other = ca.if_else(ends, -x["towards"], x["towards"]) if probe.both_sides else x["towards"]

@@ -157,7 +157,8 @@ def _vote(
     def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
         return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)
 
-    E = {n: ca.if_else(r > 0, w, -w) * (y[n] - expected[n]) for n, w in weights.items()}
+    direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
+    E = {n: direction[n] * (y[n] - expected[n]) for n in names}
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
     named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
@@ -168,7 +169,8 @@ def _vote(
         moved = ca.if_else(moves, 1, moved)
     missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
     waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
-    doubted = ca.if_else(ca.logic_and(stuck, moved), 1, undecided)
+    wrong_choice = ca.logic_and(stuck, moved)
+    doubted = ca.if_else(wrong_choice, 1, undecided)
     value, suspects = {}, {}
     for n, w in weights.items():
         predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])

@@ -1,4 +1,4 @@
-"""Decision thresholds of sensor fault detection (FDIA): samples, gates and travels of `redundancy`, as the C names them."""
+"""Decision thresholds of sensor fault detection (FDIA): the samples, gates and travels of `redundancy`, with names."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -57,11 +57,9 @@ def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]
         "excluded_from": (decision.persistent - 1, "contradictions before the one that excludes", ("contradictions",)),
         "undecided_from": (decision.undecided - 1, "contradictions before all are suspects", ("contradictions",)),
         "most_contradictions": (decision.undecided, "contradictions that are counted", ("contradictions",)),
-        "tolerated": (decision.tolerated, "readings of a group that may be missing", ("missing",)),
+        "tolerated_missing": (decision.tolerated, "readings of a group that may be missing", ("missing",)),
     }
     numbers = [Constant(name, value, "1", about, of) for name, (value, about, of) in counts.items()]
-    others = (
-        Constant(f"others_{i}", len(r.weights) - 1, "1", "sensors beside one", ("moving",))
-        for i, r in enumerate(relations)
-    )
+    groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
+    others = (Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group", ("moving",)) for n in groups)
     return [*numbers, *others]

@@ -121,8 +121,8 @@ def guard(
                 output[BRAKING.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
                 output[BRAKED.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
-            latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
-            latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
+            gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
+            latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
             next["left"] = ca.if_else(enough, samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}

@@ -10,7 +10,7 @@ LONGEST has none, nor has one that the code repeats as it is; a section without 
 import re
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from textwrap import wrap
 
 from synth.blocks import safety
@@ -36,11 +36,12 @@ class Equation:
     name: str
     text: str
     is_hidden: bool
+    counts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def form(self) -> str:
-        """The text with its names counted in the order in which they are met."""
-        places: dict[str, str] = {}
+        """The text with its names counted in the order in which they are met, and with the values of whole numbers."""
+        places = {name: f"{value:g}" for name, value in self.counts.items()}
         return re.sub(r"\b[A-Za-z]\w*\b(?!\()", lambda word: places.setdefault(word[0], f"_{len(places)}"), self.text)
 
 
@@ -102,14 +103,16 @@ class _Text:
         inner = {k: name for name, k in following.items() if p.nodes[k].op not in _LEAVES}
         self.names: Mapping[int, str] = ChainMap(inner | {k: names[k] for k in inner if k in names}, names)  # type: ignore[arg-type]
         self.left = self.operations = 0
+        self.counts: dict[str, float] = {}
 
     def equation(self, name: str, k: int) -> Equation:
         """Return the equation of node k, with an empty text where it is too long."""
-        self.left, self.operations = LONGEST_HIDDEN, 0
+        self.left, self.operations, self.counts = LONGEST_HIDDEN, 0, {}
         text = self._operation(k)[0] if self.names.get(k, name) == name else self.names[k]
         replaced = any(f"{function}(" in text for function in HIDDEN)
-        fits = self.left > 0 and len(text) <= (LONGEST_HIDDEN if replaced else LONGEST)
-        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST)
+        length = len(re.sub(r"\w+", lambda word: "9" if word[0] in self.counts else word[0], text))
+        fits = self.left > 0 and length <= (LONGEST_HIDDEN if replaced else LONGEST)
+        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST, self.counts)
 
     def _node(self, k: int, strength: int) -> str:
         """Return the text of an operand, in parentheses where its operator binds less."""
@@ -153,6 +156,7 @@ class _Text:
 
     def _leaf(self, node: Node) -> tuple[str, int] | None:
         if node.op == "literal":
+            self.counts |= {node.name: node.value} if node.name else {}
             return node.name or f"{node.value:.6g}", ATOM if node.value >= 0 else 6
         if node.op in ("input", "state", "constant"):
             sign = "-" if node.op == "constant" and node.value < 0 else ""

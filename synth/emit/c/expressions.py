@@ -166,7 +166,10 @@ class Expressions:
         return self._operation(node, [self.integer(a) for a in node.args])
 
     def _truth(self, args: tuple[int, ...]) -> Text:
-        """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b)."""
+        """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b).
+
+        gcc needs more instructions for !c than for (c ? false : true), and for !c && b than for (c ? false : b).
+        """
         condition = self.condition(args[0])
         then, other = (self.as_kind(a, "logical") for a in args[1:])
         if (then.c, other.c) == ("true", "false"):

@@ -39,6 +39,7 @@ class Locals:
     """By node: number of reads in the text, name, the choice whose variable it shares, its initial value.
 
     `direct_loads` are the loads that are assigned before any store: the expression may read the member itself.
+    `assigned` are the nodes that a statement assigns or stores.
     `next_only` are nodes whose only name is that of a next state. `stored` maps a node that is only stored to the state
     which then holds it for the others.
     """
@@ -51,6 +52,7 @@ class Locals:
     identifiers: Names
     next_only: set[int]
     stored: dict[int, str]
+    assigned: set[int]
 
 
 def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
@@ -70,7 +72,15 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     next_only = name.keys() - marked
     stored = _next_states_alone(program, statements, kinds, reads, name.keys() - next_only)
     loads = set(_direct_loads(program, statements)) | _replaced_loads(program, stored, reads)
-    return Locals(reads, name, shared, starts, loads, names, next_only, stored)
+    return Locals(reads, name, shared, starts, loads, names, next_only, stored, set(_assigned(statements)))
+
+
+def _assigned(statements: Sequence[Statement]) -> Iterator[int]:
+    for s in statements:
+        if isinstance(s, Assign | Store):
+            yield s.node
+        elif isinstance(s, Branch):
+            yield from _assigned((*s.then, *s.other))
 
 
 def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
@@ -80,6 +90,7 @@ def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, s
     guarded = any(n.op == "guarded" for n in p.nodes)  # the guards set bits of the variable of this name
     roots += [] if p.word is None else [("fault_word" if guarded else WORD, p.word)]
     taken = {n.name for n in p.nodes if n.op in LOADS} | {mark.signal.name for mark, _ in p.marks}
+    roots += [(name, node) for name, node in p.returns.items() if node not in p.next.values()]
     for name, node in ((name, _carrier(p, name, node)) for name, node in p.next.items()):
         label = p.labels.get(node, "")
         roots.append((label if label and label not in taken else f"{name}_next", node))

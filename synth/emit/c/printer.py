@@ -24,6 +24,7 @@ from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
+SUMS = ("add", "sub")
 
 
 def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
@@ -157,7 +158,7 @@ class _Printer:
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS and k not in self.late
         # An analyser learns from a condition what it does not learn from a variable that holds it.
         width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
-        if waits and (self.naming.width(text.c) < width or k in self.p.returns.values()):
+        if waits and (self.naming.width(text.c) < width or self._goes_on(k)):
             self.c.text[k] = text
             return
         if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
@@ -170,6 +171,12 @@ class _Printer:
         if node.op == "within":
             low, high = (self.c.value(a).c for a in node.args[1:])
             self._put(admission(name, low, high), depth)
+
+    def _goes_on(self, k: int) -> bool:
+        """Tell whether the one line that reads node k goes on with it: it returns or assigns it, or adds to a sum."""
+        node, reader = self.p.nodes[k], self.p.nodes[self.users[k][0]] if self.users[k] else None
+        adds = reader is not None and node.op in SUMS and reader.op in SUMS and reader.args[0] == k
+        return adds or k in self.p.returns.values() or k in self.locals.assigned
 
     def _branch(self, s: Branch, depth: int) -> None:
         joint, self.joint = self.joint, self.joint or self.sections.joint_title(s)
@@ -242,9 +249,7 @@ class _Printer:
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
         if routine.by_value:
-            passed += [
-                signed_constant(n).c if n.op == "constant" else literal(n.value, self.c.scalar).c for n in call.numbers
-            ]
+            passed += [self._number(n) for n in call.numbers]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
@@ -262,6 +267,9 @@ class _Printer:
             self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
         self._check_loads(text)
         self.printed.append(Line("    " * depth + text, prose(self.p.titles.get(call.block, self.tag))))
+
+    def _number(self, n: Node) -> str:
+        return (signed_constant(n) if n.op == "constant" else literal(n.value, self.c.scalar)).c
 
     def _put(self, text: str, depth: int) -> None:
         self._check_loads(text)
