@@ -324,6 +324,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -430,7 +431,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -809,11 +810,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_8_4 * phase_x_part_16) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_17);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
-    const float gradient_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
-        (0.84055555f * offsets_4_phase_x);
-    const float forward_4_phase_x = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x) -
+        (0.84055555f * offsets_4_phase_x) - (terms_1_phase_x_6 * gradient_1_phase_x) -
         (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
@@ -1214,19 +1214,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (terms_1_phase_x_4 * gradient_2_phase_x_2);
     const float phase_x_part_60 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x_2 = phase_x_part_58 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
+    const float gradient_4_phase_x = phase_x_part_58 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
         terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
-    const float forward_4_phase_x_6 = gradient_4_phase_x_2 - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
+    const float forward_4_phase_x_6 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
     const float steps_3_phase_x_2 = phase_x_part_60 - (terms_1_phase_x_8 * steps_4_phase_x_2);
     const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-        (moves_1_4_phase_x_2 * gradient_4_phase_x_2), 1845.4835f);
+        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1845.4835f);
     const float phase_x_part_61 = gains_1_phase_x_2 * projections_1;
     const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-        (moves_2_4_phase_x * gradient_4_phase_x_2), 1845.4835f);
+        (moves_2_4_phase_x * gradient_4_phase_x), 1845.4835f);
     const float phase_x_part_62 = gains_2_phase_x_2 * projections_2;
     const float moved_1 = hall_position_four_limit(best_1 + (phase_x_part_59 - (terms_1_phase_x_2 * steps_3_phase_x_2) -
         (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
@@ -1311,54 +1311,50 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) +
         (phase_x_part_42 * phase_x_part_42 * gains_6);
     const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (phase_x_part_50 * phase_x_part_50 * gain);
-    const float cost_protection_phase_x = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
-        (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f * (offsets_4_phase_x * offsets_4_phase_x));
-    const float full_cost = hall_position_four_max(cost_protection_phase_x -
-        ((gradient_1_phase_x * phase_x_part_8) + (gradient_2_phase_x * phase_x_part_25) +
-        (forward_3_phase_x * phase_x_part_18) + (forward_4_phase_x * steps_4_phase_x)), 0.0f);
+    const float protection_phase_x_part_5 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
+        residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
+        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) +
+        (residuals_7_phase_x * residuals_7_phase_x) + (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f *
+        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_part_8) + (gradient_2_phase_x *
+        phase_x_part_25) + (forward_3_phase_x * phase_x_part_18) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_four_max(protection_phase_x_part_5, 0.0f);
     const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
     const float costs_4 = full_cost -
         ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
     const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float protection_phase_x_part_5 = scores_6_phase_x * gains_6;
+    const float protection_phase_x_part_6 = scores_6_phase_x * gains_6;
     const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_part_5));
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_part_6));
     const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_part_6 = scores_4_phase_x * gains_4;
+    const float protection_phase_x_part_7 = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_6));
-    const float protection_phase_x_part_7 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_part_8 = scores_2_phase_x * gains_2_phase_x;
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_7));
+    const float protection_phase_x_part_8 = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_part_9 = scores_2_phase_x * gains_2_phase_x;
     const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_part_7) + (scores_2_phase_x * protection_phase_x_part_8));
+        ((scores_1_phase_x * protection_phase_x_part_8) + (scores_2_phase_x * protection_phase_x_part_9));
     float limit = 20.515005f;
-    float protection_phase_x_part_9;
+    float protection_phase_x_part_10;
     float protection_phase_y_part_5;
     float level;
     if (hall_position_four_equal(excluded, 0.0f)) {
-        const float protection_phase_x_part_10 = (0.40003738f *
+        protection_phase_x_part_10 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part,
             protection_phase_x_part_2), protection_phase_x_part_3), protection_phase_x_part_4))) +
             (3.4807565f * deviation_phase_x);
-        protection_phase_x_part_9 = protection_phase_x_part_10;
-        const float protection_phase_y_part_6 = (0.40003738f *
+        protection_phase_y_part_5 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part,
             protection_phase_y_part_2), protection_phase_y_part_3), protection_phase_y_part_4))) +
             (3.4807565f * deviation_phase_y);
-        protection_phase_y_part_5 = protection_phase_y_part_6;
-        const float detected = (0.40003738f *
+        level = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part,
             protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4))) + (3.4807565f * deviation_yaw);
-        level = detected;
     } else {
         limit = 17.729996f;
         const float protection_phase_x_part_11 = 0.053650968f + (1e-05f * full_cost);
         const float protection_phase_x_part_12 = steps_1_phase_x - moved_1;
-        const float protection_phase_y_part_7 = steps_2_phase_x - moved_2;
+        const float protection_phase_y_part_6 = steps_2_phase_x - moved_2;
         const float protection_yaw_part_5 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
         float added_protection_phase_x = protection_phase_x_part;
@@ -1368,11 +1364,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         float added_protection_yaw = protection_yaw_part;
         if (costs_1 <= protection_phase_x_part_11) {
             apart_protection_phase_x = fabsf(protection_phase_x_part_12 -
-                ((moves_1_1_phase_x * protection_phase_x_part_7) + (moves_2_1_phase_x * protection_phase_x_part_8)));
-            apart_protection_phase_y = fabsf(protection_phase_y_part_7 -
-                ((moves_2_2_phase_x * protection_phase_x_part_8) - (phase_x_part_27 * protection_phase_x_part_7)));
+                ((moves_1_1_phase_x * protection_phase_x_part_8) + (moves_2_1_phase_x * protection_phase_x_part_9)));
+            apart_protection_phase_y = fabsf(protection_phase_y_part_6 -
+                ((moves_2_2_phase_x * protection_phase_x_part_9) - (phase_x_part_27 * protection_phase_x_part_8)));
             apart_protection_yaw = fabsf(protection_yaw_part_5 -
-                ((moves_1_3_phase_x * protection_phase_x_part_7) - (phase_x_part_26 * protection_phase_x_part_8)));
+                ((moves_1_3_phase_x * protection_phase_x_part_8) - (phase_x_part_26 * protection_phase_x_part_9)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
@@ -1380,38 +1376,38 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         }
         if (costs_2 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
-                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_6))));
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_7))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_2);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
-                - ((moves_4_2 * protection_phase_x_part_6) - (phase_x_part_35 * scores_3_times_gains_3))));
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
+                - ((moves_4_2 * protection_phase_x_part_7) - (phase_x_part_35 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_2);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_6))));
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_7))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_2);
         }
         if (costs_3 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
-                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_5))));
+                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_6))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_3);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
-                - ((moves_6_2 * protection_phase_x_part_5) - (phase_x_part_43 * scores_5_times_gains_5))));
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
+                - ((moves_6_2 * protection_phase_x_part_6) - (phase_x_part_43 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_3);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_5))));
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_6))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_3);
         }
         if (costs_4 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
                 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_4);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
                 - ((moves_8_2 * scores_8_phase_x_times_gain) - (phase_x_part_51 * scores_7_times_gains_7))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_4);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
                 ((moves_7_3 * scores_7_times_gains_7) - (phase_x_part_50 * scores_8_phase_x_times_gain))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_4);
         }
-        protection_phase_x_part_9 = apart_protection_phase_x +
+        protection_phase_x_part_10 = apart_protection_phase_x +
             (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
         protection_phase_y_part_5 = apart_protection_phase_y +
             (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
@@ -1421,11 +1417,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_9 = 61.842377f;
+        protection_phase_x_part_10 = 61.842377f;
         protection_phase_y_part_5 = 61.842377f;
         level = 22.0f;
     }
-    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_9, 61.842377f);
+    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_10, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_part_5, 61.842377f);
     const float protection_yaw = hall_position_four_min(level, 22.0f);
     const uint32_t estimator_start_number = state->estimator_start_number;

@@ -216,6 +216,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -247,7 +248,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;

@@ -443,7 +443,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
+     *         if left <= 1, else latched))
+     *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
+     *         <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -545,6 +549,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* redundancy: parity, innovations, frozen codes
      *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
      *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
+     *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
+     *         score_y4
      *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
      *         0; likewise z_unchanged
      *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
@@ -960,7 +966,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
-    /* handover: direct currents without x or z */
+    /* handover: direct currents without x or z
+     *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
+     *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
     const bool lost_1 = !x_trusted;
 
     /* angles: positions for the commutation
@@ -1013,9 +1021,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
@@ -1244,8 +1252,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
-
-        /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
 
         /* probe_z: probe at rest (continued) */
@@ -1312,8 +1318,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
-            /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
+
+            /* safe_output: slew to the safe output once latched (continued) */
             out->i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
@@ -1344,12 +1351,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample (continued) */
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
-
-        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
-
-        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1373,11 +1376,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
             observer_theta_largest_position);
         state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
-
-        /* landing: ramps and state feedback (continued) */
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
         state->redundancy_still_y1 = still_y1;
         state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
@@ -1404,14 +1403,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
         state->redundancy_degraded = redundancy_degraded_next;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         state->observer_y_d = y_disturbance;
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         state->observer_phi_d = phi_disturbance;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -1480,11 +1473,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->phi_estimate = phi_estimate;
         diagnostics->phi_rate = phi_rate;
         diagnostics->phi_disturbance = phi_disturbance;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;

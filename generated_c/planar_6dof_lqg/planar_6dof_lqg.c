@@ -239,7 +239,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = latched if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
+     *     left_next = latch_samples if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if
+     *         |d2| <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left -
+     *         1)
+     *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
     const float V_ay_held = planar_6dof_lqg_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
@@ -264,7 +271,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         &faults);
 
     /* sensing: position and yaw, (1)-(5)
-     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and measured, else 0 */
+     *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
+     *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
+     *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
+     *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+     *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
+     *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
@@ -362,7 +374,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
     bool braking = false;
-    if ((latch_certain_from < guard_left) && complete && ((faults & 0x000001c0u) == 0u)) {
+    if ((guard_left <= latch_certain_from) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
         state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
@@ -400,9 +412,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         fault_word = faults | 0x80000000u;
     } else {
         const bool braked = guard_left < braking_from;
@@ -606,11 +618,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
             state->sensing_innovation_phi = innovation_phi;
         } else {
-            /* sensing: position and yaw, (1)-(5) (continued) */
             state->sensing_innovation_phi = 0.0f;
         }
-
-        /* sensing: position and yaw, (1)-(5) (continued) */
         state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
@@ -643,8 +652,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
         }
-
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning (continued) */
@@ -819,21 +826,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_y_integral = (is_close) ?
             (decayed_lqg_y_integral + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : decayed_lqg_y_integral;
         state->lqg_y_achieved = achieved_y;
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
             (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
         state->lqg_phi_achieved = achieved_phi;
-
-        /* loop_z: lead-lag, (23) (continued) */
         state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) +
             (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
-
-        /* loop_theta: lead-lag, (24) (continued) */
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) +
             (loop_theta_integral_input * achieved_theta);
-
-        /* loop_psi: lead-lag, (25) (continued) */
         state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) +
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
 
@@ -841,6 +840,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     distance_rear = within_x - c * sin(phi_raw)
          *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
          *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
+         *     i_AA_computed = limit(angles_A_1 * i_AQ + ((1 - 8 * (quarter_sine_front * sqrt(1 -
+         *         quarter_sine_front^2))^2) * cy + cs) * i_AD, 1.26)
+         *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
         const float distance_rear = within_x - (c * sin_i_CQ);
@@ -951,11 +953,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
-    }
-#endif
-
-#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;

@@ -235,6 +235,10 @@ class Expressions:
             return Text(f"{self.name}_flag({self.condition(k).c})")
         return self.operand(k) if self.kinds[k] == "integer" else self._cast("uint32_t", k, self.value(k))
 
+    def number(self, n: Node) -> Text:
+        """Return a constant or a literal as a number of the scalar type."""
+        return signed_constant(n) if n.op == "constant" else literal(n.value, self.scalar)
+
     def _cast(self, ctype: str, k: int, text: Text) -> Text:
         """Return the text of node k cast to a type; note the node if the text is composite."""
         if text.is_composite:
