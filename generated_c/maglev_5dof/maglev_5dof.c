@@ -341,6 +341,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
 {
     static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
+    static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
@@ -666,13 +667,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
-        const float phi_2 = 0.397f * observer_phi_q;
-        const float y1_expected = observer_y_q - phi_2;
-        const float theta_2 = 0.397f * observer_theta_q;
-        const float y2_expected = observer_y_q + theta_2;
-        const float y3_expected = observer_y_q + phi_2;
-        const float y4_expected = observer_y_q - theta_2;
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+        const float r_phi = r * observer_phi_q;
+        const float y1_expected = observer_y_q - r_phi;
+        const float r_theta = r * observer_theta_q;
+        const float y2_expected = observer_y_q + r_theta;
+        const float y3_expected = observer_y_q + r_phi;
+        const float y4_expected = observer_y_q - r_theta;
 
         /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -1182,9 +1183,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
         const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
-        const float thrust_per_ampere_1_argument_2 = slot_effect_y3_held - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
-        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_argument);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
@@ -1192,9 +1193,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
         const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
-        const float thrust_per_ampere_2_argument_2 = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
-        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
-        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);

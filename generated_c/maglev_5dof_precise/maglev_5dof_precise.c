@@ -377,6 +377,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 #endif
 {
     static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
+    static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
@@ -428,7 +429,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
     static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
     static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
-    static const float r = 0.397f;                              /* m; Table I */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
@@ -519,7 +519,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
+     *         if left <= 1, else latched))
+     *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
+     *         <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -746,13 +750,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
-        const float phi_2 = 0.397f * observer_phi_q;
-        const float y1_expected = observer_y_q - phi_2;
-        const float theta_2 = 0.397f * observer_theta_q;
-        const float y2_expected = observer_y_q + theta_2;
-        const float y3_expected = observer_y_q + phi_2;
-        const float y4_expected = observer_y_q - theta_2;
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+        const float r_phi = r * observer_phi_q;
+        const float y1_expected = observer_y_q - r_phi;
+        const float r_theta = r * observer_theta_q;
+        const float y2_expected = observer_y_q + r_theta;
+        const float y3_expected = observer_y_q + r_phi;
+        const float y4_expected = observer_y_q - r_theta;
 
         /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -1145,9 +1149,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
@@ -1360,8 +1364,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         }
-
-        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
@@ -1398,8 +1400,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->probe_x_sample = 0u;
             state->probe_x_attempt = 0u;
         }
-
-        /* landing: ramps and state feedback (continued) */
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
         state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, ramp_end);
 
@@ -1457,8 +1457,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
         const float slot_effect_y3_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
-        const float thrust_per_ampere_1_argument_2 = slot_effect_y3_held - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
         const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z / h_z;
         const float i_q_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
@@ -1475,20 +1475,20 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
         const float slot_effect_y4_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f), 0.0124f) + gap_offset);
-        const float thrust_per_ampere_2_argument_2 = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
-        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
         const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x / h_x;
         const float i_q_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
         const float i_q_4_squared = i_q_4 * i_q_4;
         const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_4_squared);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
-        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_argument);
         const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_3_squared);
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
-        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
         const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_4_squared);
@@ -1563,8 +1563,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
-            /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
+
+            /* safe_output: slew to the safe output once latched (continued) */
             out->i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
@@ -1573,8 +1574,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
         }
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
         state->redundancy_still_y1 = still_y1;
         state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
@@ -1601,17 +1600,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
         state->redundancy_degraded = redundancy_degraded_next;
-
-        /* servo_phi_fast: predictive servo with internal models (continued) */
         state->servo_phi_fast_r = phi_ref_held;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         state->observer_y_d = y_disturbance;
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         state->observer_phi_d = phi_disturbance;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -1691,11 +1682,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->phi_estimate = phi_estimate;
         diagnostics->phi_rate = phi_rate;
         diagnostics->phi_disturbance = phi_disturbance;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;

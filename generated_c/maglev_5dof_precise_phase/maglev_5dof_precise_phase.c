@@ -287,11 +287,6 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
         diagnostics->z_acting = z_acting;
         diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
     }
 #endif

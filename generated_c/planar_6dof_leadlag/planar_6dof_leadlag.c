@@ -263,7 +263,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = latched if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
+     *     left_next = latch_samples if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if
+     *         |d2| <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left -
+     *         1)
+     *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
         &faults);
@@ -431,9 +438,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
         const bool braked = guard_left < braking_from;
@@ -637,14 +644,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
             state->sensing_innovation_phi = innovation_phi;
         } else {
-            /* sensing: position and yaw, (1)-(5) (continued) */
             state->sensing_innovation_phi = 0.0f;
         }
-
-        /* sensing: position and yaw, (1)-(5) (continued) */
         state->sensing_phi_raw = phi_raw;
-
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_x = reckoning_x_half_step * state->delay_x;
         const float middle_x = rate_x + a_x;
         const float x_next = corrected_x + middle_x;
@@ -859,16 +861,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
-
-        /* loop_z: lead-lag, (23) (continued) */
         state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
             (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
-
-        /* loop_theta: lead-lag, (24) (continued) */
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
             (loop_theta_integral_input * achieved_theta);
-
-        /* loop_psi: lead-lag, (25) (continued) */
         state->loop_psi.integral = (loop_psi_integral_decay * state->loop_psi.integral) +
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
 
@@ -1001,11 +997,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
-    }
-#endif
-
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = faults;
         if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = faults;
