@@ -51,7 +51,7 @@ def source(
     step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
     step += diagnostics.entry_statements(block, program)
     ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
-    whole = diagnostics.joined(body[:-1], [*map(Line, ending)])
+    whole = diagnostics.join(body[:-1], [*map(Line, ending)])
     return [*map(Line, parts), *called, *map(Line, step), *whole, body[-1], Line("}")]
 
 

@@ -179,7 +179,7 @@ def exit_statements(block: Block, p: Program, word: str) -> list[str]:
     return _if_recording(block, statements, "    ")
 
 
-def joined(body: Sequence[Line], ending: Sequence[Line]) -> list[Line]:
+def join(body: Sequence[Line], ending: Sequence[Line]) -> list[Line]:
     """Return the lines of a body and of its ending, as one block where both record at the same depth."""
     last = next((k for k in range(len(body) - 1, -1, -1) if body[k].text.startswith("#if ")), 0)
     records = [line.text for line in body[-3:]] == ["    }", "#endif", ""]

@@ -57,7 +57,7 @@ class _Namer:
         known = _unique_names(p, block)
         self.known = {b: [c for c in group if names is None or c.name in names] for b, group in known.items()}
         self.owner, self.users = owners.by_node(p), p.users()
-        self.named = _names(p)
+        self.named = _names_by_node(p)
         self.read: dict[str, Constant] = {}
         self.nodes: list[Node] = []
         self.places: dict[Node, int] = {}
@@ -78,7 +78,7 @@ class _Namer:
         if literal.op != "literal" or literal.value == 0:
             return None
         around = [self.kind[k], *(self.kind[a] for a in node.args)]
-        if literal.value == int(literal.value) and ("integer" in around or self._is_counted(k)):
+        if literal.value == int(literal.value) and ("integer" in around or self._becomes_a_count(k)):
             return self._count(k, operand)
         return self._constant(k, literal.value) if operand in _operands(node) else None
 
@@ -102,7 +102,7 @@ class _Namer:
                 return Node("literal", name=number.name, value=value)
         return None
 
-    def _is_counted(self, k: int) -> bool:
+    def _becomes_a_count(self, k: int) -> bool:
         """Tell whether a choice of numbers becomes the next value of a count."""
         return self.p.nodes[k].op == "choose" and not self.p.integers.isdisjoint(self._all_names(k))
 
@@ -130,7 +130,7 @@ def _operands(node: Node) -> set[int]:
     return {node.args[place] for place in _OPERANDS.get(node.op, ())}
 
 
-def _names(p: Program) -> dict[int, set[str]]:
+def _names_by_node(p: Program) -> dict[int, set[str]]:
     """Return by node the names of the signals, states, next states and variables of a law that it is."""
     named: dict[int, set[str]] = {}
     pairs = [(k, n.name) for k, n in enumerate(p.nodes) if n.name] + [(k, n.signal.name) for n, k in p.marks]
