@@ -90,7 +90,8 @@ def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
     m_exceeds = {a: size[a] > SIGNIFICANT["m"] * EXCESS_BOUND * A**2 for a in "xy"}
     r_exceeds = {a: ca.fabs(r[a]) > SIGNIFICANT["r"] * RESIDUAL_BOUND * A for a in "xy"}
     any_r_exceeds = ca.logic_or(r_exceeds["x"], r_exceeds["y"])
-    is_jump = squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (JUMP * RESIDUAL_BOUND * A) ** 2
+    first_squared = squared_residual(r["y"], r["x"], m["x"], m["y"], A)
+    is_jump = first_squared > (JUMP * RESIDUAL_BOUND * A) ** 2
     both_m_exceed = ca.logic_and(ca.logic_and(m_exceeds["x"], m_exceeds["y"]), ca.logic_not(is_jump))
     is_ambiguous = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both_m_exceed)
     is_any = ca.logic_or(is_ambiguous, unassigned)
@@ -105,5 +106,6 @@ def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
         }
         after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
         for name, jumped in after_jump.items():
-            flags[name] = ca.logic_or(ca.if_else(is_jump, jumped, after_drift[name]), is_any)
+            indicated = ca.if_else(is_jump, jumped, after_drift[name])
+            flags[name] = ca.logic_or(indicated, is_any)
     return flags

@@ -145,7 +145,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
             x_weight, yaw_weight = _innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            squared += yaw_weight * (information * (phi + yaw_correction - u["phi_predicted"]) ** 2)
+            yaw_innovation = phi + yaw_correction - u["phi_predicted"]
+            squared += yaw_weight * (information * yaw_innovation**2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -257,6 +258,7 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("half_pitch", l / 2, "m", "half of the pitch"),
         Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
         *contradictions.numbers(A, CONFIRMATION),
+        Constant("memory", MEMORY, "1", "samples for which a contradiction is remembered", ("contradiction",)),
         Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} A^2: keeps a divisor from 0"),
         Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),

@@ -207,7 +207,8 @@ def direct_currents(
 def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:
     """Return u_x, u_z in A for which x'', z'' = `w` in m/s^2. Source: (12)."""
     h = [m.h for m in motors]
-    return {"u_x": -p["M_x"] * w["x"] / (h[1] + h[3]), "u_z": -p["M_z"] * w["z"] / (h[0] + h[2])}
+    h_x, h_z = h[1] + h[3], h[0] + h[2]
+    return {"u_x": -p["M_x"] * w["x"] / h_x, "u_z": -p["M_z"] * w["z"] / h_z}
 
 
 def thrust_accelerations(u: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:

@@ -217,7 +217,8 @@ def force_law(g: ca.SX, p: Exprs) -> ForceLaw:
     h = K.K_h * L.L_h
     ratio = K.K_v1 / 2 * (S / K.K_h) ** 2 * carter_coefficient(g, p) ** 2 / permeance_factor(g, p)
     k = _half_c_over_h2(p)
-    half_a, half_c = h**2 * ratio, h**2 * (k + k * beta * inverse)
+    slot_effect = k * beta * inverse
+    half_a, half_c = h**2 * ratio, h**2 * (k + slot_effect)
     return ForceLaw(half_a, half_c, ca.sqrt(h**2 + 16 * (half_a * half_c)), h, ratio)
 
 

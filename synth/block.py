@@ -57,17 +57,23 @@ class State:
 @arguments.checked
 @dataclass(frozen=True)
 class Constant:
-    """A constant of the controller, exact until emission rounds it; `source` names the origin of its value."""
+    """A constant of the controller, exact until emission rounds it; `source` names the origin of its value.
+
+    A whole number has `of`: words in the names of the counts that it is compared with or given to.
+    """
 
     name: str
     value: float
     unit: str
     source: str
+    of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         identifier("constant", self.name)
         if not np.isfinite(self.value):
             raise SignalError(f"constant '{self.name}' is {self.value}: it must be finite; scale it for its type")
+        if self.of and (self.value < 0 or self.value != int(self.value)):
+            raise SignalError(f"constant '{self.name}' of a count is {self.value}: give a whole number, 0 or more")
 
 
 @arguments.checked

@@ -33,7 +33,7 @@ from designs.maglev.platen import (
     TIME,
 )
 from models import maglev_phases, maglev_stage
-from synth.block import Block, Certificate, Exprs, State, Step, build, clip
+from synth.block import Block, Certificate, Constant, Exprs, State, Step, build, clip
 from synth.blocks import advance, phasor, safety
 from synth.blocks.glsdc import NamedExpressions
 from synth.composition import compose
@@ -98,7 +98,8 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
             current = phasor.Phasor(direct[j], u[f"i_q{j}_held"]).times(waves[n])
             half, other = current.cosine / 2, sqrt(3) / 2 * current.sine
             output |= {f"i_a{j}": current.cosine, f"i_b{j}": other - half, f"i_c{j}": -half - other}
-        return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified)
+        gone = Constant("gone_samples", DESCENT + FADE, "1", "samples until the currents have faded out", ("unknown",))
+        return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified, [gone])
 
     return build(
         "commutation",

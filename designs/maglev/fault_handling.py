@@ -88,13 +88,13 @@ def relations(plant: Plant) -> tuple[parity.Relation, ...]:
 
 def predict_gaps(plant: Plant) -> Block:
     """Return the Block from the predicted pose to the expected gaps, F(5) for small angles."""
-    r = plant.parameter("r").value
+    r = plant.constant("r")
     inputs = [replace(axis.position, name=f"{axis.name}_expected") for axis in AXES if axis.name not in "xz"]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        y, phi, theta = u["y_expected"], r * u["phi_expected"], r * u["theta_expected"]
-        gaps = (y - phi, y + theta, y + phi, y - theta)
-        return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)})
+        y, r_phi, r_theta = u["y_expected"], r.value * u["phi_expected"], r.value * u["theta_expected"]
+        gaps = (y - r_phi, y + r_theta, y + r_phi, y - r_theta)
+        return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)}, numbers=[r])
 
     outputs = [replace(s, name=f"y{j}_expected", low=-1.0, high=1.0) for j, s in zip(MOTORS, HELD, strict=True)]
     return build("gap_prediction", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")

@@ -173,11 +173,12 @@ def regulator(
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
-        integral = c["integral_decay"] * x["integral"] + c["integral_input"] * (u[achieved.name] - w)
+        decayed = c["integral_decay"] * x["integral"]
+        integral = decayed + c["integral_input"] * (u[achieved.name] - w)
         if most := ERROR.get(axis.name):
             is_small = ca.fabs(error) <= most
             error = ca.if_else(is_small, error, ca.if_else(error < 0, -most, most))
-            integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
+            integral = ca.if_else(is_small, integral, decayed)
         demand = c["error_gain"] * error + (w + x["integral"])
         next = after | {"integral": integral, "achieved": u[achieved.name]}
         return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers)

@@ -124,6 +124,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -131,7 +132,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u, &faults);
     const float V_ay_held = hall_position_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u, &faults);
@@ -141,7 +143,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -158,13 +160,31 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
 
     /* estimator: GLSDC, Fig. 9
      *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
-     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw)) */
+     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw))
+     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
+     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
+     *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
+     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
+     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
+     *         bx_part_full, by_part_full
+     *     deviation_X = 8.08507e-06 * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise deviation_Y
+     *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
+     *     phase_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
+     *         restart, else pose_phase_x
+     *     phase_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
+     *         restart, else pose_phase_y
+     *     start_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
+     *         restart, else start_x
+     *     start_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
+     *         restart, else start_y
+     *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (0.0436332 if resolved, else
+     *         0.0872665) < size)) */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
-    const float f1_argument = prediction_yaw * prediction_yaw;
-    const float f1 = prediction_yaw * f1_polynomial(f1_argument);
+    const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
+    const float f1 = prediction_yaw * f1_polynomial(yaw_part_cosine_argument);
     const float yaw_part_sine = 4.0f * f1;
-    const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
+    const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_yaw = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
@@ -174,10 +194,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ax_part_sine_part_2 = three_quarters_pi * heading_sine;
     const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
-    const float f3_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(f3_argument);
+    const float ax_part_cosine_argument = limited_ax * limited_ax;
+    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * f3;
-    const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
+    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
         (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
@@ -189,10 +209,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
     const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
         6.973755f);
-    const float f3_argument_2 = limited_ay * limited_ay;
-    const float f3_2 = limited_ay * f3_polynomial(f3_argument_2);
+    const float ay_part_cosine_argument = limited_ay * limited_ay;
+    const float f3_2 = limited_ay * f3_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * f3_2;
-    const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
+    const float ay_part_cosine = ax_part_cosine_polynomial(ay_part_cosine_argument);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
         (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
@@ -202,10 +222,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
         6.973755f);
-    const float f3_argument_3 = limited_bx * limited_bx;
-    const float f3_3 = limited_bx * f3_polynomial(f3_argument_3);
+    const float bx_part_cosine_argument = limited_bx * limited_bx;
+    const float f3_3 = limited_bx * f3_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * f3_3;
-    const float bx_part_cosine = ax_part_cosine_polynomial(f3_argument_3);
+    const float bx_part_cosine = ax_part_cosine_polynomial(bx_part_cosine_argument);
     const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
         (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
@@ -215,10 +235,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
         6.973755f);
-    const float f3_argument_4 = limited_by * limited_by;
-    const float f3_4 = limited_by * f3_polynomial(f3_argument_4);
+    const float by_part_cosine_argument = limited_by * limited_by;
+    const float f3_4 = limited_by * f3_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * f3_4;
-    const float by_part_cosine = ax_part_cosine_polynomial(f3_argument_4);
+    const float by_part_cosine = ax_part_cosine_polynomial(by_part_cosine_argument);
     const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
         (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));

@@ -41,7 +41,7 @@ static inline uint32_t hall_position_four_flag(bool holds)
 
 static inline bool hall_position_four_equal(float a, float b)
 {
-    return (a <= b) && (b <= a);
+    return (a <= b) && !(a < b);
 }
 
 /* cos_yaw; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 .. 0.209439516, t
@@ -324,6 +324,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t starts = 24u;                         /* 1; of a sweep */
+    static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
+    static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -337,7 +342,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     const float V_ax = in->V_ax;
     const bool good_V_ax = fabsf(V_ax) <= 5.0f;
     float V_ax_held = V_ax;
@@ -430,7 +436,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -446,6 +452,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     }
 
     /* screen: refused and repeated codes
+     *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else (4 if flags_4, else 0)))) if
+     *         screened, else 0
+     *     screened = flag + flags_2 + flags_3 + flags_4 <= 1
      *     repeats_1_next = min(repeats_1 + 1, 6) if |V_ax_held - last_V_ax| <= 0 or |V_ay_held - last_V_ay| <=
      *         0, else 0; likewise repeats_2_next, repeats_3_next, repeats_4_next */
     bool screened_test = false;
@@ -515,22 +524,31 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     /* estimator: weighted least squares
      *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
      *     sin_yaw = sin(limit(yaw + motion_yaw, 0.20944))
+     *     ax_part_sine = 4 * sin(0.25 * limited_ax); likewise ay_part_sine
      *     ax_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
      *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
      *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
      *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 0.289027 * cos_yaw + 0.452389 *
      *         sin_yaw))
-     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full
+     *     ax_part_doubled = limit(4 * (sin(0.25 * limited_ax) * ax_part_cosine), 2.002); likewise
+     *         ay_part_doubled
+     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full,
+     *         bx_part_full, by_part_full, cx_part_full, cy_part_full, dx_part_full, dy_part_full
      *     ay_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
      *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 0.452389 * cos_yaw + 0.289027 *
      *         sin_yaw))
+     *     bx_part_sine = 8 * sin(0.125 * limited_bx); likewise by_part_sine, cx_part_sine, cy_part_sine,
+     *         dx_part_sine, dy_part_sine
      *     bx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
      *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
      *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
      *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 1.11841 * cos_yaw + 1.74044 *
      *         sin_yaw))
+     *     bx_part_doubled = limit(8 * (sin(0.125 * limited_bx) * bx_part_cosine * (1 - 0.03125 *
+     *         bx_part_sine^2)), 2.002); likewise by_part_doubled, cx_part_doubled, cy_part_doubled,
+     *         dx_part_doubled, dy_part_doubled
      *     by_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
@@ -556,15 +574,21 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
      *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 0.766549 * cos_yaw + 1.62734 *
      *         sin_yaw))
-     *     age_next = 0 if tracking, else (0 if converged or 3 <= age, else min(age + 1, 3))
+     *     weak = not factors_2 or 20.6541 <= variances_1 or 20.6541 <= variances_2 or 3.30466 <= variances_3
+     *         or 13.2186 <= variances_4
+     *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,
+     *         23))
+     *     missed_next = (0 if accepted and not lost, else min(missed + 1, 8)) if tracking, else 0
+     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
      *     begin_phase_x_next = begin_phase_x if tracking, else ((begin_phase_x + 5.14701 - two_pi if pi <
-     *         begin_phase_x + 5.14701, else begin_phase_x + 5.14701) if converged or 3 <= age, else
+     *         begin_phase_x + 5.14701, else begin_phase_x + 5.14701) if converged or last_age <= age, else
      *         begin_phase_x)
      *     begin_phase_y_next = begin_phase_y if tracking, else ((begin_phase_y + 4.21629 - two_pi if pi <
-     *         begin_phase_y + 4.21629, else begin_phase_y + 4.21629) if converged or 3 <= age, else
+     *         begin_phase_y + 4.21629, else begin_phase_y + 4.21629) if converged or last_age <= age, else
      *         begin_phase_y)
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + 0.230258 - 0.418879 if 0.20944 <
-     *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or 3 <= age, else begin_yaw) */
+     *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or last_age <= age, else
+     *         begin_yaw) */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
     const float cos_yaw_argument = starts_3 * starts_3;
@@ -583,10 +607,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled = 0.28902653f * cos_yaw;
     const float sin_yaw_scaled = 0.45238933f * sin_yaw;
     const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
-    const float f3_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(f3_argument);
+    const float ax_part_cosine_argument = limited_ax * limited_ax;
+    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 4.0f * f3;
-    const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
+    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
     const float ax_part_doubled = 4.0f * (f3 * ax_part_cosine);
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (ax_part_sine * ax_part_sine)));
@@ -604,10 +628,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_2 = 0.45238933f * cos_yaw;
     const float sin_yaw_scaled_2 = 0.28902653f * sin_yaw;
     const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
-    const float f5_argument = limited_ay * limited_ay;
-    const float f5 = limited_ay * f5_polynomial(f5_argument);
+    const float ay_part_cosine_argument = limited_ay * limited_ay;
+    const float f5 = limited_ay * f5_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 4.0f * f5;
-    const float ay_part_cosine = ay_part_cosine_polynomial(f5_argument);
+    const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
     const float ay_part_doubled = 4.0f * (f5 * ay_part_cosine);
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (ay_part_sine * ay_part_sine)));
@@ -615,10 +639,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_3 = 1.118407f * cos_yaw;
     const float sin_yaw_scaled_3 = 1.7404423f * sin_yaw;
     const float limited_bx = starts_1 - cos_yaw_scaled_3 + sin_yaw_scaled_3;
-    const float f7_argument = limited_bx * limited_bx;
-    const float f7 = limited_bx * f7_polynomial(f7_argument);
+    const float bx_part_cosine_argument = limited_bx * limited_bx;
+    const float f7 = limited_bx * f7_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * f7;
-    const float bx_part_cosine = bx_part_cosine_polynomial(f7_argument);
+    const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
     const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
         (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
@@ -629,10 +653,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_4 = 1.7404423f * cos_yaw;
     const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
     const float limited_by = starts_2 - cos_yaw_scaled_4 - sin_yaw_scaled_4;
-    const float f9_argument = limited_by * limited_by;
-    const float f9 = limited_by * f9_polynomial(f9_argument);
+    const float by_part_cosine_argument = limited_by * limited_by;
+    const float f9 = limited_by * f9_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * f9;
-    const float by_part_cosine = by_part_cosine_polynomial(f9_argument);
+    const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
     const float f9_times_by_part_cosine = f9 * by_part_cosine;
     const float by_part_doubled = 8.0f *
         (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
@@ -643,10 +667,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
     const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
     const float limited_cx = starts_1 - cos_yaw_scaled_5 + sin_yaw_scaled_5;
-    const float f11_argument = limited_cx * limited_cx;
-    const float f11 = limited_cx * f11_polynomial(f11_argument);
+    const float cx_part_cosine_argument = limited_cx * limited_cx;
+    const float f11 = limited_cx * f11_polynomial(cx_part_cosine_argument);
     const float cx_part_sine = 8.0f * f11;
-    const float cx_part_cosine = cx_part_cosine_polynomial(f11_argument);
+    const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
     const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
     const float cx_part_doubled = 8.0f *
         (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
@@ -657,10 +681,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
     const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
     const float limited_cy = starts_2 - cos_yaw_scaled_6 - sin_yaw_scaled_6;
-    const float f13_argument = limited_cy * limited_cy;
-    const float f13 = limited_cy * f13_polynomial(f13_argument);
+    const float cy_part_cosine_argument = limited_cy * limited_cy;
+    const float f13 = limited_cy * f13_polynomial(cy_part_cosine_argument);
     const float cy_part_sine = 8.0f * f13;
-    const float cy_part_cosine = cy_part_cosine_polynomial(f13_argument);
+    const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
     const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
     const float cy_part_doubled = 8.0f *
         (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
@@ -671,10 +695,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
     const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
     const float limited_dx = starts_1 + cos_yaw_scaled_7 - sin_yaw_scaled_7;
-    const float f15_argument = limited_dx * limited_dx;
-    const float f15 = limited_dx * f15_polynomial(f15_argument);
+    const float dx_part_cosine_argument = limited_dx * limited_dx;
+    const float f15 = limited_dx * f15_polynomial(dx_part_cosine_argument);
     const float dx_part_sine = 8.0f * f15;
-    const float dx_part_cosine = dx_part_cosine_polynomial(f15_argument);
+    const float dx_part_cosine = dx_part_cosine_polynomial(dx_part_cosine_argument);
     const float f15_times_dx_part_cosine = f15 * dx_part_cosine;
     const float dx_part_doubled = 8.0f *
         (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
@@ -684,10 +708,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
     const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
     const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
-    const float f17_argument = limited_dy * limited_dy;
-    const float f17 = limited_dy * f17_polynomial(f17_argument);
+    const float dy_part_cosine_argument = limited_dy * limited_dy;
+    const float f17 = limited_dy * f17_polynomial(dy_part_cosine_argument);
     const float dy_part_sine = 8.0f * f17;
-    const float dy_part_cosine = dy_part_cosine_polynomial(f17_argument);
+    const float dy_part_cosine = dy_part_cosine_polynomial(dy_part_cosine_argument);
     const float f17_times_dy_part_cosine = f17 * dy_part_cosine;
     const float dy_part_doubled = 8.0f *
         (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
@@ -809,11 +833,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_8_4 * phase_x_part_16) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_17);
     const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
-    const float gradient_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
-        (0.84055555f * offsets_4_phase_x);
-    const float forward_4_phase_x = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x) -
+        (0.84055555f * offsets_4_phase_x) - (terms_1_phase_x_6 * gradient_1_phase_x) -
         (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
@@ -1214,19 +1237,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (terms_1_phase_x_4 * gradient_2_phase_x_2);
     const float phase_x_part_60 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x_2 = phase_x_part_58 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
+    const float gradient_4_phase_x = phase_x_part_58 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
         terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
-    const float forward_4_phase_x_6 = gradient_4_phase_x_2 - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
+    const float forward_4_phase_x_6 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
     const float steps_3_phase_x_2 = phase_x_part_60 - (terms_1_phase_x_8 * steps_4_phase_x_2);
     const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-        (moves_1_4_phase_x_2 * gradient_4_phase_x_2), 1845.4835f);
+        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1845.4835f);
     const float phase_x_part_61 = gains_1_phase_x_2 * projections_1;
     const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-        (moves_2_4_phase_x * gradient_4_phase_x_2), 1845.4835f);
+        (moves_2_4_phase_x * gradient_4_phase_x), 1845.4835f);
     const float phase_x_part_62 = gains_2_phase_x_2 * projections_2;
     const float moved_1 = hall_position_four_limit(best_1 + (phase_x_part_59 - (terms_1_phase_x_2 * steps_3_phase_x_2) -
         (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
@@ -1311,54 +1334,50 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) +
         (phase_x_part_42 * phase_x_part_42 * gains_6);
     const float protection_yaw_part_4 = (moves_7_3 * moves_7_3 * gains_7) + (phase_x_part_50 * phase_x_part_50 * gain);
-    const float cost_protection_phase_x = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
-        (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f * (offsets_4_phase_x * offsets_4_phase_x));
-    const float full_cost = hall_position_four_max(cost_protection_phase_x -
-        ((gradient_1_phase_x * phase_x_part_8) + (gradient_2_phase_x * phase_x_part_25) +
-        (forward_3_phase_x * phase_x_part_18) + (forward_4_phase_x * steps_4_phase_x)), 0.0f);
+    const float protection_phase_x_part_5 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
+        residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
+        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) +
+        (residuals_7_phase_x * residuals_7_phase_x) + (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f *
+        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_part_8) + (gradient_2_phase_x *
+        phase_x_part_25) + (forward_3_phase_x * phase_x_part_18) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_four_max(protection_phase_x_part_5, 0.0f);
     const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
     const float costs_4 = full_cost -
         ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
     const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float protection_phase_x_part_5 = scores_6_phase_x * gains_6;
+    const float protection_phase_x_part_6 = scores_6_phase_x * gains_6;
     const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_part_5));
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_part_6));
     const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_part_6 = scores_4_phase_x * gains_4;
+    const float protection_phase_x_part_7 = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_6));
-    const float protection_phase_x_part_7 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_part_8 = scores_2_phase_x * gains_2_phase_x;
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_7));
+    const float protection_phase_x_part_8 = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_part_9 = scores_2_phase_x * gains_2_phase_x;
     const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_part_7) + (scores_2_phase_x * protection_phase_x_part_8));
+        ((scores_1_phase_x * protection_phase_x_part_8) + (scores_2_phase_x * protection_phase_x_part_9));
     float limit = 20.515005f;
-    float protection_phase_x_part_9;
+    float protection_phase_x_part_10;
     float protection_phase_y_part_5;
     float level;
     if (hall_position_four_equal(excluded, 0.0f)) {
-        const float protection_phase_x_part_10 = (0.40003738f *
+        protection_phase_x_part_10 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_part,
             protection_phase_x_part_2), protection_phase_x_part_3), protection_phase_x_part_4))) +
             (3.4807565f * deviation_phase_x);
-        protection_phase_x_part_9 = protection_phase_x_part_10;
-        const float protection_phase_y_part_6 = (0.40003738f *
+        protection_phase_y_part_5 = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_part,
             protection_phase_y_part_2), protection_phase_y_part_3), protection_phase_y_part_4))) +
             (3.4807565f * deviation_phase_y);
-        protection_phase_y_part_5 = protection_phase_y_part_6;
-        const float detected = (0.40003738f *
+        level = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_part,
             protection_yaw_part_2), protection_yaw_part_3), protection_yaw_part_4))) + (3.4807565f * deviation_yaw);
-        level = detected;
     } else {
         limit = 17.729996f;
         const float protection_phase_x_part_11 = 0.053650968f + (1e-05f * full_cost);
         const float protection_phase_x_part_12 = steps_1_phase_x - moved_1;
-        const float protection_phase_y_part_7 = steps_2_phase_x - moved_2;
+        const float protection_phase_y_part_6 = steps_2_phase_x - moved_2;
         const float protection_yaw_part_5 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
         float added_protection_phase_x = protection_phase_x_part;
@@ -1368,11 +1387,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         float added_protection_yaw = protection_yaw_part;
         if (costs_1 <= protection_phase_x_part_11) {
             apart_protection_phase_x = fabsf(protection_phase_x_part_12 -
-                ((moves_1_1_phase_x * protection_phase_x_part_7) + (moves_2_1_phase_x * protection_phase_x_part_8)));
-            apart_protection_phase_y = fabsf(protection_phase_y_part_7 -
-                ((moves_2_2_phase_x * protection_phase_x_part_8) - (phase_x_part_27 * protection_phase_x_part_7)));
+                ((moves_1_1_phase_x * protection_phase_x_part_8) + (moves_2_1_phase_x * protection_phase_x_part_9)));
+            apart_protection_phase_y = fabsf(protection_phase_y_part_6 -
+                ((moves_2_2_phase_x * protection_phase_x_part_9) - (phase_x_part_27 * protection_phase_x_part_8)));
             apart_protection_yaw = fabsf(protection_yaw_part_5 -
-                ((moves_1_3_phase_x * protection_phase_x_part_7) - (phase_x_part_26 * protection_phase_x_part_8)));
+                ((moves_1_3_phase_x * protection_phase_x_part_8) - (phase_x_part_26 * protection_phase_x_part_9)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
@@ -1380,38 +1399,38 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         }
         if (costs_2 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
-                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_6))));
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_7))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_2);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
-                - ((moves_4_2 * protection_phase_x_part_6) - (phase_x_part_35 * scores_3_times_gains_3))));
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
+                - ((moves_4_2 * protection_phase_x_part_7) - (phase_x_part_35 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_2);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_6))));
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_34 * protection_phase_x_part_7))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_2);
         }
         if (costs_3 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
-                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_5))));
+                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_part_6))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_3);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
-                - ((moves_6_2 * protection_phase_x_part_5) - (phase_x_part_43 * scores_5_times_gains_5))));
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
+                - ((moves_6_2 * protection_phase_x_part_6) - (phase_x_part_43 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_3);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_5))));
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_42 * protection_phase_x_part_6))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_3);
         }
         if (costs_4 <= protection_phase_x_part_11) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_part_12
                 - ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_part_4);
-            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_7
+            apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_part_6
                 - ((moves_8_2 * scores_8_phase_x_times_gain) - (phase_x_part_51 * scores_7_times_gains_7))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_part_4);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_part_5 -
                 ((moves_7_3 * scores_7_times_gains_7) - (phase_x_part_50 * scores_8_phase_x_times_gain))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_part_4);
         }
-        protection_phase_x_part_9 = apart_protection_phase_x +
+        protection_phase_x_part_10 = apart_protection_phase_x +
             (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
         protection_phase_y_part_5 = apart_protection_phase_y +
             (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
@@ -1421,17 +1440,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_9 = 61.842377f;
+        protection_phase_x_part_10 = 61.842377f;
         protection_phase_y_part_5 = 61.842377f;
         level = 22.0f;
     }
-    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_9, 61.842377f);
+    const float protection_phase_x = hall_position_four_min(protection_phase_x_part_10, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_part_5, 61.842377f);
     const float protection_yaw = hall_position_four_min(level, 22.0f);
     const uint32_t estimator_start_number = state->estimator_start_number;
-    const bool tracking = 24u <= estimator_start_number;
+    const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
-    const bool lost = 8u <= estimator_missed;
+    const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
     const bool phases_valid = converged && phases_valid_test && passes && detectable &&
         (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) &&
@@ -1448,6 +1467,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->tracking = tracking ? 1.0f : 0.0f;
 
     /* metres
+     *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
+     *         pitch_x) if tracking, else 0); likewise Y
      *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
      *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
      *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
@@ -1535,7 +1556,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             }
         }
         state->estimator_excluded = (uint32_t)hall_position_four_max(best, 0.0f);
-        state->estimator_start_number = 24u;
+        state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
         const uint32_t estimator_missed_part = estimator_missed + 1u;
         state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
@@ -1543,8 +1564,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
-        const bool ends = converged || (3u <= estimator_age);
-        const bool last = ends && (23u <= estimator_start_number);
+        const bool ends = converged || (last_age <= estimator_age);
+        const bool last = ends && (last_start <= estimator_start_number);
         const uint32_t estimator_candidates = state->estimator_candidates;
         const bool solves = converged && accepted;
         const bool first = estimator_candidates == 0u;
@@ -1673,11 +1694,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
         diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
         diagnostics->saturated |= (fabsf(yaw) >= 0.20943952f) ? 0x00000004u : 0u;
-    }
-#endif
-
-#if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = faults;
         if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = faults;

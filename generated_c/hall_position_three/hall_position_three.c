@@ -216,6 +216,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -223,7 +224,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
         &faults);
@@ -247,7 +249,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -265,13 +267,32 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* estimator: GLSDC, Fig. 9
      *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
      *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw))
-     *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * bx_part_sine^2), 1.001); likewise by_part_full */
+     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, cx_part_sine, cy_part_sine
+     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, cx_part_cosine, cy_part_cosine
+     *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
+     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, cx_part_doubled, cy_part_doubled
+     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
+     *         bx_part_full, by_part_full, cx_part_full, cy_part_full
+     *     bx_part_sine = 4 * sin(0.25 * limited_bx); likewise by_part_sine
+     *     bx_part_cosine = cos(0.25 * limited_bx); likewise by_part_cosine
+     *     bx_part_doubled = limit(4 * (sin(0.25 * limited_bx) * bx_part_cosine), 2.002); likewise
+     *         by_part_doubled
+     *     X = 0.00808507 * pose_phase_x + 0.0508 * pose_pitch_x - lever_cosine; likewise Y
+     *     deviation_X = 8.08507e-06 * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise deviation_Y
+     *     phase_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
+     *         restart, else pose_phase_x
+     *     phase_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
+     *         restart, else pose_phase_y
+     *     start_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
+     *         restart, else start_x
+     *     start_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
+     *         restart, else start_y */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
-    const float f1_argument = prediction_yaw * prediction_yaw;
-    const float f1 = prediction_yaw * f1_polynomial(f1_argument);
+    const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
+    const float f1 = prediction_yaw * f1_polynomial(yaw_part_cosine_argument);
     const float yaw_part_sine = 4.0f * f1;
-    const float yaw_part_cosine = yaw_part_cosine_polynomial(f1_argument);
+    const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_yaw = hall_position_three_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
@@ -281,10 +302,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled = 1.5833627f * heading_sine;
     const float limited_ax = hall_position_three_limit(prediction_phase_x - (1.5812683f * heading_cosine) -
         heading_sine_scaled, 5.8793254f);
-    const float f3_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(f3_argument);
+    const float ax_part_cosine_argument = limited_ax * limited_ax;
+    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * f3;
-    const float ax_part_cosine = ax_part_cosine_polynomial(f3_argument);
+    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
     const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
         (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
@@ -298,10 +319,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled_2 = 1.5812683f * heading_sine;
     const float limited_ay = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled -
         heading_sine_scaled_2, 5.8793254f);
-    const float f3_argument_2 = limited_ay * limited_ay;
-    const float f3_2 = limited_ay * f3_polynomial(f3_argument_2);
+    const float ay_part_cosine_argument = limited_ay * limited_ay;
+    const float f3_2 = limited_ay * f3_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * f3_2;
-    const float ay_part_cosine = ax_part_cosine_polynomial(f3_argument_2);
+    const float ay_part_cosine = ax_part_cosine_polynomial(ay_part_cosine_argument);
     const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
         (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
@@ -312,10 +333,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
     const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
         heading_sine_scaled_3, 3.7601066f);
-    const float f5_argument = limited_bx * limited_bx;
-    const float f5 = limited_bx * f5_polynomial(f5_argument);
+    const float bx_part_cosine_argument = limited_bx * limited_bx;
+    const float f5 = limited_bx * f5_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 4.0f * f5;
-    const float bx_part_cosine = bx_part_cosine_polynomial(f5_argument);
+    const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
     const float bx_part_doubled = 4.0f * (f5 * bx_part_cosine);
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
@@ -324,10 +345,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
     const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
         heading_sine_scaled_4, 3.7601066f);
-    const float f5_argument_2 = limited_by * limited_by;
-    const float f5_2 = limited_by * f5_polynomial(f5_argument_2);
+    const float by_part_cosine_argument = limited_by * limited_by;
+    const float f5_2 = limited_by * f5_polynomial(by_part_cosine_argument);
     const float by_part_sine = 4.0f * f5_2;
-    const float by_part_cosine = bx_part_cosine_polynomial(f5_argument_2);
+    const float by_part_cosine = bx_part_cosine_polynomial(by_part_cosine_argument);
     const float by_part_doubled = 4.0f * (f5_2 * by_part_cosine);
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
@@ -336,10 +357,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
     const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
         heading_sine_scaled_5, 5.9978023f);
-    const float f7_argument = limited_cx * limited_cx;
-    const float f7 = limited_cx * f7_polynomial(f7_argument);
+    const float cx_part_cosine_argument = limited_cx * limited_cx;
+    const float f7 = limited_cx * f7_polynomial(cx_part_cosine_argument);
     const float cx_part_sine = 8.0f * f7;
-    const float cx_part_cosine = cx_part_cosine_polynomial(f7_argument);
+    const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
     const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
     const float cx_part_doubled = 8.0f *
         (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
@@ -351,10 +372,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
     const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
         heading_sine_scaled_6, 5.9978023f);
-    const float f7_argument_2 = limited_cy * limited_cy;
-    const float f7_2 = limited_cy * f7_polynomial(f7_argument_2);
+    const float cy_part_cosine_argument = limited_cy * limited_cy;
+    const float f7_2 = limited_cy * f7_polynomial(cy_part_cosine_argument);
     const float cy_part_sine = 8.0f * f7_2;
-    const float cy_part_cosine = cx_part_cosine_polynomial(f7_argument_2);
+    const float cy_part_cosine = cx_part_cosine_polynomial(cy_part_cosine_argument);
     const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
     const float cy_part_doubled = 8.0f *
         (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));

@@ -162,31 +162,31 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     const float d_at_change = state->d_at_change;
     const float gained = state->gained;
     float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
+    float estimate = held;
+    float rate = 0.0f;
     float g_part = 0.0f;
     if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
+        const float q = state->q;
+        const float nu = held - q;
         const float d = state->d;
         const float v = state->v;
         if (trusted) {
             const float d_part = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
             d_next = d_part;
-            rate_part = v + (beta * nu);
+            rate = v + (beta * nu);
             g_part = learning_step * (a_before * d_part);
         } else {
-            float rate_part_2 = 0.0f;
+            float taken_back = 0.0f;
             if (suspect != 0u) {
-                rate_part_2 = (beta / gamma * (d - d_at_change)) + (T * gained);
+                taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
-            rate_part = v - rate_part_2;
+            rate = v - taken_back;
         }
-        q = q_2 + (alpha * nu);
+        estimate = q + (alpha * nu);
     }
     const float g = state->g;
-    const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(q + (half_T * (rate_part + faster)), largest_position);
+    const float faster = rate + (T * ((g * a_before) + d_next));
+    state->q = maglev_5dof_limit(estimate + (half_T * (rate + faster)), largest_position);
     state->v = maglev_5dof_limit(faster, largest_rate);
     state->d = d_next;
     if (trusted && (1u <= unchanged)) {
@@ -196,7 +196,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         state->d_at_change = d_next;
     }
     state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
@@ -253,9 +253,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) +
-        (parameters->k_sum * sum) + (parameters->k_p1 * p1);
-    return w_tracking_part + (parameters->k_q1 * q1);
+    return (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) +
+        (parameters->k_p1 * p1) + (parameters->k_q1 * q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17)
@@ -341,9 +340,15 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
+    static const float r = 0.397f;                              /* m; Table I */
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group */
     static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
     static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
      * travel_high_z */
     static const float travel = -0.0499f;
@@ -351,7 +356,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
     static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
     static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
     static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
     static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
@@ -381,6 +388,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
     static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
     static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
+    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
     static const float M_x = 10.6f;                             /* kg; Table I */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float M_z = 8.6f;                              /* kg; Table I */
@@ -392,17 +403,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions before the one that excludes */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
     static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
     static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
     static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
     static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
+    static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
     static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
     static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
     static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
     /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
     static const float acceleration_step = 0.004f;
+    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
     /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
     static const float first_push = 0.46666667f;
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
@@ -427,7 +444,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
+     *         if left <= 1, else latched))
+     *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
+     *         <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -462,14 +483,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= x_unchanged, else 0
+     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+     *         sample or quiet_samples <= x_unchanged, else 0
+     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+     *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
+     *         quiet_samples <= x_unchanged, else 0
      *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
-     *         sample or 40 <= x_unchanged, else towards */
+     *         sample or quiet_samples <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = 5u <= probe_x_attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -515,24 +537,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
-     *         <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
+     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+     *         sample or quiet_samples <= z_unchanged, else 0
+     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if pair_samples <= z_unchanged, else
+     *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
+     *         quiet_samples <= z_unchanged, else 0
      *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_z, else first_push)) if 1 <=
-     *         sample or 40 <= z_unchanged, else towards */
+     *         sample or quiet_samples <= z_unchanged, else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = 5u <= probe_z_attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
      *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
      *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-     *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
-     *         z_unchanged
-     *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
-     *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
-     *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+     *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
+     *         score_y4
+     *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
+     *         0; likewise z_unchanged
+     *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
+     *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
+     *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
@@ -544,11 +569,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
         if (gate < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_next = 10u;
+            redundancy_doubts_x_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_x) {
                 redundancy_doubts_x_next = redundancy_doubts_x - 1u;
@@ -557,7 +582,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
+    const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
@@ -565,11 +590,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
         if (gate < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_next = 10u;
+            redundancy_doubts_z_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_z) {
                 redundancy_doubts_z_next = redundancy_doubts_z - 1u;
@@ -578,7 +603,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
+    const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -592,25 +617,25 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_y1 = (still_samples <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
     uint32_t still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_y2 = (still_samples <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
     uint32_t still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_y3 = (still_samples <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
     uint32_t still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
@@ -638,13 +663,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
-        const float phi_2 = 0.397f * observer_phi_q;
-        const float y1_expected = observer_y_q - phi_2;
-        const float theta_2 = 0.397f * observer_theta_q;
-        const float y2_expected = observer_y_q + theta_2;
-        const float y3_expected = observer_y_q + phi_2;
-        const float y4_expected = observer_y_q - theta_2;
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+        const float r_phi = r * observer_phi_q;
+        const float y1_expected = observer_y_q - r_phi;
+        const float r_theta = r * observer_theta_q;
+        const float y2_expected = observer_y_q + r_theta;
+        const float y3_expected = observer_y_q + r_phi;
+        const float y4_expected = observer_y_q - r_theta;
 
         /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -671,43 +696,44 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 determined = agreeing;
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
-                const float E_y1_part = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = E_y1_part * (y1_accepted - y1_expected);
-                const float E_y2_part = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
-                const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
-                const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
-                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const float direction_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = direction_y3 * (y1_accepted - y1_expected);
+                const float direction_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = direction_y4 * (y2_accepted - y2_expected);
+                const float E_y3 = direction_y3 * (y3_accepted - y3_expected);
+                const float E_y4 = direction_y4 * (y4_accepted - y4_expected);
+                const bool repeats_y1 = repeated_samples <= still_y1;
                 const float least_E = candidate_part * size;
-                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
-                const bool still_y2_at_least_3 = 3u <= still_y2;
-                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
-                const bool still_y3_at_least_3 = 3u <= still_y3;
-                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
-                const bool still_y4_at_least_3 = 3u <= still_y4;
-                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
+                const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
+                const bool repeats_y2 = repeated_samples <= still_y2;
+                const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
+                const bool repeats_y3 = repeated_samples <= still_y3;
+                const bool candidate_y3 = repeats_y3 && (least_E < E_y3);
+                const bool repeats_y4 = repeated_samples <= still_y4;
+                const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
                 const bool first = candidates != 0u;
-                const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
-                    maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
+                const uint32_t moving = maglev_5dof_flag(still_y1 < repeated_samples) +
+                    maglev_5dof_flag(still_y2 < repeated_samples) + maglev_5dof_flag(still_y3 < repeated_samples) +
+                    maglev_5dof_flag(still_y4 < repeated_samples);
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
-                uint32_t suspect_y1_part = 0u;
-                if (moving == 3u) {
-                    const bool flag_y1 = 8u <= still_y1;
+                uint32_t standing = 0u;
+                if (moving == all_but_one_of_4) {
+                    const bool stands_y1 = still_samples <= still_y1;
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
-                    const bool flag_y2 = 8u <= still_y2;
-                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
-                    const bool flag_y3 = 8u <= still_y3;
-                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
-                    const bool flag_y4 = 8u <= still_y4;
-                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
-                    suspect_y1_part = maglev_5dof_flag(flag_y1) + maglev_5dof_flag(flag_y2) +
-                        maglev_5dof_flag(flag_y3) + maglev_5dof_flag(flag_y4);
+                    preferred_y1 = (stands_y1) ? second_rule : 0.0f;
+                    const bool stands_y2 = still_samples <= still_y2;
+                    preferred_y2 = (stands_y2) ? second_rule : 0.0f;
+                    const bool stands_y3 = still_samples <= still_y3;
+                    preferred_y3 = (stands_y3) ? second_rule : 0.0f;
+                    const bool stands_y4 = still_samples <= still_y4;
+                    preferred_y4 = (stands_y4) ? second_rule : 0.0f;
+                    standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
+                        maglev_5dof_flag(stands_y4);
                 }
                 const float score_y1 = E_y1 +
                     (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
@@ -717,7 +743,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float score_y4 = E_y4 +
                     (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part) != 0u;
+                const bool by_code_suspect_y1 = (candidates + standing) != 0u;
                 const float best_y1 = maglev_5dof_max(-preference, score_y1);
                 const float best_y2 = maglev_5dof_max(best_y1, score_y2);
                 const float best_y3 = maglev_5dof_max(best_y2, score_y3);
@@ -729,7 +755,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     (best - second)) && (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
-                const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
+                const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
                 suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
                 suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
@@ -749,7 +775,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
                 bool contradictory_y4 = least_upto_score_y4;
-                if (redundancy_contradictions_0 < 2u) {
+                if (redundancy_contradictions_0 < excluded_from) {
                     contradictory_y1 = false;
                     contradictory_y2 = false;
                     contradictory_y3 = false;
@@ -759,29 +785,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory_y1) +
-                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_y2) +
-                    maglev_5dof_flag(still_y3_at_least_3 && contradictory_y3);
-                redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
-                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
+                    maglev_5dof_flag(repeats_y2 && contradictory_y2) + maglev_5dof_flag(repeats_y3 &&
+                    contradictory_y3) + maglev_5dof_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0;
+                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_part != 0u);
                 determined = waited == 0u;
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
+                redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
+                    redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
-            const bool suspect_y1_test_2 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
+            const bool wrong_choice = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
                 good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
                 (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
-            const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
+            const uint32_t doubted = (wrong_choice) ? 1u : redundancy_undecided_0;
             suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
             suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
             suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
             suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
-            const uint32_t gaps_sufficient_part = maglev_5dof_flag((usable_y1) ? false : true) +
-                maglev_5dof_flag((usable_y2) ? false : true) + maglev_5dof_flag((usable_y3) ? false : true);
-            const uint32_t missing = gaps_sufficient_part + maglev_5dof_flag((usable_y4) ? false : true);
-            gaps_sufficient = missing <= 2u;
+            const uint32_t missing = maglev_5dof_flag((usable_y1) ? false : true) + maglev_5dof_flag((usable_y2) ? false
+                : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
+            gaps_sufficient = missing <= tolerated_missing;
             const bool missing_at_most_1 = missing <= 1u;
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
@@ -809,9 +833,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
         regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        const uint32_t degraded_2 = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
+        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
             suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
-        redundancy_degraded_next = degraded_2;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -864,7 +887,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
      *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
      *         w_x_tracking; likewise w_z_unprobed
-     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
+     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
      *         acceleration_step_y) if landing_next is set, else dr_y
@@ -907,9 +930,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        const float theta_disturbance_part = maglev_5dof_limit(state->observer_theta_d +
-            (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
-        theta_disturbance = theta_disturbance_part;
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
+            observer_theta_largest_disturbance);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -939,18 +961,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
     /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
-    uint32_t latched_part = guard_latched;
+    uint32_t gave_up = guard_latched;
     if (enough) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
     } else {
         const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
-            latched_part = 1u;
+            gave_up = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
     }
-    const uint32_t latched = (landed) ? 1u : latched_part;
+    const uint32_t latched = (landed) ? 1u : gave_up;
     if (complete) {
         state->guard_ready = 1u;
     }
@@ -963,7 +985,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
-    /* handover: direct currents without x or z */
+    /* handover: direct currents without x or z
+     *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
+     *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
     const bool lost_1 = !x_trusted;
 
     /* angles: positions for the commutation
@@ -998,9 +1022,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
@@ -1065,31 +1089,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
             const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
                 largest_speed), press_speed);
-            const float demand_w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
+            w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
                 (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
-            w_y = demand_w_y;
-            const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
-                (damping * (ramp_rate_x - observer_x.rate)) +
+            w_x_unprobed = (stiffness * (ramp_x - observer_x.estimate)) + (damping * (ramp_rate_x - observer_x.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
-            const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
-                (damping * (ramp_rate_z - observer_z.rate)) +
+            w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
             const float faster_w_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
-            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
+            landing_r_y_part = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
                 (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound) : y_estimate;
-            landing_r_y_part = ahead_w_y;
             state->landing_dr_y = faster_w_y;
             const float faster_w_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
-            const float ahead_w_x = (landing_landing != 0u) ?
+            state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + faster_w_x)), bound) : observer_x.estimate;
-            state->landing_r_x = ahead_w_x;
             state->landing_dr_x = maglev_5dof_limit(faster_w_x, 10.0f);
             const float faster_w_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
-            const float ahead_w_z = (landing_landing != 0u) ?
+            state->landing_r_z = (landing_landing != 0u) ?
                 maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + faster_w_z)), bound) : observer_z.estimate;
-            state->landing_r_z = ahead_w_z;
             state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
             w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
@@ -1144,45 +1160,45 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         inverse_b_2 + inverse_b_4)
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
-        const float thrust_per_ampere_1_part = slot_pull / (y1_held + gap_offset);
-        const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
+        const float slot_effect_y1_held = slot_pull / (y1_held + gap_offset);
+        const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
         const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument);
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
-        const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
+        const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
         const float safe_output_last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
         const float half_load_1 = half_a_1 +
             (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
         const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (16.0f * (half_a_1 * half_c_1)));
-        const float thrust_per_ampere_2_part = slot_pull / (y2_held + gap_offset);
-        const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
+        const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
+        const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
         const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
         const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
-        const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
+        const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
         const float safe_output_last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
         const float half_load_2 = half_a_2 +
             (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
-        const float thrust_per_ampere_3_part = slot_pull / (y3_held + gap_offset);
-        const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
-        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
+        const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_argument);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
-        const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
+        const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_load_3 = half_a_3 +
             (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
-        const float thrust_per_ampere_4_part = slot_pull / (y4_held + gap_offset);
-        const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
-        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
-        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
+        const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
-        const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
+        const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_load_4 = half_a_4 +
             (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
@@ -1205,18 +1221,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (40u <= x_unchanged)) {
+        if (runs_w_x || (quiet_samples <= x_unchanged)) {
             if (runs_w_x) {
-                const uint32_t w_x_part = probe_x_attempt + 1u;
+                const uint32_t one_more_w_x = probe_x_attempt + 1u;
                 float pulse_w_x = 0.0f;
-                if (probe_x_sample <= 12u) {
-                    const float push_w_x = state->probe_x_towards * (float)w_x_part;
-                    pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
+                if (probe_x_sample <= last_push_end) {
+                    const float push_w_x = state->probe_x_towards * (float)one_more_w_x;
+                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
+                        -push_w_x : push_w_x;
                 }
                 w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
-                if (15u <= probe_x_sample) {
+                if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
+                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : one_more_w_x) : 0u;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
@@ -1230,31 +1248,31 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
-        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x / u_x_demand_part;
+        const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
+        const float u_x_demand = -M_x * w_x / h_x;
         const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
-
-        /* landing: ramps and state feedback (continued) */
-        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (40u <= z_unchanged)) {
+        if (runs_w_z || (quiet_samples <= z_unchanged)) {
             if (runs_w_z) {
-                const uint32_t w_z_part = probe_z_attempt + 1u;
+                const uint32_t one_more_w_z = probe_z_attempt + 1u;
                 float pulse_w_z = 0.0f;
-                if (probe_z_sample <= 12u) {
-                    const float push_w_z = state->probe_z_towards * (float)w_z_part;
-                    pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
+                if (probe_z_sample <= last_push_end) {
+                    const float push_w_z = state->probe_z_towards * (float)one_more_w_z;
+                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
+                        -push_w_z : push_w_z;
                 }
                 w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
-                if (15u <= probe_z_sample) {
+                if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
+                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : one_more_w_z) : 0u;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
                 }
@@ -1268,8 +1286,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 
         /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
-        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z / u_z_demand_part;
+        const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
+        const float u_z_demand = -M_z * w_z / h_z;
         const float room_u_z = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
@@ -1301,8 +1319,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
-            /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
+
+            /* safe_output: slew to the safe output once latched (continued) */
             out->i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
@@ -1314,8 +1333,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* accelerations: F(6)
          *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
-        const float a_x = -inverse_M_x * (u_x_computed * u_x_demand_part);
-        const float a_z = -inverse_M_z * (u_z_computed * u_z_demand_part);
+        const float a_x = -inverse_M_x * (u_x_computed * h_x);
+        const float a_z = -inverse_M_z * (u_z_computed * h_z);
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
@@ -1333,12 +1352,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample (continued) */
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
-
-        /* safe_output: slew to the safe output once latched (continued) */
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
-
-        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1362,11 +1377,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
             observer_theta_largest_position);
         state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
-
-        /* landing: ramps and state feedback (continued) */
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
         state->redundancy_still_y1 = still_y1;
         state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
@@ -1393,14 +1404,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
         state->redundancy_degraded = redundancy_degraded_next;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         state->observer_y_d = y_disturbance;
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         state->observer_phi_d = phi_disturbance;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -1465,11 +1470,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->phi_estimate = phi_estimate;
         diagnostics->phi_rate = phi_rate;
         diagnostics->phi_disturbance = phi_disturbance;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;

@@ -83,8 +83,10 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     maglev_5dof_phase_output_t *out)
 #endif
 {
+    static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+    static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -120,8 +122,8 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
      *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
      *         else x_held) - 0.001); likewise last_z_next
-     *     left_x_next = 5 if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise
-     *         left_z_next */
+     *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
+     *         likewise left_z_next */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;
@@ -146,8 +148,8 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
     state->advance_last_z = position;
-    state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
-    state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
+    state->advance_left_x = (good_x) ? advance_patience : advance_left_x_part;
+    state->advance_left_z = (good_z) ? advance_patience : advance_left_z_part;
 
     /* guard: range acceptance, hold, latch (continued) */
     const uint32_t faults_before = (lost_x) ? (faults | 0x00000400u) : faults;
@@ -168,8 +170,8 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
      *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or 0 < |transfer|, else
      *         0
-     *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
-     *         lost_x or lost_z or 0 < |transfer|, else 0 */
+     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else 0)
+     *         if lost_x or lost_z or 0 < |transfer|, else 0 */
     const float distance_x_part = (8.748906f * x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_part - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
@@ -202,7 +204,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         uint32_t unknown = 0u;
         if (lost_x && lost_z) {
             const uint32_t commutation_unknown = state->commutation_unknown;
-            unknown = (105u <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
+            unknown = (gone_samples <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
         } else {
             target = (lost_x) ? 1.0f : i_a1_part;
         }
@@ -284,11 +286,6 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
         diagnostics->z_acting = z_acting;
         diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
     }
 #endif

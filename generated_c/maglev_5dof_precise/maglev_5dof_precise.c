@@ -167,31 +167,31 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     const float d_at_change = state->d_at_change;
     const float gained = state->gained;
     float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
+    float estimate = held;
+    float rate = 0.0f;
     float g_part = 0.0f;
     if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
+        const float q = state->q;
+        const float nu = held - q;
         const float d = state->d;
         const float v = state->v;
         if (trusted) {
             const float d_part = maglev_5dof_precise_limit(d + (gamma * nu), largest_disturbance);
             d_next = d_part;
-            rate_part = v + (beta * nu);
+            rate = v + (beta * nu);
             g_part = learning_step * (a_before * d_part);
         } else {
-            float rate_part_2 = 0.0f;
+            float taken_back = 0.0f;
             if (suspect != 0u) {
-                rate_part_2 = (beta / gamma * (d - d_at_change)) + (T * gained);
+                taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
-            rate_part = v - rate_part_2;
+            rate = v - taken_back;
         }
-        q = q_2 + (alpha * nu);
+        estimate = q + (alpha * nu);
     }
     const float g = state->g;
-    const float faster = rate_part + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_precise_limit(q + (half_T * (rate_part + faster)), largest_position);
+    const float faster = rate + (T * ((g * a_before) + d_next));
+    state->q = maglev_5dof_precise_limit(estimate + (half_T * (rate + faster)), largest_position);
     state->v = maglev_5dof_precise_limit(faster, largest_rate);
     state->d = d_next;
     if (trusted && (1u <= unchanged)) {
@@ -201,7 +201,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
         state->d_at_change = d_next;
     }
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+    return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
 typedef struct {
@@ -245,13 +245,13 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
     const float q2 = state->q2;
     const float p2_next = p2 + (c2 * q2);
     const float q2_next = q2 - p2_next + e_2;
-    const float sum_part = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
-        (q2_next * q2_next);
     const float p3 = state->p3;
     const float q3 = state->q3;
     const float p3_next = p3 + (c3 * q3);
     const float q3_next = q3 - p3_next + e_2;
-    if ((sum_part + (p3_next * p3_next) + (q3_next * q3_next)) <= 16.0f) {
+    const float sum_part = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
+        (q2_next * q2_next) + (p3_next * p3_next) + (q3_next * q3_next);
+    if (sum_part <= 16.0f) {
         /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
         /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
         /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
@@ -275,14 +275,13 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_prec
         w_tracking_part = parameters->k_step * moved;
     }
     const float w_tracking_part_2 = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
-        w_tracking_part + (parameters->k_sum * sum);
-    const float w_tracking_part_3 = w_tracking_part_2 + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
-        (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3);
-    float w_tracking_part_4 = 0.0f;
+        w_tracking_part + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
+        (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3) + (parameters->k_q3 * q3);
+    float w_tracking_part_3 = 0.0f;
     if (ready != 0u) {
-        w_tracking_part_4 = cancelled * value;
+        w_tracking_part_3 = cancelled * value;
     }
-    return w_tracking_part_3 + (parameters->k_q3 * q3) - w_tracking_part_4;
+    return w_tracking_part_2 - w_tracking_part_3;
 }
 
 typedef struct {
@@ -377,9 +376,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     maglev_5dof_precise_output_t *out)
 #endif
 {
+    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
+    static const float r = 0.397f;                              /* m; Table I */
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group */
     static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
     static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
      * travel_high_z */
     static const float travel = -0.0499f;
@@ -387,7 +392,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
     static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
     static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
     static const float observer_y_fast_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
     static const float T = 0.001f;                              /* s; sample period */
@@ -409,6 +416,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
     static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
     static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+    static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
+    static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
     static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
     static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
     static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
@@ -418,7 +429,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
     static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
     static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
-    static const float r = 0.397f;                              /* m; Table I */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
@@ -433,16 +443,22 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions before the one that excludes */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
     static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
     static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
     static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
     static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
     static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
+    static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
     static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
     static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
     static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
     /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
     static const float acceleration_step = 0.004f;
+    static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
     /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
     static const float first_push = 2.2f;
     static const float observer_y_fast_alpha = 0.6988058f;      /* 1; triple pole exp(-w T), w = 400 rad/s */
@@ -503,7 +519,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
+     *         if left <= 1, else latched))
+     *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
+     *         <= 1, else left - 1) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -544,15 +564,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 7 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 12
-     *         <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 7 <= x_unchanged, else 0) if 7 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= x_unchanged, else 0
-     *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
-     *         attempt, else (-first_push if 0 < e_x, else first_push))) if 1 <= sample or 12 <= x_unchanged,
-     *         else towards */
+     *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
+     *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+     *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
+     *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+     *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
+     *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
+     *         sample or quiet_samples <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = 8u <= probe_x_attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -598,25 +619,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 7 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 12
-     *         <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 7 <= z_unchanged, else 0) if 7 <=
-     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 12 <= z_unchanged, else 0
-     *     towards_next = ((-towards if 7 <= sample, else towards) if 1 <= sample, else (towards if 1 <=
-     *         attempt, else (-first_push if 0 < e_z, else first_push))) if 1 <= sample or 12 <= z_unchanged,
-     *         else towards */
+     *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
+     *         sample, else free) if first_push_end <= sample or quiet_samples <= z_unchanged, else 0
+     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if pair_samples <= z_unchanged, else
+     *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
+     *         first_push_end <= sample or quiet_samples <= z_unchanged, else 0
+     *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
+     *         (towards if 1 <= attempt, else (-first_push if 0 < e_z, else first_push))) if first_push_end <=
+     *         sample or quiet_samples <= z_unchanged, else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = 8u <= probe_z_attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes
      *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
      *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-     *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
-     *         z_unchanged
-     *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
-     *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if gate < |observer_x_q - x_accepted|,
-     *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+     *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
+     *         score_y4
+     *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
+     *         0; likewise z_unchanged
+     *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
+     *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
+     *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
@@ -628,11 +652,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
     if (maglev_5dof_precise_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
         if (gate < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_next = 10u;
+            redundancy_doubts_x_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_x) {
                 redundancy_doubts_x_next = redundancy_doubts_x - 1u;
@@ -641,7 +665,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_x = (3u <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
+    const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
@@ -649,11 +673,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
     if (maglev_5dof_precise_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
         if (gate < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_next = 10u;
+            redundancy_doubts_z_next = doubted_changes;
         } else {
             if (1u <= redundancy_doubts_z) {
                 redundancy_doubts_z_next = redundancy_doubts_z - 1u;
@@ -662,7 +686,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
         }
     }
-    const bool frozen_z = (3u <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
+    const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -676,25 +700,25 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_y1 = (still_samples <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_precise_equal(y2_accepted, state->redundancy_code_y2);
     uint32_t still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_y2 = (still_samples <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y3 = maglev_5dof_precise_equal(y3_accepted, state->redundancy_code_y3);
     uint32_t still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_y3 = (still_samples <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y4 = maglev_5dof_precise_equal(y4_accepted, state->redundancy_code_y4);
     uint32_t still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
@@ -722,13 +746,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
-        const float phi_2 = 0.397f * observer_phi_q;
-        const float y1_expected = observer_y_q - phi_2;
-        const float theta_2 = 0.397f * observer_theta_q;
-        const float y2_expected = observer_y_q + theta_2;
-        const float y3_expected = observer_y_q + phi_2;
-        const float y4_expected = observer_y_q - theta_2;
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+        const float r_phi = r * observer_phi_q;
+        const float y1_expected = observer_y_q - r_phi;
+        const float r_theta = r * observer_theta_q;
+        const float y2_expected = observer_y_q + r_theta;
+        const float y3_expected = observer_y_q + r_phi;
+        const float y4_expected = observer_y_q - r_theta;
 
         /* redundancy: parity, innovations, frozen codes (continued) */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -755,46 +779,45 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 determined = agreeing;
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
-                const float E_y1_part = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = E_y1_part * (y1_accepted - y1_expected);
-                const float E_y2_part = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = E_y2_part * (y2_accepted - y2_expected);
-                const float E_y3 = E_y1_part * (y3_accepted - y3_expected);
-                const float E_y4 = E_y2_part * (y4_accepted - y4_expected);
-                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const float direction_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = direction_y3 * (y1_accepted - y1_expected);
+                const float direction_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = direction_y4 * (y2_accepted - y2_expected);
+                const float E_y3 = direction_y3 * (y3_accepted - y3_expected);
+                const float E_y4 = direction_y4 * (y4_accepted - y4_expected);
+                const bool repeats_y1 = repeated_samples <= still_y1;
                 const float least_E = candidate_part * size;
-                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
-                const bool still_y2_at_least_3 = 3u <= still_y2;
-                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
-                const bool still_y3_at_least_3 = 3u <= still_y3;
-                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
-                const bool still_y4_at_least_3 = 3u <= still_y4;
-                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
+                const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
+                const bool repeats_y2 = repeated_samples <= still_y2;
+                const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
+                const bool repeats_y3 = repeated_samples <= still_y3;
+                const bool candidate_y3 = repeats_y3 && (least_E < E_y3);
+                const bool repeats_y4 = repeated_samples <= still_y4;
+                const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_precise_flag(candidate_y1) +
                     maglev_5dof_precise_flag(candidate_y2) + maglev_5dof_precise_flag(candidate_y3) +
                     maglev_5dof_precise_flag(candidate_y4);
                 const bool first = candidates != 0u;
-                const uint32_t score_y1_part = maglev_5dof_precise_flag(still_y1 < 3u) +
-                    maglev_5dof_precise_flag(still_y2 < 3u) + maglev_5dof_precise_flag(still_y3 < 3u);
+                const uint32_t moving = maglev_5dof_precise_flag(still_y1 < repeated_samples) +
+                    maglev_5dof_precise_flag(still_y2 < repeated_samples) + maglev_5dof_precise_flag(still_y3 <
+                    repeated_samples) + maglev_5dof_precise_flag(still_y4 < repeated_samples);
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
-                uint32_t suspect_y1_part = 0u;
-                if ((score_y1_part + maglev_5dof_precise_flag(still_y4 < 3u)) == 3u) {
-                    const bool flag_y1 = 8u <= still_y1;
+                uint32_t standing = 0u;
+                if (moving == all_but_one_of_4) {
+                    const bool stands_y1 = still_samples <= still_y1;
                     const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (flag_y1) ? second_rule : 0.0f;
-                    const bool flag_y2 = 8u <= still_y2;
-                    preferred_y2 = (flag_y2) ? second_rule : 0.0f;
-                    const bool flag_y3 = 8u <= still_y3;
-                    preferred_y3 = (flag_y3) ? second_rule : 0.0f;
-                    const bool flag_y4 = 8u <= still_y4;
-                    preferred_y4 = (flag_y4) ? second_rule : 0.0f;
-                    const uint32_t suspect_y1_part_2 = maglev_5dof_precise_flag(flag_y1) +
-                        maglev_5dof_precise_flag(flag_y2) + maglev_5dof_precise_flag(flag_y3) +
-                        maglev_5dof_precise_flag(flag_y4);
-                    suspect_y1_part = suspect_y1_part_2;
+                    preferred_y1 = (stands_y1) ? second_rule : 0.0f;
+                    const bool stands_y2 = still_samples <= still_y2;
+                    preferred_y2 = (stands_y2) ? second_rule : 0.0f;
+                    const bool stands_y3 = still_samples <= still_y3;
+                    preferred_y3 = (stands_y3) ? second_rule : 0.0f;
+                    const bool stands_y4 = still_samples <= still_y4;
+                    preferred_y4 = (stands_y4) ? second_rule : 0.0f;
+                    standing = maglev_5dof_precise_flag(stands_y1) + maglev_5dof_precise_flag(stands_y2) +
+                        maglev_5dof_precise_flag(stands_y3) + maglev_5dof_precise_flag(stands_y4);
                 }
                 const float score_y1 = E_y1 +
                     (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
@@ -804,7 +827,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
                 const float score_y4 = E_y4 +
                     (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part) != 0u;
+                const bool by_code_suspect_y1 = (candidates + standing) != 0u;
                 const float best_y1 = maglev_5dof_precise_max(-preference, score_y1);
                 const float best_y2 = maglev_5dof_precise_max(best_y1, score_y2);
                 const float best_y3 = maglev_5dof_precise_max(best_y2, score_y3);
@@ -816,7 +839,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                     (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
-                const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
+                const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
                 suspect_y1 = (maglev_5dof_precise_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
                 suspect_y2 = (maglev_5dof_precise_flag(least_upto_score_y2) + waited) != 0u;
@@ -824,23 +847,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 suspect_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
                 suspect_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + waited) != 0u;
-                const float contradictory_y1_y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
+                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
                     ((least_upto_score_y1) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
-                y1_held = contradictory_y1_y1_held;
-                const float contradictory_y2_y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
+                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
                     ((least_upto_score_y2) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
-                y2_held = contradictory_y2_y2_held;
-                const float contradictory_y3_y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
+                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
                     ((least_upto_score_y3) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
-                y3_held = contradictory_y3_y3_held;
-                const float contradictory_y4_y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
+                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
                     ((least_upto_score_y4) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
-                y4_held = contradictory_y4_y4_held;
                 bool contradictory_y1 = least_upto_score_y1;
                 bool contradictory_y2 = least_upto_score_y2;
                 bool contradictory_y3 = least_upto_score_y3;
                 bool contradictory_y4 = least_upto_score_y4;
-                if (redundancy_contradictions_0 < 2u) {
+                if (redundancy_contradictions_0 < excluded_from) {
                     contradictory_y1 = false;
                     contradictory_y2 = false;
                     contradictory_y3 = false;
@@ -850,30 +869,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 redundancy_excluded_y2_next = maglev_5dof_precise_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_precise_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_precise_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(still_y1_at_least_3 &&
-                    contradictory_y1) + maglev_5dof_precise_flag(still_y2_at_least_3 && contradictory_y2) +
-                    maglev_5dof_precise_flag(still_y3_at_least_3 && contradictory_y3);
-                redundancy_stuck_0_next = maglev_5dof_precise_flag((redundancy_stuck_0_part +
-                    maglev_5dof_precise_flag(still_y4_at_least_3 && contradictory_y4) + redundancy_stuck_0) != 0u);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_precise_flag(repeats_y1 && contradictory_y1) +
+                    maglev_5dof_precise_flag(repeats_y2 && contradictory_y2) + maglev_5dof_precise_flag(repeats_y3 &&
+                    contradictory_y3) + maglev_5dof_precise_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0;
+                redundancy_stuck_0_next = maglev_5dof_precise_flag(redundancy_stuck_0_part != 0u);
                 determined = waited == 0u;
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
-                    (redundancy_contradictions_0 + 1u);
+                redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
+                    redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
                 redundancy_undecided_0_next = waited;
             }
         } else {
-            const bool suspect_y1_test_2 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
+            const bool wrong_choice = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
                 good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
                 (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
-            const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
+            const uint32_t doubted = (wrong_choice) ? 1u : redundancy_undecided_0;
             suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
             suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
             suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
             suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
-            const uint32_t gaps_sufficient_part = maglev_5dof_precise_flag((usable_y1) ? false : true) +
-                maglev_5dof_precise_flag((usable_y2) ? false : true) +
-                maglev_5dof_precise_flag((usable_y3) ? false : true);
-            const uint32_t missing = gaps_sufficient_part + maglev_5dof_precise_flag((usable_y4) ? false : true);
-            gaps_sufficient = missing <= 2u;
+            const uint32_t missing = maglev_5dof_precise_flag((usable_y1) ? false : true) +
+                maglev_5dof_precise_flag((usable_y2) ? false : true) + maglev_5dof_precise_flag((usable_y3) ? false :
+                true) + maglev_5dof_precise_flag((usable_y4) ? false : true);
+            gaps_sufficient = missing <= tolerated_missing;
             const bool missing_at_most_1 = missing <= 1u;
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
@@ -905,9 +922,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
         regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        const uint32_t degraded_2 = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
+        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
             suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
-        redundancy_degraded_next = degraded_2;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -960,7 +976,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
      *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
      *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
-     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
+     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
      *         acceleration_step_y) if landing_next is set, else dr_y
@@ -1047,9 +1063,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float nu_theta_disturbance = theta - observer_theta_q;
-        const float theta_disturbance_part = maglev_5dof_precise_limit(state->observer_theta_d +
+        theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
             (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
-        theta_disturbance = theta_disturbance_part;
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -1068,9 +1083,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        const float phi_disturbance_part = maglev_5dof_precise_limit(state->observer_phi_d +
-            (observer_phi_gamma * nu_phi_estimate), observer_phi_largest_disturbance);
-        phi_disturbance = phi_disturbance_part;
+        phi_disturbance = maglev_5dof_precise_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+            observer_phi_largest_disturbance);
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
@@ -1082,23 +1096,25 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
     /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_latched = state->guard_latched;
-    uint32_t latched_part = guard_latched;
+    uint32_t gave_up = guard_latched;
     if (enough) {
-        state->guard_left = 5u;
+        state->guard_left = latch_samples;
     } else {
         const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
-            latched_part = 1u;
+            gave_up = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
     }
-    const uint32_t latched = (landed) ? 1u : latched_part;
+    const uint32_t latched = (landed) ? 1u : gave_up;
     if (complete) {
         state->guard_ready = 1u;
     }
 
-    /* handover: direct currents without x or z */
+    /* handover: direct currents without x or z
+     *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
+     *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
     const bool lost_1 = !x_trusted;
 
     /* angles: positions for the commutation
@@ -1133,9 +1149,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
     } else {
         /* sufficiency: it can land, is probed (continued) */
@@ -1288,31 +1304,24 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
             const float ramp_target_y = maglev_5dof_precise_max(maglev_5dof_precise_min(touch_speed +
                 (approach * (stop - ramp_y)), largest_speed), press_speed);
-            const float demand_w_x = (stiffness * (ramp_x - observer_x.estimate)) +
-                (damping * (ramp_rate_x - observer_x.rate)) +
+            w_x_unprobed = (stiffness * (ramp_x - observer_x.estimate)) + (damping * (ramp_rate_x - observer_x.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
-            w_x_unprobed = demand_w_x;
-            const float demand_w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
+            w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
                 (maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
-            w_y = demand_w_y;
-            const float demand_w_z = (stiffness * (ramp_z - observer_z.estimate)) +
-                (damping * (ramp_rate_z - observer_z.rate)) +
+            w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            w_z_unprobed = demand_w_z;
             const float faster_w_y = maglev_5dof_precise_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
             const float landing_r_y_part_2 = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
                 (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound);
             landing_r_y_part = (landing_landing != 0u) ? landing_r_y_part_2 : y_estimate;
             state->landing_dr_y = faster_w_y;
             const float faster_w_x = maglev_5dof_precise_slew(ramp_rate_x, 0.0f, acceleration_step);
-            const float ahead_w_x = (landing_landing != 0u) ?
+            state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_precise_limit(ramp_x + (half_T * (ramp_rate_x + faster_w_x)), bound) : observer_x.estimate;
-            state->landing_r_x = ahead_w_x;
             state->landing_dr_x = maglev_5dof_precise_limit(faster_w_x, 10.0f);
             const float faster_w_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
-            const float ahead_w_z = (landing_landing != 0u) ?
+            state->landing_r_z = (landing_landing != 0u) ?
                 maglev_5dof_precise_limit(ramp_z + (half_T * (ramp_rate_z + faster_w_z)), bound) : observer_z.estimate;
-            state->landing_r_z = ahead_w_z;
             state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
             w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
@@ -1338,10 +1347,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             if (fabsf(moved_w_phi_tracking) <= servo_phi_fast_largest) {
                 w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
             }
-            const float w_phi_tracking_part_4 = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
+            const float w_phi_tracking = w_phi_tracking_part_2 - w_phi_tracking_part_3 +
                 (servo_phi_fast_k_sum * servo_phi_fast_sum) + (servo_phi_fast_k_p1 * servo_phi_fast_p1) +
-                (servo_phi_fast_k_q1 * servo_phi_fast_q1);
-            const float w_phi_tracking = w_phi_tracking_part_4 - w_phi_tracking_part;
+                (servo_phi_fast_k_q1 * servo_phi_fast_q1) - w_phi_tracking_part;
             w_phi = w_phi_tracking;
             w_theta = w_theta_tracking;
             fault_word = faults_before;
@@ -1356,32 +1364,31 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         }
-
-        /* delay: delay of one sample (continued) */
         state->delay_w_y_last = w_y;
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
 
         /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 1u <= probe_x_sample;
+        const bool runs_w_x = first_push_end <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (12u <= x_unchanged)) {
+        if (runs_w_x || (quiet_samples <= x_unchanged)) {
             const float probe_x_towards = state->probe_x_towards;
             if (runs_w_x) {
                 float pulse_w_x = 0.0f;
-                if (probe_x_sample <= 4u) {
+                if (probe_x_sample <= last_push_end) {
                     const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
-                    pulse_w_x = ((1u < probe_x_sample) && (probe_x_sample <= 3u)) ? -push_w_x : push_w_x;
+                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
+                        -push_w_x : push_w_x;
                 }
                 w_x = w_x_unprobed + pulse_w_x;
-                if (7u <= probe_x_sample) {
+                if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (7u <= x_unchanged) ?
+                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
                         ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
                     state->probe_x_towards = -probe_x_towards;
                 } else {
-                    state->probe_x_sample = probe_x_sample + 1u;
+                    state->probe_x_sample = probe_x_sample + first_push_end;
                 }
             } else {
                 state->probe_x_sample = maglev_5dof_precise_flag(free);
@@ -1393,31 +1400,30 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->probe_x_sample = 0u;
             state->probe_x_attempt = 0u;
         }
-
-        /* landing: ramps and state feedback (continued) */
-        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
         state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, ramp_end);
 
         /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 1u <= probe_z_sample;
+        const bool runs_w_z = first_push_end <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (12u <= z_unchanged)) {
+        if (runs_w_z || (quiet_samples <= z_unchanged)) {
             const float probe_z_towards = state->probe_z_towards;
             if (runs_w_z) {
                 float pulse_w_z = 0.0f;
-                if (probe_z_sample <= 4u) {
+                if (probe_z_sample <= last_push_end) {
                     const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
-                    pulse_w_z = ((1u < probe_z_sample) && (probe_z_sample <= 3u)) ? -push_w_z : push_w_z;
+                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
+                        -push_w_z : push_w_z;
                 }
                 w_z = w_z_unprobed + pulse_w_z;
-                if (7u <= probe_z_sample) {
+                if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (7u <= z_unchanged) ?
+                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
                         ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
                     state->probe_z_towards = -probe_z_towards;
                 } else {
-                    state->probe_z_sample = probe_z_sample + 1u;
+                    state->probe_z_sample = probe_z_sample + first_push_end;
                 }
             } else {
                 state->probe_z_sample = maglev_5dof_precise_flag(free);
@@ -1431,53 +1437,60 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 
         /* inversion: exact inversion of F(2), (6), (7)
+         *     half_force = 3.45 * (w_y - G) + half_1 + half_2 + half_3 + half_4
+         *     half_force_phi = 0.663476 * (w_phi + 11250 * phi_fast_ahead) + half_3 - half_1
+         *     half_force_theta = 0.663476 * (w_theta + 2850 * theta_fast_ahead) + half_2 - half_4
+         *     half_force_1_3 = ((s2 + s4) * half_force + (s2 - s4) * half_force_theta - (s3 - s1) *
+         *         half_force_phi) / (s1 + s3 + s2 + s4)
+         *     i_d1_balanced = limit(2 * doubled_1 / (sqrt(squares_1) + sqrt(max(squares_1 - 8 * (motors_1_half_c *
+         *         doubled_1), 0))), direct_limit); likewise i_d2_balanced, i_d3_balanced, i_d4_balanced
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
         const float tilts_3 = r * observer_phi_fast.fast_ahead;
-        const float thrust_per_ampere_1_part = slot_pull /
+        const float slot_effect_y1_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
-        const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
+        const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument);
         const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
-        const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
-        const float thrust_per_ampere_3_part = slot_pull /
+        const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
+        const float slot_effect_y3_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
-        const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument_2);
-        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z / u_z_demand_part;
+        const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
+        const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
+        const float u_z_demand = -M_z * w_z / h_z;
         const float i_q_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
         const float i_q_3_squared = i_q_3 * i_q_3;
         const float half_1 = motors_1_half_a + (motors_1_half_c * i_q_3_squared);
         const float tilts_2 = r * observer_theta_fast.fast_ahead;
-        const float thrust_per_ampere_2_part = slot_pull /
+        const float slot_effect_y2_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2, 0.0366f), 0.0124f) + gap_offset);
-        const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
+        const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
         const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
         const float motors_2_half_a = thrust_per_ampere_2_squared * half_a_over_h2_2;
-        const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
-        const float thrust_per_ampere_4_part = slot_pull /
+        const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
+        const float slot_effect_y4_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f), 0.0124f) + gap_offset);
-        const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
-        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument_2);
-        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x / u_x_demand_part;
+        const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
+        const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
+        const float u_x_demand = -M_x * w_x / h_x;
         const float i_q_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
         const float i_q_4_squared = i_q_4 * i_q_4;
         const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_4_squared);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
-        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument_2);
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_argument);
         const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
-        const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
+        const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_3_squared);
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
-        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument_2);
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
         const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
-        const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
+        const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_4_squared);
         const float half_force = (3.45f * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
         const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) +
@@ -1518,8 +1531,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_part));
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
-        const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
-        const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
+        const float a_x = -0.094339624f * (u_x_computed * h_x);
+        const float a_z = -0.11627907f * (u_z_computed * h_z);
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
         state->delay_a_x_last = a_x;
@@ -1550,8 +1563,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
-            /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
+
+            /* safe_output: slew to the safe output once latched (continued) */
             out->i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
@@ -1560,8 +1574,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
         }
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
         state->redundancy_still_y1 = still_y1;
         state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
@@ -1588,17 +1600,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
         state->redundancy_degraded = redundancy_degraded_next;
-
-        /* servo_phi_fast: predictive servo with internal models (continued) */
         state->servo_phi_fast_r = phi_ref_held;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         state->observer_y_d = y_disturbance;
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         state->observer_phi_d = phi_disturbance;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -1674,11 +1678,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->phi_estimate = phi_estimate;
         diagnostics->phi_rate = phi_rate;
         diagnostics->phi_disturbance = phi_disturbance;
-    }
-#endif
-
-#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;

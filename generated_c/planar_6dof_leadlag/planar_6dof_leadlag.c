@@ -167,6 +167,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
+    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
+    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
@@ -186,6 +188,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
     static const float slew_i_AA = 0.126f;                      /* A; 126 A/s times 0.001 s */
+    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
+    static const uint32_t memory = 4u;                          /* 1; samples for which a contradiction is remembered */
     static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
@@ -259,7 +263,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         diagnostics->saturated = 0u;
     }
 #endif
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch
+     *     latched = latched if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
+     *     left_next = latch_samples if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if
+     *         |d2| <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left -
+     *         1)
+     *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
         &faults);
@@ -290,7 +301,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         0x00004000u, &faults);
 
     /* sensing: position and yaw, (1)-(5)
-     *     innovation_phi_next = phi_raw - reckoning_phi_position if guard_ready and measured, else 0 */
+     *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
+     *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
+     *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
+     *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+     *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
+     *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch (continued) */
@@ -303,10 +319,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) +
-            (sensing_first_r_2 * sensing_first_r_2) +
+        const float first_squared = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) +
             (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool is_jump = squared_jump < suspect_V_ax_part;
+        const bool is_jump = squared_jump < first_squared;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
@@ -315,42 +330,42 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
         const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
         const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
-        bool suspect_V_ax_test;
-        bool suspect_V_ay_test;
-        bool suspect_V_bx_test = m_exceeds_x;
-        bool suspect_V_by_test;
-        bool suspect_V_cx_test;
-        bool suspect_V_cy_test = m_exceeds_y;
+        bool indicated_x_V_ax;
+        bool indicated_y_V_ay;
+        bool indicated_x_V_bx = m_exceeds_x;
+        bool indicated_y_V_by;
+        bool indicated_x_V_cx;
+        bool indicated_y_V_cy = m_exceeds_y;
         if (is_jump) {
             const bool nearly_zero_x = size_x < nearly_zero_m;
             const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+            indicated_x_V_ax = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
             const bool nearly_zero_y = size_y < nearly_zero_m;
             const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
-            suspect_V_bx_test = (change_x + nearly_zero_m) < size_x;
-            suspect_V_by_test = r_exceeds_y && nearly_zero_y;
-            suspect_V_cx_test = r_exceeds_x && nearly_zero_x;
-            suspect_V_cy_test = (change_y + nearly_zero_m) < size_y;
+            indicated_y_V_ay = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+            indicated_x_V_bx = (change_x + nearly_zero_m) < size_x;
+            indicated_y_V_by = r_exceeds_y && nearly_zero_y;
+            indicated_x_V_cx = r_exceeds_x && nearly_zero_x;
+            indicated_y_V_cy = (change_y + nearly_zero_m) < size_y;
         } else {
             const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
-            suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
-            suspect_V_ay_test = any_r_exceeds || m_exceeds_y;
-            suspect_V_by_test = any_r_exceeds;
-            suspect_V_cx_test = any_r_exceeds;
+            indicated_x_V_ax = any_r_exceeds || m_exceeds_x;
+            indicated_y_V_ay = any_r_exceeds || m_exceeds_y;
+            indicated_y_V_by = any_r_exceeds;
+            indicated_x_V_cx = any_r_exceeds;
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
             (sensing_first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
         const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
-            (both_m_exceed_suspect_V_ax && !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
-        const bool suspect_V_ax = suspect_V_ax_test || is_any;
-        const bool suspect_V_ay = suspect_V_ay_test || is_any;
-        const bool suspect_V_bx = suspect_V_bx_test || is_any;
-        const bool suspect_V_by = suspect_V_by_test || is_any;
-        const bool suspect_V_cx = suspect_V_cx_test || is_any;
-        const bool suspect_V_cy = suspect_V_cy_test || is_any;
+            (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
+        const bool suspect_V_ax = indicated_x_V_ax || is_any;
+        const bool suspect_V_ay = indicated_y_V_ay || is_any;
+        const bool suspect_V_bx = indicated_x_V_bx || is_any;
+        const bool suspect_V_by = indicated_y_V_by || is_any;
+        const bool suspect_V_cx = indicated_x_V_cx || is_any;
+        const bool suspect_V_cy = indicated_y_V_cy || is_any;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
@@ -389,8 +404,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
     bool braking = false;
-    if ((guard_left <= 24u) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
-        state->guard_left = 29u;
+    if ((guard_left <= latch_certain_from) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
+        state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
         if (guard_left <= 1u) {
@@ -398,7 +413,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         } else {
             state->guard_left = guard_left - 1u;
         }
-        braking = guard_left <= 25u;
+        braking = guard_left <= braking_from;
     }
     if (braking) {
         faults |= 0x40000000u;
@@ -423,12 +438,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+        state->guard_latched = 1u;
 
         /* guard: range acceptance, hold, latch (continued) */
-        state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        const bool braked = guard_left < 25u;
+        const bool braked = guard_left < braking_from;
 
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
@@ -512,7 +527,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             }
             const float accepted_x = within_x_2 + offset_x;
-            const float innovation_x = accepted_x - reckoning_x_position;
+            const float innovation_x_measured = accepted_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
@@ -544,21 +559,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             }
             const float accepted_y = position + offset_y;
-            const float innovation_y = accepted_y - reckoning_y_position;
-            const float measured_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
+            const float innovation_y_measured = accepted_y - reckoning_y_position;
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float accepted_measured = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
-            const float measured_part_2 = accepted_measured - reckoning_phi_position;
-            const float squared = measured_part +
-                (yaw_innovation_weight * (information * (measured_part_2 * measured_part_2)));
+            const float yaw_innovation = accepted_measured - reckoning_phi_position;
+            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
+                (innovation_weight * ((innovation_x_measured * innovation_x_measured) + (innovation_y_measured *
+                innovation_y_measured))) + (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
-                state->sensing_contradiction_left = 4u;
+                state->sensing_contradiction_left = memory;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
                 } else {
@@ -613,43 +627,38 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
         float corrected_x = x_raw;
-        float x_next_part = reckoning_x_rate;
+        float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;
-        float y_next_part = reckoning_y_rate;
+        float rate_y = reckoning_y_rate;
         float corrected_phi = phi_raw;
-        float phi_next_part = reckoning_phi_rate;
+        float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
-            const float x_next_part_2 = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * x_next_part_2);
-            x_next_part = reckoning_x_rate + (reckoning_x_rate_gain * x_next_part_2);
-            const float y_next_part_2 = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * y_next_part_2);
-            y_next_part = reckoning_y_rate + (reckoning_y_rate_gain * y_next_part_2);
-            const float phi_next_part_2 = phi_raw - reckoning_phi_position;
-            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * phi_next_part_2);
-            phi_next_part = reckoning_phi_rate + (reckoning_phi_rate_gain * phi_next_part_2);
-            state->sensing_innovation_phi = phi_next_part_2;
+            const float innovation_x_x_next = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_x_next);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_x_next);
+            const float innovation_y_y_next = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_y_next);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_y_next);
+            const float innovation_phi = phi_raw - reckoning_phi_position;
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
+            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
+            state->sensing_innovation_phi = innovation_phi;
         } else {
-            /* sensing: position and yaw, (1)-(5) (continued) */
             state->sensing_innovation_phi = 0.0f;
         }
-
-        /* sensing: position and yaw, (1)-(5) (continued) */
         state->sensing_phi_raw = phi_raw;
-
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
         const float a_x = reckoning_x_half_step * state->delay_x;
-        const float middle_x = x_next_part + a_x;
+        const float middle_x = rate_x + a_x;
         const float x_next = corrected_x + middle_x;
         /*@ admit -0.2f <= x_next <= 0.2f; */
         const float x_advance = middle_x + a_x;
         const float a_y = reckoning_y_half_step * state->delay_y;
-        const float middle_y = y_next_part + a_y;
+        const float middle_y = rate_y + a_y;
         const float y_next = corrected_y + middle_y;
         /*@ admit -0.2f <= y_next <= 0.2f; */
         const float y_advance = middle_y + a_y;
         const float a_phi = reckoning_phi_half_step * state->delay_phi;
-        const float middle_phi = phi_next_part + a_phi;
+        const float middle_phi = rate_phi + a_phi;
         const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, 0.05f);
         const float phi_advance = middle_phi + a_phi;
         state->reckoning_x_position = x_next;
@@ -852,20 +861,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
-
-        /* loop_z: lead-lag, (23) (continued) */
-        const float integral = (loop_z_integral_decay * state->loop_z.integral) +
+        state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
             (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
-        state->loop_z.integral = integral;
-
-        /* loop_theta: lead-lag, (24) (continued) */
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
             (loop_theta_integral_input * achieved_theta);
-
-        /* loop_psi: lead-lag, (25) (continued) */
-        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) +
+        state->loop_psi.integral = (loop_psi_integral_decay * state->loop_psi.integral) +
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
-        state->loop_psi.integral = integral_3;
 
         /* delay: delay of one sample
          *     x_next = achieved_x; likewise y_next, phi_next */
@@ -877,6 +878,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_rear = within_x - c * sin(phi)
          *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
+         *     i_AA_computed = limit(angles_A_1 * i_AQ + ((1 - 8 * (quarter_sine_front * sqrt(1 -
+         *         quarter_sine_front^2))^2) * cy + cs) * i_AD, 1.26)
+         *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
         const float distance_rear = within_x - (c * sin_i_CQ);
@@ -993,11 +997,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
-    }
-#endif
-
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-    if (diagnostics != NULL) {
         diagnostics->faults = faults;
         if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = faults;

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -67,6 +67,8 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
             "more, at least one bad sample, and positive speeds"
         )
 
+    patience = Constant("advance_patience", bad_samples, "1", "bad samples until a position is lost", ("left",))
+
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output, next = {}, {}
         for p in positions:
@@ -79,7 +81,7 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
             output[lost(p.signal).name] = ca.if_else(refused, left <= 1, 0)
             next[f"last_{name}"] = position
             next[f"left_{name}"] = ca.if_else(refused, ca.if_else(known, left - 1, 0), bad_samples)
-        return Step(output, next)
+        return Step(output, next, numbers=[patience])
 
     signals = [p.signal for p in positions]
     nearest = {s.name: min(max(0.0, s.low), s.high) for s in signals}

@@ -81,8 +81,10 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
             corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
-            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * (q - p), q)
-            middle = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * (q - p), s) + a
+            innovation = q - p
+            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, q)
+            rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
+            middle = rate + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))

@@ -191,7 +191,7 @@ def _step(
             )
             output, next = output | dict(tracked[0]), next | dict(tracked[1])
     output |= {"converged": solution.converged, "weak": weak, "valid": good}
-    return Step(output, next, named, problem.prediction.certified)
+    return Step(output, next, named, problem.prediction.certified, search.counts() if search else [])
 
 
 def _track(

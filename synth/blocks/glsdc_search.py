@@ -22,7 +22,7 @@ import casadi as ca
 from scipy import optimize
 
 from synth import numeric
-from synth.block import Exprs, State, clip
+from synth.block import Constant, Exprs, State, clip
 from synth.blocks.glsdc import Vector
 from synth.blocks.glsdc_model import Unknown
 from synth.errors import SignalError
@@ -54,6 +54,15 @@ class Search:
         numeric.whole("the patience", self.patience, 1, MOST)
         for name, value in self.agreement.items():
             numeric.positive(f"the agreement of '{name}'", value)
+
+    def counts(self) -> list[Constant]:
+        """Return the numbers of samples and starts that the C names."""
+        return [
+            Constant("starts", self.starts, "1", "of a sweep", ("start",)),
+            Constant("last_start", self.starts - 1, "1", "number of the last start of a sweep", ("start",)),
+            Constant("track_patience", self.patience, "1", "samples without a solution: lost", ("missed",)),
+            Constant("last_age", self.dwell - 1, "1", "samples since a start at which it ends", ("age",)),
+        ]
 
     def increments(self, unknowns: Sequence[Unknown]) -> dict[str, float]:
         """Return by how much each searched unknown moves from a start to the next."""

@@ -37,10 +37,12 @@ def isolate(
     a chain of decisions about it would have outcomes that no input reaches.
     """
     least_E = CANDIDATE * size
-    candidate = {n: _one(ca.logic_and(still[n] >= FRESH, E[n] > least_E)) for n in names}
+    repeats = {n: still[n] >= FRESH for n in names}
+    candidate = {n: _one(ca.logic_and(repeats[n], E[n] > least_E)) for n in names}
     moving = sum((_one(still[n] < FRESH) for n in names), start=ca.SX(0))
     others_move = _one(moving == len(names) - 1)
-    alone = {n: _one(still[n] >= STILL) * others_move for n in names}
+    stands = {n: still[n] >= STILL for n in names}
+    alone = {n: _one(stands[n]) * others_move for n in names}
     candidates = sum(candidate.values(), start=ca.SX(0))
     first = _one(candidates > 0)
     second_rule = 1 - first
@@ -50,7 +52,8 @@ def isolate(
     for n in names:
         second = ca.fmax(second, ca.fmin(best, score[n]))
         best = ca.fmax(best, score[n])
-    by_code = candidates + sum(alone.values(), start=ca.SX(0)) > 0
+    standing = sum(alone.values(), start=ca.SX(0))
+    by_code = candidates + standing > 0
     distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 

@@ -137,7 +137,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
         return Step(
-            output, next, named=named, numbers=[*_numbers(time), *(n for c in courses for n in _of_course(c, T))]
+            output, next, named, numbers=[*_numbers(time, patience), *(n for c in courses for n in _of_course(c, T))]
         )
 
     states = [
@@ -164,9 +164,10 @@ def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
     )
 
 
-def _numbers(time: Discrete) -> list[Constant]:
+def _numbers(time: Discrete, patience: int) -> list[Constant]:
     T = time.period_s
     return [
+        Constant("landing_patience", patience, "1", "samples in a row with a prediction until it lands", ("left",)),
         Constant("half_T", T / 2, "s", "half the sample period"),
         Constant("inverse_T", 1 / T, "1/s", "1 / sample period"),
     ]

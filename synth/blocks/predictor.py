@@ -139,7 +139,8 @@ def block(
         if flags:
             trusted = u[flags.trusted]
             learnt = k["beta"] / k["gamma"] * (x["d"] - x["d_at_change"]) + T * x["gained"]
-            v = ca.if_else(trusted, v, x["v"] - ca.if_else(u[flags.frozen], learnt, 0.0))
+            taken_back = ca.if_else(u[flags.frozen], learnt, 0.0)
+            v = ca.if_else(trusted, v, x["v"] - taken_back)
             d = ca.if_else(trusted, d, 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         if flags:

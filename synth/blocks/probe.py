@@ -74,7 +74,15 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         raise SignalError(f"the probe of '{sensor}' is {probe}: give at least 1 sample and attempt and a positive step")
     a, n, pair = probe.step / (probe.quarter * time.period_s) ** 2, probe.quarter, probe.pair
     about = f"moves the body by {probe.step:g} {error.unit} in {4 * n} samples"
-    first_push = Constant("first_push", a, demand.unit, f"acceleration of the first pair, which {about}")
+    numbers = [
+        Constant("first_push", a, demand.unit, f"acceleration of the first pair, which {about}"),
+        Constant("quiet_samples", probe.quiet, "1", "without a change of the code until it probes", ("unchanged",)),
+        Constant("first_push_end", n, "1", "last sample of the first push of a pair", ("sample",)),
+        Constant("reverse_push_end", 3 * n, "1", "last sample of the push to the other side", ("sample",)),
+        Constant("last_push_end", 4 * n, "1", "last sample of the second push", ("sample",)),
+        Constant("pair_samples", pair, "1", "of a pair with its answer", ("sample", "unchanged")),
+        Constant("most_attempts", probe.attempts, "1", "pairs without an answer: the sensor is frozen", ("attempt",)),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w, still = u[f"{demand.name}_unprobed"], u[f"{sensor}_unchanged"]
@@ -82,7 +90,8 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         active = ca.logic_or(runs, waits)
         ends = x["sample"] >= pair
         sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), u["free"])
-        failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], x["attempt"] + 1)
+        one_more = x["attempt"] + 1
+        failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], one_more)
         after = ca.if_else(ends, ca.if_else(still >= pair, failures, 0), x["attempt"])
         attempt = ca.if_else(runs, after, x["attempt"])
         other = ca.if_else(ends, -x["towards"], x["towards"]) if probe.both_sides else x["towards"]
@@ -98,7 +107,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         }
         next = {"sample": sample, "attempt": attempt, "towards": towards}
         idle = {"sample": ca.SX(0), "attempt": ca.SX(0), "towards": x["towards"]}
-        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()}, numbers=[first_push])
+        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()}, numbers=numbers)
 
     unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")
     plain = Signal(f"{demand.name}_unprobed", demand.unit, demand.low, demand.high, demand.about)

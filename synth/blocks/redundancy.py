@@ -32,34 +32,15 @@ import casadi as ca
 
 from synth import arguments
 from synth.analyse.parity import Relation
-from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import isolation, safety
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks import isolation, redundancy_decision, safety
 from synth.blocks.isolation import FRESH
+from synth.blocks.redundancy_decision import DOUBTS, Decision
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
 __all__ = ["Decision", "block"]
-
-DOUBTS = 10  # changes of a code that agree until its prediction is believed, at first and after missing calls
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Decision:
-    """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
-
-    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
-    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
-    reading is inside `travel`; at an end, a stop may hold it.
-    """
-
-    gate: Mapping[str, float]
-    travel: Mapping[str, tuple[float, float]]
-    persistent: int = 3
-    undecided: int = 10
-    at_rest: int = 0
-    tolerated: int = 2
 
 
 @arguments.checked
@@ -83,7 +64,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         same = {n: y[n] == x[f"code_{n}"] for n in names}
         usable = {n: ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(x[f"excluded_{n}"])) for n in names}
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
-        next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], _longest(n in singles, decision)) for n in names}
+        next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
@@ -125,7 +106,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
-        return Step(output, next, named, numbers=_numbers(by_name, relations, decision))
+        return Step(output, next, named, numbers=redundancy_decision.numbers(by_name, relations, decision))
 
     return build(
         safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
@@ -176,7 +157,8 @@ def _vote(
     def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
         return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)
 
-    E = {n: ca.if_else(r > 0, w, -w) * (y[n] - expected[n]) for n, w in weights.items()}
+    direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
+    E = {n: direction[n] * (y[n] - expected[n]) for n in names}
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
     named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
@@ -187,7 +169,8 @@ def _vote(
         moved = ca.if_else(moves, 1, moved)
     missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
     waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
-    doubted = ca.if_else(ca.logic_and(stuck, moved), 1, undecided)
+    wrong_choice = ca.logic_and(stuck, moved)
+    doubted = ca.if_else(wrong_choice, 1, undecided)
     value, suspects = {}, {}
     for n, w in weights.items():
         predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
@@ -206,17 +189,6 @@ def _vote(
     return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
 
 
-def _numbers(signals: Mapping[str, Signal], relations: Sequence[Relation], decision: Decision) -> list[Constant]:
-    """Return the numbers that the C names."""
-    units = (signals[next(iter(r.weights))].unit for r in relations)
-    numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
-    for n, ends in decision.travel.items():
-        unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
-        numbers += [Constant(f"gate_{n}", decision.gate[n], unit, "predicted motion that a code must follow")]
-        numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
-    return numbers
-
-
 def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:
     """Return whether the code of a sensor without a group stands still although it ought to move."""
     low, high = travel
@@ -226,10 +198,6 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
 def _count(flag: ca.SX, count: ca.SX, most: int) -> ca.SX:
     """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
     return ca.if_else(flag, ca.if_else(count >= most, count, count + 1), 0)
-
-
-def _longest(single: bool, decision: Decision) -> int:
-    return max(decision.at_rest if single else 0, isolation.STILL)
 
 
 def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Decision) -> list[str]:
@@ -284,7 +252,7 @@ def _states(
     states = []
     for s in sensors:
         start = (s.low + s.high) / 2
-        longest = _longest(s.name in singles, decision)
+        longest = decision.longest(s.name in singles)
         states.append(State(replace(s, name=f"code_{s.name}", about="accepted reading one sample ago"), start))
         states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))
         states.append(State(_flag(f"excluded_{s.name}", "wrong until init"), 0, True))

@@ -121,12 +121,12 @@ def guard(
                 output[BRAKING.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
                 output[BRAKED.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
-            latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
-            latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
+            gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
+            latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
             next["left"] = ca.if_else(enough, samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
-        return Step(output, next)
+        return Step(output, next, numbers=_latch_numbers(samples, braking) if measured else [])
 
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
@@ -138,21 +138,14 @@ def guard(
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
     outputs += [BRAKING, BRAKED] if braking else []
+    read = [g.signal for g in inputs]
+    read += [_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []
+    read += suspects
+    read += [_flag(SUFFICIENT, "it can be controlled"), _flag(LANDED, "landing is over")] if redundant else []
     block = build(
-        GUARD,
-        time,
-        law,
-        inputs=[
-            *(g.signal for g in inputs),
-            *([_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []),
-            *suspects,
-            *([_flag(SUFFICIENT, "it can be controlled"), _flag(LANDED, "landing is over")] if redundant else []),
-        ],
-        outputs=outputs,
-        states=states,
-        constants=[_replacement(g) for g in inputs if not g.held],
-        tag="range acceptance, hold, latch",
-    )
+        GUARD, time, law, inputs=read, outputs=outputs, states=states,
+        constants=[_replacement(g) for g in inputs if not g.held], tag="range acceptance, hold, latch",
+    )  # fmt: skip
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
     faults += [Fault(BRAKING_BIT, BRAKING.name, about=BRAKES.format(braking - 1))] if braking else []
@@ -199,17 +192,25 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         )
 
     last = "last output"
+    read = [_flag("latched", "safe output until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)]
     block = build(
-        SAFE_OUTPUT,
-        time,
-        law,
-        inputs=[_flag("latched", "safe output until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)],
+        SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",
         outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in outputs)],
         states=[State(replace(s, name=f"last_{s.name}", about=last), safety.safe_output[s.name]) for s in outputs],
-        tag="slew to the safe output once latched",
-    )
+    )  # fmt: skip
     values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
     return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
+
+
+def _latch_numbers(samples: int, braking: int) -> list[Constant]:
+    """Return the numbers of samples that the C names."""
+    numbers = [Constant("latch_samples", samples, "1", "bad samples in a row until it latches", ("left",))]
+    if braking:
+        first = f"of the {samples}, left at the first sample that brakes"
+        certain = f"of the {samples}, left from which on every sample counts as bad"
+        numbers.append(Constant("braking_from", braking + 1, "1", first, ("left",)))
+        numbers.append(Constant("latch_certain_from", braking, "1", certain, ("left",)))
+    return numbers
 
 
 def _slew_numbers(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> list[Constant]:

@@ -20,6 +20,7 @@
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -40,6 +41,8 @@ from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
 from synth.signals import product_unit
+
+_LOCAL = re.compile(r"^ +(?:const )?(?:float|double|bool|uint32_t) (\w+)(?: =|;)", re.MULTILINE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +147,17 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
         returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
         if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
-    return kept.reduced, kept.memory
+    explained = replace(kept.reduced.program, equations=equations.by_block(composed, kept.variables))
+    return replace(kept.reduced, program=explained), kept.memory
 
 
 class _Printed(NamedTuple):
-    """A program, its layout, and the lines of code of its header and source."""
+    """A program, its layout, the lines of code of its header and source, and the names of its locals."""
 
     reduced: Reduced
     memory: Layout
     lines: int
+    variables: frozenset[str]
 
 
 def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
@@ -161,8 +166,9 @@ def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: 
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
     text = header.header(made.block, memory, made.program)
     rows = [*(line.text for line in source(made, memory)), *text.splitlines()]
-    lines = sum(map(_is_code, rows)) if memory.is_contiguous else sys.maxsize
-    return _Printed(made, memory, lines)
+    code = [*filter(_is_code, rows)]
+    lines = len(code) if memory.is_contiguous else sys.maxsize
+    return _Printed(made, memory, lines, frozenset(_LOCAL.findall("\n".join(code))))
 
 
 def _is_code(row: str) -> bool:

@@ -156,7 +156,7 @@ def test_long_mixtures_equal_the_recursion(guarded: host.Controller) -> None:
         ("(value <= high)", "(value < high)"),
         ("in->angle, -0.1f", "in->angle, -0.2f"),
         ("(faults & 0x00000003u) == 0u", "(faults & 0x00000001u) == 0u"),
-        ("guard_left = 5u", "guard_left = 6u"),
+        ("latch_samples = 5u", "latch_samples = 6u"),
         ("guard_left <= 1u", "guard_left <= 2u"),
         ("guard_left - 1u", "guard_left - 2u"),
         ("latched = guard_latched", "latched = 0u"),

@@ -51,7 +51,8 @@ def source(
     step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
     step += diagnostics.entry_statements(block, program)
     ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
-    return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, ending), body[-1], Line("}")]
+    whole = diagnostics.join(body[:-1], [*map(Line, ending)])
+    return [*map(Line, parts), *called, *map(Line, step), *whole, body[-1], Line("}")]
 
 
 def _refusals() -> list[str]:
@@ -160,7 +161,7 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
-    read = {n.name for n in program.nodes if n.op == "constant"}
+    read = {n.name for n in program.nodes if n.op in ("constant", "literal")}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
     rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
     rows += routines.parameters(block, program, layout)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from synth.block import LATCH_BIT, Block
 from synth.blocks import safety
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import comment, prose, rows
+from synth.emit.c.lines import Line, comment, prose, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -177,6 +177,15 @@ def exit_statements(block: Block, p: Program, word: str) -> list[str]:
         statements += [f"if ((diagnostics->latch_cause == 0u) && ({is_latched})) {{"]
         statements += [f"    diagnostics->latch_cause = {word};", "}"]
     return _if_recording(block, statements, "    ")
+
+
+def join(body: Sequence[Line], ending: Sequence[Line]) -> list[Line]:
+    """Return the lines of a body and of its ending, as one block where both record at the same depth."""
+    last = next((k for k in range(len(body) - 1, -1, -1) if body[k].text.startswith("#if ")), 0)
+    records = [line.text for line in body[-3:]] == ["    }", "#endif", ""]
+    if records and [*body[last : last + 2]] == [*ending[:2]]:
+        return [*body[:-3], *ending[2:]]
+    return [*body, *ending]
 
 
 def record_statements(

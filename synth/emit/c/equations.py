@@ -3,14 +3,15 @@
     i_d = (w - G) / (a + b)        of a signal, in signals, inputs and states of its Block and in its numbers
     integral_next = ...            of a next state
 
-Signals whose equations differ in names alone are listed with the first one. A signal whose equation is longer than
-LONGEST has none, nor has one that the code repeats as it is; a section without any other shows its first one.
+Signals whose equations differ in names alone are listed with the first one. An equation longer than LONGEST is in those
+variables of the law that are locals in C, unless it is a choice between two of them. A signal whose equation is too
+long even so has none, nor has one that the code repeats as it is; a section without any other shows its first one.
 """
 
 import re
-from collections import ChainMap
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import ChainMap, Counter
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, field
 from textwrap import wrap
 
 from synth.blocks import safety
@@ -18,13 +19,15 @@ from synth.emit.lower import Node, Program
 from synth.emit.operations import LIBM, LOGICAL
 
 LONGEST = 200  # characters of an equation
+LONGEST_OF_VARIABLES = 140  # of one in variables of the law
 LONGEST_HIDDEN = 440  # of one with functions that polynomials replace
 FEWEST = 4  # operations of an equation that the code hides
 WIDTH = 100
 INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
 INFIX |= {"eq": ("==", 3), "ne": ("!=", 3), "and": ("and", 2), "or": ("or", 1)}
 HIDDEN = LIBM - {"sqrt", "fabs"}  # functions that polynomials replace
-SILENT = (safety.GUARD, safety.SAFE_OUTPUT)  # their functions say what they do
+SILENT = (safety.SAFE_OUTPUT,)  # its function says what it does
+OF_GUARD = ("latched", "left_next", "ready_next")  # the functions of the inputs say what they do
 ATOM = 9
 _LEAVES = ("input", "state", "literal", "constant")
 
@@ -36,16 +39,17 @@ class Equation:
     name: str
     text: str
     is_hidden: bool
+    counts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def form(self) -> str:
-        """The text with its names counted in the order in which they are met."""
-        places: dict[str, str] = {}
+        """The text with its names counted in the order in which they are met, and with the values of whole numbers."""
+        places = {name: f"{value:g}" for name, value in self.counts.items()}
         return re.sub(r"\b[A-Za-z]\w*\b(?!\()", lambda word: places.setdefault(word[0], f"_{len(places)}"), self.text)
 
 
-def by_block(p: Program) -> dict[str, tuple[str, ...]]:
-    """Return the lines of the equations of each Block of the composition that has some."""
+def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str, ...]]:
+    """Return the lines of the equations of each Block of the composition; `variables` are the locals of the C."""
     ends: dict[str, dict[str, int]] = {block: {} for block in p.titles}
     for named, k in p.marks:
         ends[named.block][named.signal.name] = k
@@ -55,9 +59,20 @@ def by_block(p: Program) -> dict[str, tuple[str, ...]]:
         owner = p.owner(name)
         following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
     names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
-    texts = {block: _Text(p, block, following[block], names) for block in p.titles if block not in SILENT}
+    labels = _variables(p, names, variables)
+    texts = {block: _Text(p, block, following[block], names, labels) for block in p.titles if block not in SILENT}
+    for of in (ends, following):
+        of[safety.GUARD] = {n: k for n, k in of.get(safety.GUARD, {}).items() if n in OF_GUARD}
     rows = {block: _rows(_equations(text, ends[block], following[block])) for block, text in texts.items()}
     return {block: lines for block, lines in rows.items() if lines}
+
+
+def _variables(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[int, str]:
+    """Return the nodes without a signal that alone have the name of a variable of a law, which C has as well."""
+    counts, used = Counter(p.labels.values()), {*names.values(), *(n.name for n in p.nodes)}
+    used |= {_local(name, p.owner(name)) for name in p.next}
+    alone = {k: name for k, name in p.labels.items() if counts[name] == 1 and name in locals}
+    return {k: name for k, name in alone.items() if name not in used and k not in names}
 
 
 def _equations(text: "_Text", ends: Mapping[str, int], following: Mapping[str, int]) -> list[Equation]:
@@ -97,19 +112,40 @@ def _rows(equations: Sequence[Equation]) -> tuple[str, ...]:
 class _Text:
     """The text of a Block's nodes in terms of signals, with the precedence of the outermost operator."""
 
-    def __init__(self, p: Program, block: str, following: Mapping[str, int], names: Mapping[int, str]) -> None:
-        self.p, self.block = p, block
+    def __init__(
+        self,
+        p: Program,
+        block: str,
+        following: Mapping[str, int],
+        names: Mapping[int, str],
+        variables: Mapping[int, str],
+    ) -> None:
+        self.p, self.block, self.variables = p, block, variables
         inner = {k: name for name, k in following.items() if p.nodes[k].op not in _LEAVES}
         self.names: Mapping[int, str] = ChainMap(inner | {k: names[k] for k in inner if k in names}, names)  # type: ignore[arg-type]
         self.left = self.operations = 0
+        self.counts: dict[str, float] = {}
 
     def equation(self, name: str, k: int) -> Equation:
-        """Return the equation of node k, with an empty text where it is too long."""
-        self.left, self.operations = LONGEST_HIDDEN, 0
+        """Return the equation of node k, in variables of the law where it is too long, else with an empty text."""
+        made, names = self._equation(name, k, LONGEST), self.names
+        if not made.text and self.variables:
+            self.names = ChainMap({}, names, self.variables)  # type: ignore[arg-type]
+            node = self.p.nodes[k]
+            plain = node.op == "choose" and all(self._is_leaf(a) for a in node.args[1:])
+            made, self.names = made if plain else self._equation(name, k, LONGEST_OF_VARIABLES), names
+        return made
+
+    def _is_leaf(self, k: int) -> bool:
+        return k in self.names or self.p.nodes[k].op in _LEAVES
+
+    def _equation(self, name: str, k: int, longest: int) -> Equation:
+        self.left, self.operations, self.counts = LONGEST_HIDDEN, 0, {}
         text = self._operation(k)[0] if self.names.get(k, name) == name else self.names[k]
         replaced = any(f"{function}(" in text for function in HIDDEN)
-        fits = self.left > 0 and len(text) <= (LONGEST_HIDDEN if replaced else LONGEST)
-        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST)
+        length = len(re.sub(r"\w+", lambda word: "9" if word[0] in self.counts else word[0], text))
+        fits = self.left > 0 and length <= (LONGEST_HIDDEN if replaced else longest)
+        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST, self.counts)
 
     def _node(self, k: int, strength: int) -> str:
         """Return the text of an operand, in parentheses where its operator binds less."""
@@ -153,7 +189,8 @@ class _Text:
 
     def _leaf(self, node: Node) -> tuple[str, int] | None:
         if node.op == "literal":
-            return f"{node.value:.6g}", ATOM if node.value >= 0 else 6
+            self.counts |= {node.name: node.value} if node.name else {}
+            return node.name or f"{node.value:.6g}", ATOM if node.value >= 0 else 6
         if node.op in ("input", "state", "constant"):
             sign = "-" if node.op == "constant" and node.value < 0 else ""
             return f"{sign}{_local(node.name, self.block)}", 6 if sign else ATOM

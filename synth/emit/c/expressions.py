@@ -166,7 +166,10 @@ class Expressions:
         return self._operation(node, [self.integer(a) for a in node.args])
 
     def _truth(self, args: tuple[int, ...]) -> Text:
-        """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b)."""
+        """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b).
+
+        gcc needs more instructions for !c than for (c ? false : true), and for !c && b than for (c ? false : b).
+        """
         condition = self.condition(args[0])
         then, other = (self.as_kind(a, "logical") for a in args[1:])
         if (then.c, other.c) == ("true", "false"):
@@ -227,10 +230,14 @@ class Expressions:
         """Return node k as a uint32_t."""
         node = self.p.nodes[k]
         if node.op == "literal":
-            return Text(f"{int(node.value)}u")
+            return Text(constant(node.name) if node.name else f"{int(node.value)}u")
         if self.kinds[k] == "logical":
             return Text(f"{self.name}_flag({self.condition(k).c})")
         return self.operand(k) if self.kinds[k] == "integer" else self._cast("uint32_t", k, self.value(k))
+
+    def number(self, n: Node) -> Text:
+        """Return a constant or a literal as a number of the scalar type."""
+        return signed_constant(n) if n.op == "constant" else literal(n.value, self.scalar)
 
     def _cast(self, ctype: str, k: int, text: Text) -> Text:
         """Return the text of node k cast to a type; note the node if the text is composite."""

@@ -16,6 +16,7 @@ from synth.emit.lower import Node, Program
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 
 LOADS = ("input", "state")
+SUMS = ("add", "sub")
 WORD = "faults"
 
 
@@ -39,6 +40,7 @@ class Locals:
     """By node: number of reads in the text, name, the choice whose variable it shares, its initial value.
 
     `direct_loads` are the loads that are assigned before any store: the expression may read the member itself.
+    `at_once` are those that one statement reads or returns, without a branch between: a sum goes on, or it assigns.
     `next_only` are nodes whose only name is that of a next state. `stored` maps a node that is only stored to the state
     which then holds it for the others.
     """
@@ -51,6 +53,7 @@ class Locals:
     identifiers: Names
     next_only: set[int]
     stored: dict[int, str]
+    at_once: set[int]
 
 
 def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
@@ -70,7 +73,36 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     next_only = name.keys() - marked
     stored = _next_states_alone(program, statements, kinds, reads, name.keys() - next_only)
     loads = set(_direct_loads(program, statements)) | _replaced_loads(program, stored, reads)
-    return Locals(reads, name, shared, starts, loads, names, next_only, stored)
+    return Locals(
+        reads,
+        name,
+        shared,
+        starts,
+        loads,
+        names,
+        next_only,
+        stored,
+        {*_at_once(program, statements), *program.returns.values()},
+    )
+
+
+def _at_once(p: Program, block: Sequence[Statement]) -> set[int]:
+    """Return the nodes that a sum goes on with, or that are assigned or stored, before the next branch.
+
+    Behind a branch a compiler would hold the operands for longer than the result.
+    """
+    users, near, computed = p.users(), set[int](), set[int]()
+    for s in block:
+        if isinstance(s, Branch):
+            computed.clear()
+            near |= _at_once(p, s.then) | _at_once(p, s.other)
+        elif isinstance(s, Let):
+            first = p.nodes[s.node].args[:1] if p.nodes[s.node].op in SUMS else ()
+            near |= {a for a in first if a in computed and p.nodes[a].op in SUMS and len(users[a]) == 1}
+            computed.add(s.node)
+        elif s.node in computed:
+            near.add(s.node)
+    return near
 
 
 def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
@@ -80,6 +112,7 @@ def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, s
     guarded = any(n.op == "guarded" for n in p.nodes)  # the guards set bits of the variable of this name
     roots += [] if p.word is None else [("fault_word" if guarded else WORD, p.word)]
     taken = {n.name for n in p.nodes if n.op in LOADS} | {mark.signal.name for mark, _ in p.marks}
+    roots += [(name, node) for name, node in p.returns.items() if node not in p.next.values()]
     for name, node in ((name, _carrier(p, name, node)) for name, node in p.next.items()):
         label = p.labels.get(node, "")
         roots.append((label if label and label not in taken else f"{name}_next", node))

@@ -39,6 +39,7 @@ class Naming:
         self.changes = {k: state for state, end in p.next.items() for k in _changing_choices(p, state, end)}
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
+        self.signals = {k: mark.signal.name for mark, k in reversed(p.marks)}
         self.labels = Counter(p.labels.values())
         self.users = p.users()
 
@@ -84,7 +85,8 @@ class Naming:
         if node.op in ("sin", "cos") and self._operand(node.args[0]):
             return f"{node.op}_{self._operand(node.args[0])}"
         if readers and all(n.op == "polynomial" for n in readers):
-            return f"{readers[0].name.removesuffix(_POLYNOMIAL)}_argument"
+            signal = next((self.signals[u] for u in self.users[k] if u in self.signals), "")
+            return f"{signal or readers[0].name.removesuffix(_POLYNOMIAL)}_argument"
         return ""
 
     def _comparison(self, node: Node, operands: list[Node]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from synth.block import Block
 from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
-from synth.emit.c.expressions import Expressions, Text, admission, literal, mask, signed_constant
+from synth.emit.c.expressions import Expressions, Text, admission, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.lines import Line, prose
 from synth.emit.c.locals import LOADS
@@ -63,8 +63,7 @@ class _Printer:
         self.users = program.users()
         self.naming = naming.Naming(program, self.locals.name, self.locals.shared)
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
-        self.returned: dict[str, str] = {}
-        self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
+        self.block, self.watched, self.returned = block, diagnostics.NO_DIAGNOSTICS, dict[str, str]()
         self.printed, self.sections = list[Line](), Sections(program)
         self.tag = self.shown = self.owner = self.joint = ""  # `joint` titles a branch of several short sections
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
@@ -157,7 +156,7 @@ class _Printer:
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS and k not in self.late
         # An analyser learns from a condition what it does not learn from a variable that holds it.
         width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
-        if waits and (self.naming.width(text.c) < width or k in self.p.returns.values()):
+        if waits and (self.naming.width(text.c) < width or k in self.locals.at_once):
             self.c.text[k] = text
             return
         if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
@@ -207,13 +206,16 @@ class _Printer:
     def _store(self, s: Store, depth: int) -> None:
         node = self.p.nodes[s.node]
         stores_itself = node.op == "call" or (node.op == "guard" and (s.struct, s.name) == ("state", node.name))
-        if s.struct == "word" or stores_itself:
+        is_state = s.struct == "state"
+        if s.struct == "word" or stores_itself or (is_state and self.locals.stored.get(s.node) == s.name):
             return
-        kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
-        place = f"state->{self._path(s.name)}" if s.struct == "state" else f"out->{s.name}"
-        if s.struct == "state" and self.locals.stored.get(s.node) == s.name:
-            return
+        kind = "integer" if is_state and s.name in self.p.integers else "real"
+        place = f"state->{self._path(s.name)}" if is_state else f"out->{s.name}"
+        shown, heading = self.shown, self.joint or self.tag
+        silent = is_state and heading in self.sections.opened  # the name of the state says which section it is of
+        self.shown = heading if silent else shown
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
+        self.shown = shown if silent else self.shown
 
     def _path(self, state: str) -> str:
         return self.p.paths.get(state, state)
@@ -242,7 +244,7 @@ class _Printer:
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
         if routine.by_value:
-            passed += [signed_constant(n).c if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+            passed += [self.c.number(n).c for n in call.numbers]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]

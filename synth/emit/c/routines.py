@@ -12,7 +12,7 @@ import numpy as np
 
 from synth.block import Block, Constant
 from synth.emit.c import printer
-from synth.emit.c.expressions import literal
+from synth.emit.c.expressions import Text, literal
 from synth.emit.c.layout import Layout, Member
 from synth.emit.c.lines import Line, comment, opening, prose
 from synth.emit.lower import Node, Program
@@ -145,7 +145,8 @@ def _common_constants(routine: Routine, constants: Mapping[str, Constant], layou
 
 def number(name: str, constant: Constant, layout: Layout) -> list[str]:
     """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
-    text = f"    static const {layout.ctype} {name} = {literal(constant.value, layout.scalar).c};"
+    value = Text(f"{int(constant.value)}u") if constant.of else literal(constant.value, layout.scalar)
+    text = f"    static const {'uint32_t' if constant.of else layout.ctype} {name} = {value.c};"
     about = f"{constant.unit}; {prose(constant.source)}"
     rows = [f"{text.ljust(63)} /* {about} */", f"{text} /* {about} */"]
     fitting = [row for row in rows if len(row) <= WIDTH + 4]

@@ -4,6 +4,10 @@
 
 Numbers of geometry, such as pi/2, have names in every Block. A literal is replaced by a constant of the same value in
 the scalar type, and by its negative where the sign differs, so the machine code stays the same.
+
+    still_y1 >= 3   ->   repeated_samples <= still_y1      of a Block that declares repeated_samples = 3 of "still"
+
+A whole number that a count is compared with, or becomes, remains a literal and gets a name: it is an integer in C.
 """
 
 from collections.abc import Container, Iterator, Mapping, Sequence
@@ -29,6 +33,7 @@ GEOMETRY = {
 # The operands that may become constants, by operation; the others are named elsewhere or count something.
 _OPERANDS: dict[str, tuple[int, ...]] = dict.fromkeys(("add", "sub", "mul", "div", "lt", "le", "min", "max"), (0, 1))
 _OPERANDS |= {"clamp": (2,), "slew": (1, 2), "choose": (1, 2), "neg": (0,)}
+_OF_COUNTS = _OPERANDS | {"eq": (0, 1), "ne": (0, 1)}  # real numbers are never compared for equality
 _CLOSE = 1e-12  # relative: folding rounds a product of numbers once
 
 
@@ -51,7 +56,8 @@ class _Namer:
         self.p, self.scalar, self.kind = p, scalar, kinds(p)
         known = _unique_names(p, block)
         self.known = {b: [c for c in group if names is None or c.name in names] for b, group in known.items()}
-        self.owner = owners.by_node(p)
+        self.owner, self.users = owners.by_node(p), p.users()
+        self.named = _names_by_node(p)
         self.read: dict[str, Constant] = {}
         self.nodes: list[Node] = []
         self.places: dict[Node, int] = {}
@@ -60,36 +66,57 @@ class _Namer:
         index: list[int] = []
         for k, node in enumerate(self.p.nodes):
             args = [index[a] for a in node.args]
-            for place in _OPERANDS.get(node.op, ()):
-                constant = self._constant(k, node.args[place])
-                args[place] = args[place] if constant is None else self._put(constant)
+            for place in _OF_COUNTS.get(node.op, ()):
+                load = self._load(k, node.args[place])
+                args[place] = args[place] if load is None else self._put(load)
             index.append(self._append(replace(node, args=tuple(args))))
         return self.p.with_nodes(tuple(self.nodes), index)
 
-    def _constant(self, k: int, operand: int) -> tuple[Constant, bool] | None:
-        """Return the constant that node k reads in place of a literal, and whether as its negative."""
-        literal, around = self.p.nodes[operand], [self.kind[k], *(self.kind[a] for a in self.p.nodes[k].args)]
-        if (
-            literal.op != "literal"
-            or literal.value == 0
-            or ("integer" in around and literal.value == int(literal.value))
-        ):
+    def _load(self, k: int, operand: int) -> Node | None:
+        """Return what node k reads in place of a literal: a constant or its negative, or a whole number with a name."""
+        node, literal = self.p.nodes[k], self.p.nodes[operand]
+        if literal.op != "literal" or literal.value == 0:
             return None
+        around = [self.kind[k], *(self.kind[a] for a in node.args)]
+        if literal.value == int(literal.value) and ("integer" in around or self._becomes_a_count(k)):
+            return self._count(k, operand)
+        return self._constant(k, literal.value) if operand in _operands(node) else None
+
+    def _constant(self, k: int, literal: float) -> Node | None:
         for number in (*self.known.get(self.owner[k], ()), *self.known[""]):
-            size, is_negative = abs(number.value), literal.value * number.value < 0
-            if abs(abs(literal.value) - size) <= _CLOSE * size and self._agrees(number, literal.value):
-                value = -literal.value if is_negative else literal.value
-                return self.read.setdefault(number.name, replace(number, value=value)), is_negative
+            size, is_negative = abs(number.value), literal * number.value < 0
+            close = not number.of and abs(abs(literal) - size) <= _CLOSE * size
+            if close and self._agrees(number, literal):
+                self.read.setdefault(number.name, replace(number, value=-literal if is_negative else literal))
+                return Node("constant", name=number.name, value=-1.0 if is_negative else 0.0)
         return None
+
+    def _count(self, k: int, operand: int) -> Node | None:
+        """Return the whole number with the name that it has for the counts that node k compares or chooses."""
+        node, value = self.p.nodes[k], self.p.nodes[operand].value
+        counts = {k} if node.op == "choose" else {*node.args} - {operand}
+        words = {word for c in counts for name in self._all_names(c) for word in name.split("_")}
+        for number in self.known.get(self.owner[k], ()):
+            if number.value == value and words.intersection(number.of):
+                self.read.setdefault(number.name, number)
+                return Node("literal", name=number.name, value=value)
+        return None
+
+    def _becomes_a_count(self, k: int) -> bool:
+        """Tell whether a choice of numbers becomes the next value of a count."""
+        return self.p.nodes[k].op == "choose" and not self.p.integers.isdisjoint(self._all_names(k))
+
+    def _all_names(self, k: int) -> set[str]:
+        """Return the names of a node and of the choices that have it as an arm."""
+        choices = [u for u in self.users[k] if self.p.nodes[u].op == "choose" and k in self.p.nodes[u].args[1:]]
+        return self.named.get(k, set()).union(*map(self._all_names, choices))
 
     def _agrees(self, number: Constant, literal: float) -> bool:
         """Tell whether a literal rounds to the value of the constant, as the first literal of this name has it."""
         first = self.read.get(number.name)
         return first is None or self.scalar(abs(literal)) == self.scalar(abs(first.value))
 
-    def _put(self, constant: tuple[Constant, bool]) -> int:
-        number, is_negative = constant
-        load = Node("constant", name=number.name, value=-1.0 if is_negative else 0.0)
+    def _put(self, load: Node) -> int:
         if load not in self.places:
             self.places[load] = self._append(load)
         return self.places[load]
@@ -97,6 +124,19 @@ class _Namer:
     def _append(self, node: Node) -> int:
         self.nodes.append(node)
         return len(self.nodes) - 1
+
+
+def _operands(node: Node) -> set[int]:
+    return {node.args[place] for place in _OPERANDS.get(node.op, ())}
+
+
+def _names_by_node(p: Program) -> dict[int, set[str]]:
+    """Return by node the names of the signals, states, next states and variables of a law that it is."""
+    named: dict[int, set[str]] = {}
+    pairs = [(k, n.name) for k, n in enumerate(p.nodes) if n.name] + [(k, n.signal.name) for n, k in p.marks]
+    for k, name in (*pairs, *p.labels.items(), *((k, name) for name, k in p.next.items())):
+        named.setdefault(k, set()).add(name)
+    return named
 
 
 def _unique_names(p: Program, block: Block) -> Mapping[str, Sequence[Constant]]:
@@ -115,9 +155,9 @@ def _unique_names(p: Program, block: Block) -> Mapping[str, Sequence[Constant]]:
 def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
     """Return the numbers with one for those of equal value, under the words that their names have in common."""
     by_value: dict[float, list[Constant]] = {}
-    for number in numbers:
+    for number in (n for n in numbers if not n.of):
         by_value.setdefault(abs(number.value), []).append(number)
-    merged = []
+    merged = [*dict.fromkeys(n for n in numbers if n.of)]
     for equal in by_value.values():
         common = words.common([n.name for n in equal])
         name = equal[0].name if not common or common in used else common

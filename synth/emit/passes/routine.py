@@ -174,7 +174,7 @@ class _Builder:
             return replace(node, name=self.part.local[node.name])
         if k in self.parameters:
             return Node("parameter", name=self.parameters[k])
-        if node.op == "constant":
+        if node.op == "constant" or node.name:
             local = next((local for local, name in self.constants.items() if name == node.name), "")
             local = local or self.names.free(self._number(self.form.numbers.index(k)) or node.name)
             self.constants[local] = node.name

@@ -91,7 +91,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
         ("(q1_excess * excess)", "(0.0 * excess)"),
         ("q1 - p1_next", "q1 + p1_next"),
         ("fade * state->r", "fade * -state->r"),
-        ("state->guard_left = 5u", "state->guard_left = 4u"),
+        ("latch_samples = 5u", "latch_samples = 4u"),
         ("guard_left <= 1u", "guard_left <= 2u"),
         ("half_c_2 * (safe_output_last_u_x_squared", "half_c_2 * (safe_output_last_u_z_squared"),
         ("state->safe_output_last_u_x = ", "state->safe_output_last_u_x = -"),

@@ -17,6 +17,7 @@ from synth.blocks.safety import GuardedInput, Safety, guard, safe_output
 from synth.composition import compose
 from synth.emit.c import diagnostics
 from synth.emit.c import locals as variables
+from synth.emit.c.lines import Line
 from synth.emit.write import EmittedCode, emit
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -206,3 +207,15 @@ def test_a_single_block_has_none() -> None:
     )
     made = emit(block, np.float32)
     assert made.manifest["diagnostics"] == {} and "DIAGNOSTICS" not in made.files["plain.c"]
+
+
+def test_what_is_recorded_last_shares_a_block_with_the_fault_word() -> None:
+    """A block of their own would say the same twice; one at another depth stays."""
+    block = ["#if defined(D)", "    if (diagnostics != NULL) {"]
+    ending = [Line(text) for text in (*block, "        faults;", "    }", "#endif")]
+    recorded = [Line(text) for text in (*block, "        signal;", "    }", "#endif", "")]
+    together = [*block, "        signal;", "        faults;", "    }", "#endif"]
+    assert [line.text for line in diagnostics.join(recorded, ending)] == together
+    deeper = [Line(f"    {line.text}") for line in recorded[1:2]]
+    other = [recorded[0], *deeper, *recorded[2:]]
+    assert diagnostics.join(other, ending) == [*other, *ending]

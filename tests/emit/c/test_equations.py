@@ -108,3 +108,31 @@ def test_signals_of_one_form_share_an_equation() -> None:
 def test_no_comment_is_wider_than_120_columns() -> None:
     text = emit(stage(), np.float32, error=1e-5).files["stage.c"]
     assert all(len(row) <= 120 for row in text.splitlines() if row.strip().startswith(("/*", "*")))
+
+
+def long_law(depth: int = 9) -> Block:
+    """Return a Block whose output is too long for an equation unless in its variable `drag`."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        drag = u["x"]
+        for j in range(1, depth + 1):
+            drag = (drag + j * u["y"]) * (u["x"] - 0.1 * j)
+        return Step({"out": ca.fmax(ca.fmin(drag * u["y"] + drag, 1), -1)})
+
+    return build("flow", TIME, law, inputs=[X, Y], outputs=[Signal("out", "N", -1, 1)])
+
+
+def test_a_long_equation_is_in_the_locals_of_the_c() -> None:
+    block = compose("step", [long_law()], inputs=["x", "y"], outputs=["out"])
+    assert "drag * y + drag" in shown(block)["out"]
+    assert "const float drag = " in emit(block, np.float32, error=1e-5).files["step.c"]
+
+
+def test_a_variable_that_is_no_local_stands_in_no_equation(monkeypatch: pytest.MonkeyPatch) -> None:
+    block, by_block = compose("step", [long_law(10)], inputs=["x", "y"], outputs=["out"]), equations.by_block
+    monkeypatch.setattr(equations, "by_block", lambda p, variables=(): by_block(p))
+    assert "out" not in shown(block)
+
+
+def test_the_guard_shows_its_latch() -> None:
+    assert shown(stage())["left_next"].startswith("latch_samples if complete, else (left if left <= 1")

@@ -122,8 +122,10 @@ def unnamed_share(designs: Sequence[str]) -> float:
 def test_at_most_a_quarter_of_the_locals_is_named_after_the_signal_that_it_serves() -> None:
     """Others have the name of a signal, of a variable of the law, or one made from their operation."""
     assert unnamed_share(NAMES) > 0 and all(unnamed_share([design]) <= 0.25 for design in NAMES)
-    for design in ("maglev_5dof", "maglev_5dof_phase", "planar_6dof_leadlag", "planar_6dof_lqg"):
+    for design in ("maglev_5dof_phase", "maglev_5dof_precise", "maglev_5dof_precise_phase"):
         assert unnamed_share([design]) <= 0.1
+    for design in ("maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg"):
+        assert unnamed_share([design]) <= 0.05
 
 
 def text_of(name: str) -> str:

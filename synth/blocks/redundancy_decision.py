@@ -1,0 +1,65 @@
+"""Decision thresholds of sensor fault detection (FDIA): the samples, gates and travels of `redundancy`, with names."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from synth import arguments
+from synth.analyse.parity import Relation
+from synth.block import Constant
+from synth.blocks import isolation
+from synth.blocks.isolation import FRESH, STILL
+from synth.signals import Signal
+
+DOUBTS = 10  # changes of a code that agree until its prediction is believed, at first and after missing calls
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Decision:
+    """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
+
+    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
+    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
+    reading is inside `travel`; at an end, a stop may hold it.
+    """
+
+    gate: Mapping[str, float]
+    travel: Mapping[str, tuple[float, float]]
+    persistent: int = 3
+    undecided: int = 10
+    at_rest: int = 0
+    tolerated: int = 2
+
+    def longest(self, single: bool) -> int:
+        """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
+        return max(self.at_rest if single else 0, STILL)
+
+
+def numbers(signals: Mapping[str, Signal], relations: Sequence[Relation], decision: Decision) -> list[Constant]:
+    """Return the numbers that the C names."""
+    units = (signals[next(iter(r.weights))].unit for r in relations)
+    numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
+    for n, ends in decision.travel.items():
+        unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
+        numbers += [Constant(f"gate_{n}", decision.gate[n], unit, "predicted motion that a code must follow")]
+        numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
+    return [*numbers, *_counts(relations, decision)]
+
+
+def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]:
+    """Return the numbers of samples and of sensors; a `still` is the count of samples without a change of a code."""
+    still, longest = ("still", "unchanged"), decision.longest(True)
+    counts = {
+        "repeated_samples": (FRESH, "samples without a change of the code: fewer, and it moves", still),
+        "still_samples": (STILL, "samples without a change of the code: it stands still", still),
+        "most_unchanged": (longest, "samples without a change that are counted", still),
+        "doubted_changes": (DOUBTS, "changes of the code until its prediction is believed", ("doubts",)),
+        "excluded_from": (decision.persistent - 1, "contradictions before the one that excludes", ("contradictions",)),
+        "undecided_from": (decision.undecided - 1, "contradictions before all are suspects", ("contradictions",)),
+        "most_contradictions": (decision.undecided, "contradictions that are counted", ("contradictions",)),
+        "tolerated_missing": (decision.tolerated, "readings of a group that may be missing", ("missing",)),
+    }
+    numbers = [Constant(name, value, "1", about, of) for name, (value, about, of) in counts.items()]
+    groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
+    others = (Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group", ("moving",)) for n in groups)
+    return [*numbers, *others]
