@@ -122,8 +122,7 @@ def controller(
     """
     if 2 * source.sensors != len(declared.suspected):
         raise ModelError(
-            f"the source has {source.sensors} sensors: the stage reads {len(declared.suspected) // 2}, "
-            "give that many"
+            f"the source has {source.sensors} sensors: the stage reads {len(declared.suspected) // 2}, give that many"
         )
     return interface.controller(name, plant, time, position_blocks(source, time), gate_currents(law, time), declared)
 
