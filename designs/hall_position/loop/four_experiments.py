@@ -184,7 +184,7 @@ def _consequence(run: Trajectory, clean: Trajectory) -> Consequence:
     until = (run.time >= FAILS) & ~latched
     first = round(FAILS / TIME.period_s)
     return Consequence(
-        moved=float(np.hypot(run["x"] - clean["x"], run["y"] - clean["y"])[until].max()),
+        moved=float(np.hypot(run["x"] - clean["x"], run["y"] - clean["y"])[until].max(initial=0.0)),
         wrong=float(wrong_samples(run)[first : first + trust.AFTER].mean()),
         latched=bool(latched.any()),
     )
