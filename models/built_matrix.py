@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from math import factorial, isfinite, radians
+from string import ascii_lowercase
 
 import casadi as ca
 import numpy as np
@@ -30,9 +31,10 @@ from models import finite_matrix, halbach, hall_array, hall_chain, planar_stage
 from models.finite_matrix import Array, Blocks, Complex, Series
 from models.hall_array import Pair
 from models.hall_chain import Chain
+from synth import numeric
 from synth.errors import ModelError
 from synth.plant import Plant, build
-from synth.signals import Signal
+from synth.signals import Signal, signal_names
 from synth.statespace import readonly
 
 Exprs = Mapping[str, ca.SX]
@@ -43,6 +45,7 @@ TABLE_MARGIN = 0.008  # m tabulated beyond, because splines are less accurate at
 EXPANSION_ORDER = 2  # of the expansion in a block's displacement
 SPLINE_DEGREE = 5
 CHANNELS = ("B_X", "B_Y", "B_X slope", "B_Y slope")  # T, T/m along z
+MAX_SENSORS = 8
 VOLUME = hall_array.HallArray(hall_array.sensors([(0.0, 0.0)]).sensors).volume
 
 
@@ -67,6 +70,14 @@ class Tolerances:
 
 
 DEFAULT_TOLERANCES = Tolerances()
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """A sensor as mounted: relative gains of its axes, and the angle in rad by which it rotates the field it reads."""
+
+    gains: Pair = (1.0, 1.0)
+    angle: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,37 +164,53 @@ def flux(field: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
     return halbach.Field(bx + lift * slope_x, by + lift * slope_y, ca.SX(np.nan))
 
 
-def voltages(field: Field, places: Sequence[Pair], x: Exprs, gain: float) -> dict[str, ca.SX]:
-    """Return V_ax, V_ay, V_bx .. in V before the filter, of sensors at `places` in m, for a pose by name."""
+def voltages(
+    field: Field, places: Sequence[Pair], x: Exprs, gain: float, mountings: Sequence[Mounting] = ()
+) -> dict[str, ca.SX]:
+    """Return V_ax, V_ay, V_bx .. in V before the filter, of sensors at `places` in m, for a pose by name.
+
+    Sensors are as designed, or mounted as in `mountings`. An angle e makes of the field in the body's axes
+    [cos e, -sin e; sin e, cos e] times it.
+    """
     volts: dict[str, ca.SX] = {}
-    c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
-    for letter, (u, v) in zip("abcdefgh", places, strict=False):
+    letters = ascii_lowercase[: len(places)]
+    for letter, (u, v), mounting in zip(letters, places, mountings or [Mounting()] * len(places), strict=True):
         at = planar_stage.place(x, ca.SX(u), ca.SX(v))
         B = flux(field, at.X, at.Y, at.lift)
-        volts |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
+        yaw = x["phi"] - mounting.angle
+        c, s = ca.cos(yaw), ca.sin(yaw)
+        by_axis = c * B.x + s * B.y, c * B.y - s * B.x
+        volts |= {f"V_{letter}{n}": gain * k * b for n, k, b in zip("xy", mounting.gains, by_axis, strict=True)}
     return volts
 
 
-def plant(places: Sequence[Pair], field: Field, chain: Chain, gain: float | None = None) -> Plant:
-    """Return the planar stage with three Hall sensors at `places` in m in the platen, over a field, behind a chain.
+def plant(
+    places: Sequence[Pair],
+    field: Field,
+    chain: Chain,
+    gain: float | None = None,
+    mountings: Sequence[Mounting] = (),
+) -> Plant:
+    """Return the planar stage with Hall sensors at `places` in m in the platen, over a field, behind a chain.
 
-    The filters' voltages are states. The gain is the chain's, V/T, unless given.
+    The filters' voltages are states. The gain is the chain's, V/T, unless given. Sensors are as designed, or mounted as
+    in `mountings`.
 
-    Raises ModelError unless there are three places.
+    Raises ModelError for fewer than three places, or more than MAX_SENSORS.
     """
-    if len(places) != 3:
-        raise ModelError(f"{len(places)} places: the stage reads three sensors, give three")
+    numeric.whole("the number of places", len(places), 3, MAX_SENSORS)
     s, scale = planar_stage, chain.gain if gain is None else gain
-    filtered = [Signal(f"filtered_{name}", "V", -10.0, 10.0, "behind its filter") for name in s.HALL]
+    hall = signal_names(s.hall_signals(len(places)))
+    filtered = [Signal(f"filtered_{name}", "V", -10.0, 10.0, "behind its filter") for name in hall]
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         accelerations = s.accelerations(x, u, p, halbach.HARMONICS)
         derivative = {q: x[v] for q, v in s.RATE.items()} | {v: accelerations[q] for q, v in s.RATE.items()}
-        hall_voltages = voltages(field, places, x, scale)
+        hall_voltages = voltages(field, places, x, scale, mountings)
         derivative |= {
             f"filtered_{n}": hall_chain.slope(chain, x[f"filtered_{n}"], v) for n, v in hall_voltages.items()
         }
-        measured = {name: x[f"filtered_{name}"] for name in s.HALL} | s.laser_distances(x, p)
+        measured = {name: x[f"filtered_{name}"] for name in hall} | s.laser_distances(x, p)
         return derivative, {q: x[q] for q in s.AXES} | measured
 
-    return build("planar_stage_truth", (*s.STATES, *filtered), s.INPUTS, s.OUTPUTS, s.PARAMETERS, physics)
+    return build("planar_stage_truth", (*s.STATES, *filtered), s.INPUTS, s.outputs(len(places)), s.PARAMETERS, physics)

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from models import built_matrix, hall_chain, hall_scan, planar_stage
-from models.built_matrix import Field, Tolerances
+from models.built_matrix import Field, Mounting, Tolerances
 from models.hall_array import Pair
 from models.hall_chain import Chain
 from synth import numeric
@@ -27,23 +27,23 @@ POSE = ("x", "y", "phi")
 SCANNED = 48  # places along a pitch
 SPACING = 5e-5  # m, between samples of a scan
 WAVER_AMPLITUDE, WAVER_LENGTH = 2e-4, 7.3e-3  # m, amplitude and wavelength of the lines of a scan
-MAX_SENSORS = 8  # sensors in the true field
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """Sensors at `places` in m over blocks with tolerances, and their signal chain.
+    """Sensors at `places` in m over blocks with tolerances, their signal chain, and how each sensor is mounted.
 
-    Raises ModelError for invalid places, fewer than two, or more than MAX_SENSORS.
+    Raises ModelError for invalid places, fewer than two, or more than `built_matrix.MAX_SENSORS`.
     """
 
     places: tuple[Pair, ...]
     tolerances: Tolerances = built_matrix.DEFAULT_TOLERANCES
     chain: Chain = field(default_factory=Chain)
+    mountings: tuple[Mounting, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "places", numeric.positions(self.places, 2))
-        numeric.whole("the number of places", len(self.places), 2, MAX_SENSORS)
+        numeric.whole("the number of places", len(self.places), 2, built_matrix.MAX_SENSORS)
 
     @property
     def true(self) -> Field:
@@ -72,8 +72,8 @@ def static_voltages(bench: Bench, poses: Array) -> Array:
 def _voltages(bench: Bench, poses: int) -> ca.Function:
     """Return the voltages as a function of so many poses; a simulation evaluates it at every sample."""
     x = {name: ca.SX.sym(name) if name in POSE else ca.SX(0) for name in planar_stage.AXES}
-    volts = ca.vcat(list(built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
-    return ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts]).map(poses)
+    volts = built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain, bench.mountings)
+    return ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [ca.vcat(list(volts.values()))]).map(poses)
 
 
 def sampled_voltages(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:

@@ -25,6 +25,7 @@ Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Mu
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from string import ascii_lowercase
 
 import casadi as ca
 import numpy as np
@@ -76,19 +77,31 @@ INPUTS = tuple(
     for motor in MOTORS
     for phase in lorentz_motor.PHASE_OFFSETS
 )
-HALL = tuple(f"V_{sensor}{axis}" for sensor in "abc" for axis in "xy")
 LASERS = ("d1", "d2", "d3")
 ABOUT = {
-    **{name: f"voltage of Hall sensor {name[2].upper()} along {name[3]}" for name in HALL},
     "d1": "laser distance at the front left, up from nominal",
     "d2": "laser distance at the front right, up from nominal",
     "d3": "laser distance at the rear, up from nominal",
 }
-OUTPUTS = (
-    *(signal for signal in STATES if signal.name in AXES),
-    *(Signal(name, "V", -10.0, 10.0, ABOUT[name]) for name in HALL),
-    *(Signal(name, "m", -5e-4, 5e-4, ABOUT[name]) for name in LASERS),
-)
+
+
+def hall_signals(sensors: int) -> tuple[Signal, ...]:
+    """Return the voltages of so many Hall sensors, each with its two axes."""
+    return tuple(
+        Signal(f"V_{letter}{axis}", "V", -10.0, 10.0, f"voltage of Hall sensor {letter.upper()} along {axis}")
+        for letter in ascii_lowercase[:sensors]
+        for axis in "xy"
+    )
+
+
+def outputs(sensors: int) -> tuple[Signal, ...]:
+    """Return the outputs of a stage with so many Hall sensors: the pose, the voltages, the laser distances."""
+    lasers = (Signal(name, "m", -5e-4, 5e-4, ABOUT[name]) for name in LASERS)
+    return (*(signal for signal in STATES if signal.name in AXES), *hall_signals(sensors), *lasers)
+
+
+HALL = signal_names(hall_signals(3))
+OUTPUTS = outputs(3)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 from designs.hall_position import config, random_steps, reference_guard, stimuli, verification
 from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.loop import experiments
+from designs.hall_position.loop import experiments, four_experiments
 from designs.hall_position.paper import rows
 from models import papers
 from synth import stage
@@ -42,7 +42,7 @@ DESIGN = stage.design(
         Companion(four.block(), four.vectors, four.gains, [four.PRECONDITIONS]),
     ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
-    simulate=lambda of, progress: experiments.run(progress),
+    simulate=lambda of, progress: [*experiments.run(progress), *four_experiments.run(progress)],
     audit=lambda of: rows.rows(),
     cost_stimuli=lambda of: CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR),
     report=lambda of, *parts: report(*parts),

@@ -37,26 +37,33 @@ SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float
 
 
 VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
-_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False)
+_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE)
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
-INTERFACE = stage.interface(
-    planar_stage.plant(),
-    sensors=[
-        *(
-            _HALL(name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE, about=planar_stage.ABOUT[name])
-            for name in planar_stage.HALL
-        ),
-        *(
-            _LASER(name, low=-vertical.LASER, high=vertical.LASER, about=planar_stage.ABOUT[name])
-            for name in planar_stage.LASERS
-        ),
-    ],
-    set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
-    actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in signal_names(planar_stage.INPUTS)],
-    bad_samples=BAD_SAMPLES,
-    reason="the air bearings carry the platen, and without current no force acts on it",
-    suspected=planar_stage.HALL,
-)
+
+
+def of_plant(plant: Plant, held: bool = False) -> Interface:
+    """Return the interface to all Hall voltages of a plant; refused ones are replaced by the last good value if held.
+
+    A voltage that is not held becomes 0.
+    """
+    hall = [s for s in plant.outputs if s.unit == "V"]
+    volts = [_HALL(s.name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE, about=s.about, held=held) for s in hall]
+    distances = [
+        _LASER(name, low=-vertical.LASER, high=vertical.LASER, about=planar_stage.ABOUT[name])
+        for name in planar_stage.LASERS
+    ]
+    return stage.interface(
+        plant,
+        sensors=[*volts, *distances],
+        set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
+        actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in signal_names(planar_stage.INPUTS)],
+        bad_samples=BAD_SAMPLES,
+        reason="the air bearings carry the platen, and without current no force acts on it",
+        suspected=signal_names(hall),
+    )
+
+
+INTERFACE = of_plant(planar_stage.plant())
 BRAKED = replace(INTERFACE, braking=BRAKING)
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 INPUTS, OUTPUTS = stage.guarded_inputs(INTERFACE), INTERFACE.outputs

@@ -22,7 +22,7 @@ from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.composition import compose
-from synth.declaration import Stage
+from synth.declaration import Interface, Stage
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
@@ -32,12 +32,15 @@ from synth.timing import Discrete, period
 SUBSTEPS = 2  # of a sample: psi oscillates at 214 rad/s, 0.13 rad in half of 1.25 ms
 
 
-def of(block: Block, controller: host.Controller | None = None) -> Rig:
-    """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics."""
+def of(block: Block, controller: host.Controller | None = None, declared: Interface | None = None) -> Rig:
+    """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics.
+
+    The interface is that of the three sensors of the stage unless it is given.
+    """
     plant = planar_stage.plant(halbach.HARMONICS)
-    chosen = interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE
-    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
-    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
+    chosen = declared or (interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE)
+    named = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
+    return Rig(Stage(named, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
 
 
 def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:

@@ -36,13 +36,18 @@ def array(of: UnitCalibration) -> PlanarArray:
 
 def block(of: UnitCalibration, tuned: Tuning) -> Block:
     """Return the guarded estimator of a calibrated unit."""
+    return estimator.with_guard(NAME, array(of), hall.TIME, blocks(of, tuned))
+
+
+def blocks(of: UnitCalibration, tuned: Tuning) -> list[Block]:
+    """Return the Blocks from held voltages of a calibrated unit to its position in m."""
     sensors, time = array(of), hall.TIME
     volts = channels.voltages(len(sensors.positions))
     names = {f"{s.name}_held": f"{s.name}_calibrated" for s in volts} | {"valid": "phases_valid"}
     phases = estimator.phase_estimator(sensors, time, tuned).renamed(names)
     outputs = {s.name: s for s in (*metres.metres(sensors, time, tuned.pitches, phases).outputs, *phases.outputs)}
     corrected = corrections.corrections(of, time, {n: outputs[n] for n in POSE})
-    return estimator.guard_and_locate(NAME, sensors, time, tuned, phases, [corrected])
+    return estimator.locate(sensors, time, tuned, phases, [corrected])
 
 
 @cache

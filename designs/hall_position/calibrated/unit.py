@@ -13,6 +13,7 @@ import numpy as np
 from designs.hall_position.four import config, trust
 from designs.hall_position.glsdc import channels
 from models import built_matrix, hall_bench
+from models.built_matrix import Mounting
 from models.hall_bench import Bench
 from models.hall_motions import Numbers
 from synth.signals import signal_names
@@ -30,18 +31,13 @@ TOLERANCES = built_matrix.Tolerances
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """A stage: its bench, and gains (4, 2) and angles (4,) in rad of its sensors."""
+    """A stage: its bench, with the sensors as they are mounted."""
 
     bench: Bench
-    gains: Numbers
-    angles: Numbers
 
     def read(self, poses: Numbers) -> Numbers:
         """Return the voltages (N, 4, 2) at poses (N, 3), without noise."""
-        V = hall_bench.static_voltages(self.bench, poses).reshape(-1, 4, 2)
-        c, s = np.cos(self.angles), np.sin(self.angles)
-        rotated = np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
-        return np.asarray(self.gains * rotated)
+        return np.asarray(hall_bench.static_voltages(self.bench, poses).reshape(-1, 4, 2))
 
 
 @cache
@@ -52,7 +48,9 @@ def draw(field: str, seed: int) -> Unit:
     placed = places + size * trust.PLACE * rng.uniform(-1, 1, places.shape)
     tolerances = TOLERANCES(seed=seed) if size else TOLERANCES(0.0, 0.0, 0.0)
     gains = 1 + size * trust.GAIN * rng.uniform(-1, 1, (4, 2))
-    return Unit(Bench(tuple(map(tuple, placed)), tolerances), gains, size * trust.ANGLE * rng.uniform(-1, 1, 4))
+    angles = size * trust.ANGLE * rng.uniform(-1, 1, 4)
+    mountings = tuple(Mounting((float(x), float(y)), float(e)) for (x, y), e in zip(gains, angles, strict=True))
+    return Unit(Bench(tuple(map(tuple, placed)), tolerances, mountings=mountings))
 
 
 @cache

@@ -30,22 +30,29 @@ DIRECT = (
 
 def guarded_estimator(name: str, array: PlanarArray, time: Discrete, tuning: Tuning) -> Block:
     """Return the estimator behind the guard and the screening of its voltages, with its position in m."""
-    phases = phase_estimator(array, time, tuning).renamed({"valid": "phases_valid"})
-    return guard_and_locate(name, array, time, tuning, phases)
+    return with_guard(name, array, time, blocks(array, time, tuning))
 
 
-def guard_and_locate(
-    name: str, array: PlanarArray, time: Discrete, tuning: Tuning, phases: Block, between: Sequence[Block] = ()
-) -> Block:
-    """Return guard, screening, the Blocks `between` them and the estimator, and the position in m as one Block."""
+def blocks(array: PlanarArray, time: Discrete, tuning: Tuning) -> list[Block]:
+    """Return the Blocks from held voltages to the position in m."""
+    return locate(array, time, tuning, phase_estimator(array, time, tuning).renamed({"valid": "phases_valid"}))
+
+
+def locate(
+    array: PlanarArray, time: Discrete, tuning: Tuning, phases: Block, between: Sequence[Block] = ()
+) -> list[Block]:
+    """Return screening, the Blocks `between` it and the estimator of phases, this, and the position in m."""
+    screen = screening.screen(time, channels.voltages(len(array.positions)), groups(array), tuning.repeats)
+    return [screen, *between, phases, metres.metres(array, time, tuning.pitches, phases)]
+
+
+def with_guard(name: str, array: PlanarArray, time: Discrete, located: Sequence[Block]) -> Block:
+    """Return the Blocks from held voltages to the position behind the guard of the voltages, as one Block."""
     volts = channels.voltages(len(array.positions))
     inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
     guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
-    screen = screening.screen(time, volts, groups(array), tuning.repeats)
-    position = metres.metres(array, time, tuning.pitches, phases)
-    blocks = [guard, screen, *between, phases, position]
-    lengths = [s.name for s in position.outputs if s.unit == "m"]
-    return compose(name, blocks, inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
+    lengths = [s.name for s in located[-1].outputs if s.unit == "m"]
+    return compose(name, [guard, *located], inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
 
 
 def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block:

@@ -4,8 +4,9 @@
                        |             |-- valid, lock_lost, excluded_sensor -----^   |   within, known, suspects
                        '<------------------------- suspected, suspect_V_.. ----------'
 
-The rest is the planar controller: regulators, allocation, commutation, safe output. `hall_source` keeps an invalid
-estimate out of the loop:
+The rest is the planar controller: regulators, allocation, commutation, safe output. The estimator is a `PoseSource`:
+three sensors and the map of errors (`Source`), or four with protection levels (`four_sensors`). `hall_source` keeps an
+invalid estimate out of the loop:
 
     not yet known   no estimate has been valid in the middle pitch, within the yaws of the stage: the position is taken
                     to be the set-point, and no current flows. A search may end a pitch or a quarter turn off
@@ -14,14 +15,17 @@ estimate out of the loop:
                     m <- m + VELOCITY_GAIN (estimate - prediction)
     invalid         the position is the prediction, the last position plus the motion
 
-After MAX_INVALID consecutive invalid samples all Hall voltages are suspects; both voltages of an excluded sensor become
-suspects at once. Then no sample is complete, and the guard latches BAD_SAMPLES later.
+After MAX_INVALID consecutive invalid samples all Hall voltages are suspects. Of three sensors, both voltages of an
+excluded one become suspects at once: two have no protection. Without one of four the estimate is valid as long as its
+protection levels allow. While there are suspects no sample is complete, and the guard latches BAD_SAMPLES later.
 
 The choice of PLACES: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from string import ascii_lowercase
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -32,12 +36,14 @@ from designs.hall_position.glsdc.parameters import Tuning
 from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
+from models import planar_stage
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray as Array
 from models.planar_allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import error_map
 from synth.blocks.error_map import ErrorMap
+from synth.declaration import Interface
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -49,8 +55,8 @@ MAX_MOTION = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 
 ESTIMATE = {"x": "X", "y": "Y", "phi": "yaw"}
 PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
 MAP_INPUTS = [Signal(name, unit, -10, 10) for name, unit in (("X", "m"), ("Y", "m"), ("yaw", "rad"))]
-SENSORS = 3
-ALL_SENSORS = SENSORS + 1  # instead of the number of the failed sensor
+UNPROTECTED = 3  # sensors of which none may be excluded
+FLAGS = tuple(Signal(n, "1", 0, 1, about) for n, about in (("valid", ""), ("lock_lost", "nothing is valid until init")))
 START_RANGE = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.MAX_RAW_YAW}  # m, rad
 KNOWN = Signal("known", "1", 0, 1, "an estimate before this one was valid")
 FLOOR_OFFSET = 4  # added before rounding down and subtracted after it: more than RAW holds
@@ -59,39 +65,79 @@ SURROGATE_ERROR: dict[type[np.floating], float] = estimator.SURROGATE_ERROR
 TUNING = Tuning(residual_limit=0.2, innovation_gate_sigma=0.3)
 
 
+class PoseSource(Protocol):
+    """Source of the pose: the Blocks from the held voltages of so many `sensors` to the estimate and its flags.
+
+    They give ``valid``, ``lock_lost``, and X, Y and yaw with the `suffix`. `shown` are outputs of interest beside
+    them. A refused voltage is its last good one where the source needs it `held`.
+    """
+
+    @property
+    def sensors(self) -> int: ...
+    @property
+    def suffix(self) -> str: ...
+    @property
+    def shown(self) -> tuple[str, ...]: ...
+    @property
+    def held(self) -> bool: ...
+    def blocks(self, time: Discrete) -> list[Block]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Source:
     """Position source: the sensors, and the map of the estimate's errors."""
 
     array: Array
     map: ErrorMap | None = None
+    shown: tuple[str, ...] = ("residual",)
+    held: bool = False
+
+    @property
+    def sensors(self) -> int:
+        """The number of sensors."""
+        return len(self.array.positions)
+
+    @property
+    def suffix(self) -> str:
+        """What the names of a corrected estimate end in."""
+        return "_corrected" if self.map else ""
+
+    def blocks(self, time: Discrete) -> list[Block]:
+        """Return the estimator, and the map behind it."""
+        estimated = estimator.estimator(self.array, time, TUNING)
+        return [estimated, *([error_map.block(self.map, time, MAP_INPUTS, "Figs. 10, 11")] if self.map else [])]
 
 
-def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
+def controller(
+    name: str,
+    plant: Plant,
+    time: Discrete,
+    law: Sequence[Block],
+    source: PoseSource,
+    declared: Interface = interface.INTERFACE,
+) -> Block:
     """Return the planar controller on this source; `law` are its Blocks from positions to computed currents.
 
-    Raises ModelError for a source with other than three sensors.
+    Raises ModelError for a source with other than the sensors of the declared interface.
     """
-    if len(source.array.positions) != SENSORS:
+    if 2 * source.sensors != len(declared.suspected):
         raise ModelError(
-            f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give that many"
+            f"the source has {source.sensors} sensors: the stage reads {len(declared.suspected) // 2}, give that many"
         )
-    return interface.controller(name, plant, time, position_blocks(source, time), gate_currents(law, time))
+    return interface.controller(name, plant, time, position_blocks(source, time), gate_currents(law, time), declared)
 
 
-def position_blocks(source: Source, time: Discrete) -> list[Block]:
+def position_blocks(source: PoseSource, time: Discrete) -> list[Block]:
     """Return the Blocks from held voltages to raw positions, positions within the pitch and suspects."""
-    estimated = estimator.estimator(source.array, time, TUNING)
-    if source.map is None:
-        return [estimated, _source(time, "")]
-    return [estimated, error_map.block(source.map, time, MAP_INPUTS, "Figs. 10, 11"), _source(time, "_corrected")]
+    return [*source.blocks(time), _source(time, source.suffix, source.sensors)]
 
 
-def _source(time: Discrete, suffix: str) -> Block:
+def _source(time: Discrete, suffix: str, sensors: int = UNPROTECTED) -> Block:
     """Return ``hall_source``, which reads estimates whose names end in `suffix`."""
     estimate = {axis: replace(sensing.RAW[axis], name=f"{ESTIMATE[axis]}{suffix}") for axis in HORIZONTAL}
-    valid, lock_lost = Signal("valid", "1", 0, 1), Signal("lock_lost", "1", 0, 1, "the count of pitches is unknown")
-    excluded = Signal("excluded_sensor", "1", 0, ALL_SENSORS - 1, "number of the excluded sensor")
+    excluded = [Signal("excluded_sensor", "1", 0, sensors, "number of the excluded sensor")]
+    excluded = excluded if sensors <= UNPROTECTED else []
+    suspects = {f"suspect_{s.name}": s for s in planar_stage.hall_signals(sensors)}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         known, starts = x["known"], ca.SX(1)
@@ -111,21 +157,26 @@ def _source(time: Discrete, suffix: str) -> Block:
         for signal, axis in zip(sensing.WITHIN, "xy", strict=True):
             whole = ca.floor(output[f"{axis}_raw"] / PITCH + (FLOOR_OFFSET + 0.5)) - FLOOR_OFFSET
             output[signal.name] = clip(output[f"{axis}_raw"] - PITCH * whole, signal)
-        return Step(output | _suspects(x), next | _failures(u, x, good))
+        failed = {n: _is_failed(x, ascii_lowercase.index(s.name[2]) + 1, sensors) for n, s in suspects.items()}
+        output |= failed | {sensing.SUSPECTED.name: x["failed"] > 0}
+        return Step(output, next | _failures(u, x, good, sensors))
 
     references = [vertical.REFERENCES[axis] for axis in HORIZONTAL]
     return build(
         "hall_source",
         time,
         law,
-        inputs=[*estimate.values(), valid, lock_lost, excluded, *references],
-        outputs=[*sensing.RAW.values(), *sensing.WITHIN, KNOWN, sensing.SUSPECTED, *sensing.SUSPECTS],
-        states=_states(),
+        inputs=[*estimate.values(), *FLAGS, *excluded, *references],
+        outputs=[
+            *(*sensing.RAW.values(), *sensing.WITHIN, KNOWN, sensing.SUSPECTED),
+            *(Signal(n, "1", 0, 1, f"{s.name} contradicts the others") for n, s in suspects.items()),
+        ],
+        states=_states(sensors),
         tag="predict while invalid, count to the latch",
     )
 
 
-def _states() -> list[State]:
+def _states(sensors: int) -> list[State]:
     reals = [replace(sensing.RAW[axis], name=axis, about="position of the last sample") for axis in HORIZONTAL]
     reals += [
         Signal(f"motion_{a}", sensing.RAW[a].unit, -MAX_MOTION[a], MAX_MOTION[a], "predicted motion per sample")
@@ -133,16 +184,19 @@ def _states() -> list[State]:
     ]
     counts = [replace(KNOWN, about="an estimate has been valid")]
     counts += [Signal("invalid", "1", 0, MAX_INVALID, "consecutive invalid samples")]
-    counts += [Signal("failed", "1", 0, ALL_SENSORS, "number of the failed sensor, the last for all of them")]
+    counts += [Signal("failed", "1", 0, sensors + 1, "number of the failed sensor, the last for all of them")]
     return [*(State(s, 0.0) for s in reals), *(State(s, 0, True) for s in counts)]
 
 
-def _failures(u: Exprs, x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
-    """Return the next counts: invalid samples once the position is known, and the failed sensor, permanently."""
+def _failures(u: Exprs, x: Exprs, good: ca.SX, sensors: int) -> dict[str, ca.SX]:
+    """Return the next counts: invalid samples once the position is known, and the failed sensor, permanently.
+
+    The number after the last sensor's is that of all sensors.
+    """
     too_long = x["invalid"] >= MAX_INVALID
     counted = ca.if_else(too_long, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
-    failed_sensor = ca.if_else(too_long, ALL_SENSORS, 0)
-    for n in range(1, ALL_SENSORS):
+    failed_sensor = ca.if_else(too_long, sensors + 1, 0)
+    for n in range(1, sensors + 1) if sensors <= UNPROTECTED else ():
         failed_sensor = ca.if_else(u["excluded_sensor"] >= n, n, failed_sensor)
     return {
         "invalid": ca.if_else(good, 0, counted),
@@ -150,13 +204,8 @@ def _failures(u: Exprs, x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
     }
 
 
-def _suspects(x: Exprs) -> dict[str, ca.SX]:
-    failed = x["failed"]
-    suspects = {sensing.SUSPECTED.name: failed > 0}
-    for n, letter in enumerate("abc", 1):
-        is_suspect = ca.logic_or(failed == n, failed == ALL_SENSORS)
-        suspects |= {f"suspect_V_{letter}{axis}": is_suspect for axis in "xy"}
-    return suspects
+def _is_failed(x: Exprs, number: int, sensors: int) -> ca.SX:
+    return ca.logic_or(x["failed"] == number, x["failed"] == sensors + 1)
 
 
 def gate_currents(law: Sequence[Block], time: Discrete) -> list[Block]:

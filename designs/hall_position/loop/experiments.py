@@ -28,6 +28,7 @@ from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof import interface
 from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
+from models.hall_bench import Bench
 from synth.blocks.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import signal_names
@@ -63,10 +64,10 @@ Mask = NDArray[np.bool_]
 @cache
 def loops(libm: bool = False) -> Mapping[str, Loop]:
     """Return the loops without and with calibration."""
-    source = calibration.calibrated_source()
+    source, bench = calibration.calibrated_source(), Bench(closed_loop.PLACES)
     return {
-        "plain": stage_loop.of_source(replace(source, map=None), libm=libm),
-        "calibrated": stage_loop.of_source(source, libm=libm),
+        "plain": stage_loop.of_source(replace(source, map=None), bench, libm=libm),
+        "calibrated": stage_loop.of_source(source, bench, libm=libm),
     }
 
 
@@ -76,7 +77,8 @@ def run(progress: Callable[[str], None]) -> list[Experiment]:
     both = loops()
     calibrated = both["calibrated"]
     progress("standstill and steps of 4 mm")
-    done = [standstill(calibrated), *(step(both[name], name) for name in both)]
+    done = [standstill(calibrated), step(both["plain"], "plain", calibration.calibrated_source().map)]
+    done.append(step(calibrated, "calibrated"))
     progress("zigzags and staircase")
     done += [*zigzags(both), staircase(calibrated)]
     progress("dropouts")
@@ -95,8 +97,8 @@ def standstill(loop: Loop) -> Experiment:
     return Experiment("rest", "At rest", about, run, HORIZONTAL, {}, figures, (*checks, *common_checks(run)))
 
 
-def step(loop: Loop, name: str) -> Experiment:
-    """Return the step of 4 mm of Fig. 11, without a map ("plain") or with it."""
+def step(loop: Loop, name: str, map: ErrorMap | None = None) -> Experiment:
+    """Return the step of 4 mm of Fig. 11, "plain" or calibrated; a `map` of errors tells those of other steps."""
     time, plain = sample_times(SETTLE + AFTER, TIME.period_s), name == "plain"
     set_point = np.where(time < SETTLE, 0.0, STEP)
     run = loop.run(SETTLE + AFTER, {"x": set_point})
@@ -111,7 +113,7 @@ def step(loop: Loop, name: str) -> Experiment:
         "true yaw at the end, mrad": 1e3 * ends["phi"],
         "Fig. 11: true motion, mm": 1e3 * (STEP + (OVERSHOOT if plain else 0.0)),
     }
-    figures |= _step_errors(calibration.calibrated_source().map) if plain else {}
+    figures |= _step_errors(map) if map else {}
     checks = (
         Check("error of the motion", abs(motion - STEP), ACCURACY if plain else CALIBRATED, "m"),
         *common_checks(run),
@@ -125,9 +127,8 @@ def _samples(since: float, until: float) -> slice:
     return slice(round(since / TIME.period_s), round(until / TIME.period_s))
 
 
-def _step_errors(map: ErrorMap | None) -> dict[str, float]:
+def _step_errors(map: ErrorMap) -> dict[str, float]:
     """Return the error of a step of 4 mm along X over the map, mm rms and at most."""
-    assert map is not None
     points, h = map.added[0], round(STEP / map.grid.spacing)
     by = 1e3 * np.abs(points[h:] - points[:-h])
     return {"a step of 4 mm anywhere errs by, mm rms": _rms(by), "at most, mm": float(by.max())}
@@ -261,7 +262,7 @@ def loss(loop: Loop) -> Experiment:
     """Return a standstill in which every voltage drops to 0: nothing is valid, and the currents are switched off."""
     lost = sample_times(1.0, TIME.period_s) >= 0.5
     none = Override(lost, np.zeros(len(lost)))
-    run = loop.run(1.0, {}, overrides=dict.fromkeys(planar_stage.HALL, none))
+    run = loop.run(1.0, {}, overrides=dict.fromkeys(loop.hall, none))
     latched = run.faults >> np.uint32(31) == 1
     after = float(np.argmax(latched) - np.argmax(lost)) if latched.any() else float("inf")
     currents = max(float(np.abs(run.commands[name][-1])) for name in signal_names(planar_stage.INPUTS))

@@ -14,6 +14,7 @@ from designs.hall_position.loop import calibration, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
+from models.hall_bench import Bench
 from synth.check import Check
 from synth.execute import cross
 from synth.simulate.experiment import Experiment
@@ -33,8 +34,8 @@ ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
 @cache
 def others(libm: bool = False) -> Mapping[str, Loop]:
     """Return the loops on the stage's own sensors: with sections, and with the calibrated estimate."""
-    source = calibration.calibrated_source(planar_stage.hall_places(planar_stage.plant()))
-    estimated = stage_loop.of_source(source, libm=libm)
+    places = planar_stage.hall_places(planar_stage.plant())
+    estimated = stage_loop.of_source(calibration.calibrated_source(places), Bench(places), libm=libm)
     return {SECTIONS: stage_loop.of_sections(libm=libm), STAGE_SENSORS: estimated}
 
 

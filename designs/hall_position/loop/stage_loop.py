@@ -15,17 +15,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from designs.hall_position.loop import calibration, closed_loop
-from designs.hall_position.loop.closed_loop import Source
+from designs.hall_position.loop.closed_loop import PoseSource
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
 from models import built_matrix, hall_bench, hall_calibration, hall_chain, planar_stage
 from models.hall_bench import Bench
+from synth import stage
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.composition import compose
+from synth.declaration import Interface
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import build, host
+from synth.plant import Plant
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.statespace import Array
@@ -68,20 +71,26 @@ class Loop:
         """Return the filters' states for a platen at rest, V."""
         pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
         volts = self.gain_ratio * hall_bench.static_voltages(self.bench, pose)[0]
-        return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
+        return {f"filtered_{n}": float(v) for n, v in zip(self.hall, volts, strict=True)}
+
+    @property
+    def hall(self) -> tuple[str, ...]:
+        """The names of the Hall voltages."""
+        return self.rig.stage.interface.suspected
 
     def _noise(self, n: int) -> dict[str, Array]:
-        volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.rig.seed)
+        volts = hall_chain.noise(self.bench.chain, TIME, (len(self.hall), n), self.rig.seed)
         laser_noise = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
         rows = (*volts, *(interface.LASER_NOISE * laser_noise))
-        return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
+        return dict(zip((*self.hall, *planar_stage.LASERS), rows, strict=True))
 
 
-def of_source(source: Source, libm: bool = False) -> Loop:
+def of_source(source: PoseSource, bench: Bench, gain_ratio: float = 1.0, libm: bool = False) -> Loop:
     """Return the loop with a source; with `libm` the C calls the library's sines, which makes emission faster."""
-    plant = planar_stage.plant()
-    block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
-    return _loop(Bench(source.array.positions), block, view(source), closed_loop.SURROGATE_ERROR[np.float32], libm)
+    plant, declared = planar_stage.plant(), interface.of_plant(_true_plant(bench, gain_ratio), source.held)
+    block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source, declared)
+    error = closed_loop.SURROGATE_ERROR[np.float32]
+    return _loop(bench, block, view(source, declared), error, libm, gain_ratio, declared)
 
 
 def of_sections(libm: bool = False) -> Loop:
@@ -90,22 +99,31 @@ def of_sections(libm: bool = False) -> Loop:
     bench = Bench(planar_stage.hall_places(plant))
     gain_ratio = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
     shown = planar.position_block(TIME, predicted=False)
-    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, gain_ratio)
+    error = interface.SURROGATE_ERROR[np.float32]
+    return _loop(bench, lqg.controller(plant), shown, error, libm, gain_ratio, interface.INTERFACE)
 
 
-def view(source: Source) -> Block:
+def view(source: PoseSource, declared: Interface) -> Block:
     """Return the Block from voltages to the raw position, with the uncorrected estimate and its flags."""
-    guard = safety.guard(TIME, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
-    outputs = [*RAW.values(), "X", "Y", "yaw", "valid", "residual"]
+    inputs = stage.guarded_inputs(declared)
+    guard = safety.guard(TIME, inputs, interface.BAD_SAMPLES, suspected=declared.suspected)
+    outputs = [*RAW.values(), "X", "Y", "yaw", "valid", *source.shown]
     parts = [guard, *closed_loop.position_blocks(source, TIME)]
-    return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
+    return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in inputs], outputs=outputs))
 
 
-def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, gain_ratio: float = 1.0) -> Loop:
-    plant = built_matrix.plant(bench.places, bench.true, bench.chain, gain_ratio * bench.chain.gain)
+def _true_plant(bench: Bench, gain_ratio: float) -> Plant:
+    gain = gain_ratio * bench.chain.gain
+    return built_matrix.plant(bench.places, bench.true, bench.chain, gain, bench.mountings)
+
+
+def _loop(
+    bench: Bench, block: Block, shown: Block, error: float, libm: bool, gain_ratio: float, declared: Interface
+) -> Loop:
     emitted = write.emit(block, np.float32, libm=libm, error=error)
-    rig = replace(planar.of(block, host.load(emitted.files, emitted.manifest)), plant=plant)
-    step, sensors = bench.chain.step, rig.stage.interface.sensors
-    converted = tuple(replace(s, resolution=step) if s.name in planar_stage.HALL else s for s in sensors)
+    controller = host.load(emitted.files, emitted.manifest)
+    rig = replace(planar.of(block, controller, declared), plant=_true_plant(bench, gain_ratio))
+    step = bench.chain.step
+    converted = tuple(replace(s, resolution=step) if s.name in declared.suspected else s for s in declared.sensors)
     seen = build.compile_block(shown, np.float32, libm=libm, error=error)
     return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, gain_ratio)
