@@ -106,7 +106,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
             "disturbance": 5.0,
         },
         "predictor.delay": {"name": "before", "time": time, "signals": [w]},
-        "redundancy.Decision": decision,
+        "redundancy_decision.Decision": decision,
         "redundancy.block": {
             "time": time,
             "sensors": [Signal("q", "m", -1.0, 1.0)],

@@ -33,7 +33,7 @@ import casadi as ca
 from synth import arguments
 from synth.analyse.parity import Relation
 from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks import isolation, redundancy_decision, safety
+from synth.blocks import isolation, safety
 from synth.blocks.isolation import FRESH
 from synth.blocks.redundancy_decision import DOUBTS, Decision
 from synth.errors import SignalError
@@ -106,7 +106,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
-        return Step(output, next, named, numbers=redundancy_decision.numbers(by_name, relations, decision))
+        return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
     return build(
         safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),

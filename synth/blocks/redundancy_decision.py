@@ -34,16 +34,15 @@ class Decision:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
         return max(self.at_rest if single else 0, STILL)
 
-
-def numbers(signals: Mapping[str, Signal], relations: Sequence[Relation], decision: Decision) -> list[Constant]:
-    """Return the numbers that the C names."""
-    units = (signals[next(iter(r.weights))].unit for r in relations)
-    numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
-    for n, ends in decision.travel.items():
-        unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
-        numbers += [Constant(f"gate_{n}", decision.gate[n], unit, "predicted motion that a code must follow")]
-        numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
-    return [*numbers, *_counts(relations, decision)]
+    def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
+        """Return the numbers that the C names."""
+        units = (signals[next(iter(r.weights))].unit for r in relations)
+        numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
+        for n, ends in self.travel.items():
+            unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
+            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion that a code must follow")]
+            numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
+        return [*numbers, *_counts(relations, self)]
 
 
 def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]:
