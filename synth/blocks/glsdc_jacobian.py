@@ -109,9 +109,11 @@ def model(
     if strangers := [n for n in angles if n not in signal_names(channels)]:
         raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
     if isinstance(h, Turned):
-        _check_pairs(h, channels, unknowns)
+        _check_pairs(h, R, channels, unknowns)
     of = _symbols(channels, unknowns, phases, constants)
     q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
+    if isinstance(h, Turned):
+        _require_values(laws.evaluate("h", h.fixed, q, k), of)
     turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
@@ -174,11 +176,15 @@ def _residuals(h: Measurement | Implicit | Turned, of: _Symbols, q: Exprs, k: Ex
     """Return the residuals (m,): y - h, or those of an Implicit model."""
     y = laws.NamedSymbols("h: the channels", of.y)
     values = laws.evaluate("h", h, q, k) if callable(h) else laws.evaluate("h", h.residual, q, y, k)
+    _require_values(values, of)
+    laws.check_numbers("h", {n: ca.SX(v) for n, v in values.items()}, [*q.values(), *k.values(), *y.values()])
+    return ca.vcat([symbol - values[n] if callable(h) else ca.SX(values[n]) for n, symbol in of.y.items()])
+
+
+def _require_values(values: object, of: _Symbols) -> None:
     if not isinstance(values, Mapping):
         raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
     laws.require_names("h", list(of.y), values)
-    laws.check_numbers("h", {n: ca.SX(v) for n, v in values.items()}, [*q.values(), *k.values(), *y.values()])
-    return ca.vcat([symbol - values[n] if callable(h) else ca.SX(values[n]) for n, symbol in of.y.items()])
 
 
 def _fixed_axes(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
@@ -188,12 +194,22 @@ def _fixed_axes(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dic
     return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
 
 
-def _check_pairs(h: Turned, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
-    angles = [u.name for u in unknowns if u.rate == 1]
+def _check_pairs(h: Turned, R: Array, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
+    angles, names = [u.name for u in unknowns if u.rate == 1], signal_names(channels)
+    if not callable(h.fixed):
+        raise SignalError(
+            f"the fixed model is {arguments.describe(h.fixed)}: give a function of unknowns and constants"
+        )
     if h.angle not in angles:
         raise SignalError(f"the body turns by '{h.angle}', which is no unknown angle in rad: {', '.join(angles)}")
-    if sorted(n for pair in h.pairs for n in pair) != sorted(signal_names(channels)):
-        raise SignalError(f"the pairs {list(h.pairs)} are not the channels: each stands in one pair")
+    are_pairs = isinstance(h.pairs, Sequence) and all(isinstance(p, Sequence) and len(p) == 2 for p in h.pairs)
+    if not are_pairs or sorted(str(n) for pair in h.pairs for n in pair) != sorted(names):
+        raise SignalError(f"the pairs {h.pairs!r} are not the channels: each stands in one pair")
+    quarter = np.zeros_like(R)
+    for a, b in h.pairs:
+        quarter[names.index(a), names.index(b)], quarter[names.index(b), names.index(a)] = -1, 1
+    if not np.allclose(quarter @ R, R @ quarter, rtol=1e-9, atol=0):
+        raise ModelError("R changes when the pairs turn: give both channels of a pair one variance, and no correlation")
 
 
 def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:

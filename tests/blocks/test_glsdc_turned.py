@@ -10,7 +10,7 @@ import pytest
 
 from synth.blocks import glsdc_jacobian, glsdc_linearisation, phasor
 from synth.blocks.glsdc_model import Implicit, Turned, Unknown
-from synth.errors import SignalError
+from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -47,11 +47,28 @@ def test_the_jacobian_of_a_turned_body_is_that_of_its_measurements() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "message"), [({"angle": "roll"}, "no unknown angle"), ({"pairs": [("V_x", "V_x")]}, "not the channels")]
+    ("change", "message"),
+    [
+        ({"angle": "roll"}, "no unknown angle"),
+        ({"pairs": [("V_x", "V_x")]}, "not the channels"),
+        ({"pairs": None}, "not the channels"),
+        ({"pairs": [("V_x",), ("V_y",)]}, "not the channels"),
+        ({"fixed": None}, "the fixed model is"),
+        ({"fixed": lambda q, k: {"V_x": 1.0}}, "V_y"),
+        ({"fixed": lambda q, k: None}, "h returns"),
+    ],
 )
 def test_a_turned_body_that_cannot_be_is_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         turned_model(replace(TURNED, **change))
+
+
+def test_a_covariance_that_is_not_that_of_fixed_axes_is_refused() -> None:
+    channels = [Signal(n, "V", -5, 5) for n in ("V_x", "V_y")]
+    unknowns = [Unknown(Signal(n, "rad", -pi, pi), 1.0, 0.5, periodic=True, prior=1.0) for n in ("x", "yaw")]
+    for R in (np.diag([1.0, 2.0]), np.array([[1.0, 0.5], [0.5, 1.0]])):
+        with pytest.raises(ModelError, match="R changes when the pairs turn"):
+            glsdc_jacobian.model(TURNED, R, channels, (), unknowns, (), ())
 
 
 def test_a_phasor_moves_without_a_difference_of_cosines() -> None:

@@ -34,10 +34,10 @@ REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
 BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
 MARGIN = 1e-3  # m, of cold starts to the edge of the pitch
-Fault = Callable[[Numbers, Numbers, int], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
+Fault = Callable[[Numbers, Numbers, int | Numbers], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
 
 
-def _first(value: Callable[[Numbers, Numbers, int], Numbers | float]) -> Fault:
+def _first(value: Callable[[Numbers, Numbers, int | Numbers], Numbers | float]) -> Fault:
     return lambda V, kept, k: np.column_stack([np.broadcast_to(value(V[:, 0], kept[:, 0], k), len(V)), V[:, 1]])
 
 

@@ -157,7 +157,7 @@ def _source(time: Discrete, suffix: str, sensors: int = UNPROTECTED) -> Block:
         for signal, axis in zip(sensing.WITHIN, "xy", strict=True):
             whole = ca.floor(output[f"{axis}_raw"] / PITCH + (FLOOR_OFFSET + 0.5)) - FLOOR_OFFSET
             output[signal.name] = clip(output[f"{axis}_raw"] - PITCH * whole, signal)
-        failed = {n: _is_failed(x, ascii_lowercase.index(s.name[2]) + 1, sensors) for n, s in suspects.items()}
+        failed = {n: _sensor_fails(x, ascii_lowercase.index(s.name[2]) + 1, sensors) for n, s in suspects.items()}
         output |= failed | {sensing.SUSPECTED.name: x["failed"] > 0}
         return Step(output, next | _failures(u, x, good, sensors))
 
@@ -204,7 +204,7 @@ def _failures(u: Exprs, x: Exprs, good: ca.SX, sensors: int) -> dict[str, ca.SX]
     }
 
 
-def _is_failed(x: Exprs, number: int, sensors: int) -> ca.SX:
+def _sensor_fails(x: Exprs, number: int, sensors: int) -> ca.SX:
     return ca.logic_or(x["failed"] == number, x["failed"] == sensors + 1)
 
 

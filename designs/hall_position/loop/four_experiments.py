@@ -131,7 +131,7 @@ def trusted_checks(run: Trajectory) -> tuple[Check, ...]:
 class Consequence:
     """How far a failure moves the platen, m, the share of samples that are valid and wrong, and whether it latches."""
 
-    moved: float
+    excursion: float
     wrong: float
     latched: bool
 
@@ -146,7 +146,7 @@ def failures(loop: Loop) -> Experiment:
             run = _motion(loop, start, _overrides(loop, clean, fault, sensor))
             consequences[fault].append(_consequence(run, clean))
     shown = _motion(loop, {}, _overrides(loop, _motion(loop, {}), *SHOWN))
-    excursions = [c.moved > trust.WRONG for fault, each in consequences.items() if fault != "none" for c in each]
+    excursions = [c.excursion > trust.WRONG for fault, each in consequences.items() if fault != "none" for c in each]
     wrong = max(float(np.mean([c.wrong for c in each])) for each in consequences.values())
     checks = (
         Check("valid and wrong", wrong, WRONG, "1", "of the samples after a failure, the worst kind"),
@@ -184,7 +184,7 @@ def _consequence(run: Trajectory, clean: Trajectory) -> Consequence:
     until = (run.time >= FAILS) & ~latched
     first = round(FAILS / TIME.period_s)
     return Consequence(
-        moved=float(np.hypot(run["x"] - clean["x"], run["y"] - clean["y"])[until].max(initial=0.0)),
+        excursion=float(np.hypot(run["x"] - clean["x"], run["y"] - clean["y"])[until].max(initial=0.0)),
         wrong=float(wrong_samples(run)[first : first + trust.AFTER].mean()),
         latched=bool(latched.any()),
     )
@@ -193,6 +193,6 @@ def _consequence(run: Trajectory, clean: Trajectory) -> Consequence:
 def _failure_figures(consequences: Mapping[str, Sequence[Consequence]]) -> dict[str, float]:
     figures: dict[str, float] = {}
     for fault, each in consequences.items():
-        figures[f"{fault}: moves the platen by, um at most"] = 1e6 * max(c.moved for c in each)
+        figures[f"{fault}: moves the platen by, um at most"] = 1e6 * max(c.excursion for c in each)
         figures[f"{fault}: latches, %"] = 100 * float(np.mean([c.latched for c in each]))
     return figures

@@ -4,8 +4,8 @@ The stage is a unit of `calibrated.unit`, whose matrix and sensors have toleranc
 know; the field's amplitude is lower by that of `four.trust`. A calibration (`calibrated.stages`) knows the unit.
 
 A loop needs an estimate at every place that it crosses. Within the yaws of the stage the protection levels of the
-calibrated unit are at most 0.61 mm and 25 mrad, which LIMITS allow. While a sensor is excluded the limits are those of
-the calibration, about 0.5 mm and 22 mrad: docs/decisions/hall_position_loop.md.
+calibrated unit are at most 0.61 mm and 25 mrad, which POSITION_LIMIT and YAW_LIMIT allow. While a sensor is
+excluded the limits are those of the calibration, about 0.5 mm and 22 mrad: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from synth.timing import Discrete
 FIELD, SEED = "built", 13  # a unit on which nothing of the calibrated estimator was chosen
 GAIN_RATIO = 1 - trust.AMPLITUDE
 AXES = ("X", "Y", "yaw")
-LIMITS = {"position_limit": 6.5e-4, "yaw_limit": 0.027}  # m, rad, of the protection levels while no sensor is excluded
+POSITION_LIMIT, YAW_LIMIT = 6.5e-4, 0.027  # m, rad, of the protection levels while no sensor is excluded
 SHOWN = ("excluded", *(f"{prefix}_{axis}" for prefix in ("deviation", "protection") for axis in AXES))
 
 
@@ -49,7 +49,12 @@ class FourSensors:
         if self.calibration is None:
             return [block.renamed(lost) for block in estimator.blocks(config.array(), time, config.USUAL)]
         tuned = calibrated.tuning(self.calibration)
-        located = [b.renamed(lost) for b in calibrated.blocks(self.calibration, replace(tuned, **LIMITS))]
+        located = [
+            b.renamed(lost)
+            for b in calibrated.blocks(
+                self.calibration, replace(tuned, position_limit=POSITION_LIMIT, yaw_limit=YAW_LIMIT)
+            )
+        ]
         limits = {"X": tuned.position_limit, "Y": tuned.position_limit, "yaw": tuned.yaw_limit}
         return [*located[:-1], *limit_protection(located[-1], located[-2], time, limits)]
 
