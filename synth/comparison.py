@@ -1,6 +1,7 @@
 """Jobs of a comparison: the studies of two designs on the same machines, their least margins, and their costs."""
 
 from collections.abc import Mapping
+from itertools import zip_longest
 
 from synth import study_jobs, study_runs, tasks
 from synth.analyse import robustness
@@ -9,7 +10,7 @@ from synth.errors import DesignError
 from synth.jobs import Job, Outcome
 from synth.progress import Progress
 from synth.report.comparison import Side
-from synth.simulate import sampling, study
+from synth.simulate import study
 from synth.simulate.sampling import Sampling
 from synth.study_jobs import Plan
 from synth.tasks import Task
@@ -22,25 +23,43 @@ MARGINS = (*robustness.REQUIREMENTS, standard.DISK)
 def plan_of(designs: tuple[Design, Design], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
     """Return the study of the experiments that both designs have and whose names match, all without patterns.
 
-    Raises DesignError for a design and itself, for designs whose machines are drawn from different quantities or that
-    have no experiment in common, and as `study.select`.
+    Raises DesignError for a design and itself, for designs of different plants or sensors, for designs without an
+    experiment in common, and as `study.select`.
     """
-    if designs[0].name == designs[1].name:
-        raise DesignError(f"'{designs[0].name}' is to be compared with itself: name another design")
-    stages = [study_jobs.stage_of(design) for design in designs]
-    first, second = (set(sampling.quantities(study_runs.rig(stage))) for stage in stages)
-    if different := sorted(first ^ second):
+    first, second = designs
+    if first.name == second.name:
+        raise DesignError(f"'{first.name}' is to be compared with itself: name another design")
+    stages = study_jobs.stage_of(first), study_jobs.stage_of(second)
+    machines = [_machine(stage) for stage in stages]
+    if machines[0] != machines[1]:
         raise DesignError(
-            f"'{designs[0].name}' and '{designs[1].name}' are not drawn from the same quantities: only one of them has "
-            f"a tolerance of {', '.join(different)}; compare designs of one plant with the same sensors"
+            f"'{first.name}' and '{second.name}' do not run on the same machines: {_difference(*machines)}; compare "
+            f"designs of one plant with the same sensors"
         )
     chosen, others = ([e.name for e in study.select(stage.experiments, patterns)] for stage in stages)
     if not (common := tuple(name for name in chosen if name in others)):
         raise DesignError(
-            f"'{designs[0].name}' has {', '.join(chosen)}, '{designs[1].name}' has {', '.join(others)}: no experiment "
-            f"of the same name; give experiments that are to be compared the same name"
+            f"'{first.name}' has {', '.join(chosen)}, '{second.name}' has {', '.join(others)}: no experiment of the "
+            f"same name; give experiments that are to be compared the same name"
         )
     return Plan(drawn, common)
+
+
+def _machine(stage: Stage) -> list[tuple[str, float, float]]:
+    """Return all from which machines are drawn, in order: name, nominal value, and tolerance or offset."""
+    rig = study_runs.rig(stage)
+    sensors = ((f"sensor {s.name}", s.resolution, s.offset) for s in rig.stage.interface.sensors)
+    return [*((p.name, p.value, p.tolerance) for p in rig.plant.parameters), *sensors]
+
+
+def _difference(*machines: list[tuple[str, float, float]]) -> str:
+    """Return the first quantity in which two machines differ, as a sentence."""
+    first, second = next((a, b) for a, b in zip_longest(*machines) if a != b)
+    return f"one has {_text(first)} where the other has {_text(second)}"
+
+
+def _text(quantity: tuple[str, float, float] | None) -> str:
+    return "{} = {:g} (+- {:g})".format(*quantity) if quantity else "nothing more"
 
 
 def jobs(designs: tuple[Design, Design], plan: Plan) -> list[Job]:
@@ -61,16 +80,17 @@ def sides(designs: tuple[Design, Design], plan: Plan, outcomes: Mapping[str, Out
 
 
 def _side(design: Design, plan: Plan, outcomes: Mapping[str, Outcome]) -> Side:
-    table, values = (
-        study_jobs.result(design, plan, outcomes),
-        [outcomes[n].value for n in (_margins(design), _cost(design))],
-    )
-    return Side(design.name, table, *values)
+    table = study_jobs.result(design, plan, outcomes)
+    return Side(design.name, table, outcomes[_margins(design)].value, outcomes[_cost(design)].value)
 
 
 def _least_margins(stage: Stage) -> Task[dict[str, float]]:
+    """Return the task of the least margins, which a stage without operating points does not have."""
+
     def compute(say: Progress) -> dict[str, float]:
         say("margins")
+        if not stage.operating_points:
+            return {}
         return standard.least_margins(stage, robustness.survey(standard.over_tolerances(stage)), MARGINS)
 
     return Task("margins", compute, (standard.least_margins, robustness.survey, stage))

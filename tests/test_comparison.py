@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from synth import compare_command, comparison, workspace
+from synth import compare_command, comparison, jobs, workspace
 from synth.compare_command import CompareChoice
 from synth.errors import DesignError
+from synth.progress import Lines
+from synth.report import comparison as report
 from synth.report import page
 from synth.simulate.sampling import Sampling
 from synth.workspace import Design
@@ -67,10 +69,33 @@ def test_what_does_not_compare_is_refused() -> None:
         comparison.plan_of(loaded("levitator_2dof", NAMES[0]), PLAN, ())
 
 
-def test_machines_of_other_quantities_are_refused() -> None:
+def test_designs_of_other_machines_are_refused() -> None:
     first, second = loaded("levitator_2dof", NAMES[0])
     assert first.stage is not None
-    parameters = tuple(replace(p, tolerance=0.0) if p.name == "K" else p for p in first.stage.plant.parameters)
-    certain = replace(first, stage=replace(first.stage, plant=replace(first.stage.plant, parameters=parameters)))
-    with pytest.raises(DesignError, match="only one of them has a tolerance of K"):
-        comparison.plan_of((certain, second), PLAN, ())
+    plant = first.stage.plant
+    for changed, reason in (({"tolerance": 0.0}, r"K = 20 \(\+- 0\)"), ({"value": 21.0}, r"K = 21 \(\+- 0.1\)")):
+        parameters = tuple(replace(p, **changed) if p.name == "K" else p for p in plant.parameters)
+        other = replace(first, stage=replace(first.stage, plant=replace(plant, parameters=parameters)))
+        with pytest.raises(DesignError, match=rf"one has {reason} where the other has K = 20 \(\+- 0.1\)"):
+            comparison.plan_of((other, second), PLAN, ())
+
+
+def test_machines_drawn_in_another_order_are_refused() -> None:
+    first, second = loaded("levitator_2dof", NAMES[0])
+    assert first.stage is not None
+    plant = first.stage.plant
+    other = replace(first, stage=replace(first.stage, plant=replace(plant, parameters=plant.parameters[::-1])))
+    with pytest.raises(DesignError, match="do not run on the same machines: one has s = 400"):
+        comparison.plan_of((other, second), PLAN, ())
+
+
+def test_a_stage_without_operating_points_has_no_margins(laws: Path) -> None:
+    first, second = (
+        replace(d, stage=replace(d.stage, operating_points={}))
+        for d in (workspace.designs(laws, [n])[0] for n in NAMES)
+    )
+    plan = comparison.plan_of((first, second), PLAN, ("z_*",))
+    outcomes = jobs.run(comparison.jobs((first, second), plan), Lines(lambda about, line: None), 2)
+    sides = comparison.sides((first, second), plan, outcomes)
+    assert [side.margins for side in sides] == [{}, {}]
+    assert "Least margins" in report.page_text(sides)

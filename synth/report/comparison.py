@@ -36,7 +36,7 @@ class Side:
 def tables(sides: tuple[Side, Side]) -> tuple[Table, ...]:
     """Return the tables of limited values, other values, margins, and instructions where both were measured."""
     first, second = sides
-    margins = tuple((_with_unit(n), least, second.margins[n]) for n, least in first.margins.items())
+    margins = tuple((_with_unit(n), v, second.margins[n]) for n, v in first.margins.items() if n in second.margins)
     columns = ("what", "unit", *(f"{statistic} {letter}" for statistic in STATISTICS for letter in "AB"))
     limits = {**first.study.limits, **second.study.limits}
     values = {row[0]: row for row in _experiments(first.study, second.study)}
