@@ -259,7 +259,7 @@ def yield_notes(table: StudyTable) -> list[str]:
 
 
 def notes(table: StudyTable) -> list[str]:
-    """Return the yield and its meaning as sentences, and why machines have no result."""
+    """Return the yield, why machines have no result, how the loops were integrated, and what the values mean."""
     return [
         *yield_notes(table),
         f"{table.integration.substeps} steps of order {table.integration.order} a sample in lanes, with an error of a "

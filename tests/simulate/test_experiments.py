@@ -30,8 +30,9 @@ def checks(run: Any) -> dict[str, Any]:
 
 def test_every_experiment_of_the_levitator_holds(rig: Rig) -> None:
     heard: list[str] = []
-    runs = experiments.run(rig, DESIGN.EXPERIMENTS, heard.append)
-    assert heard == [r.name for r in runs] and len(set(heard)) == len(DESIGN.EXPERIMENTS)
+    declared = rig.stage.experiments
+    runs = experiments.run(rig, declared, heard.append)
+    assert heard == [r.name for r in runs] and len(set(heard)) == len(declared) > 5
     assert [f"{r.name}: {c}" for r in runs for c in r.checks if not c.passed] == []
 
 

@@ -68,7 +68,7 @@ def test_the_zigzag() -> None:
 
 
 def test_a_correction_with_the_wrong_sign_is_detected() -> None:
-    both = {**loops(), "calibrated": loop_with_defect("X_corrected = X +", "X_corrected = X -")}
+    both = {**loops(), "calibrated": loop_with_defect("float X_corrected = X +", "float X_corrected = X -")}
     assert failed_names(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
 
 
