@@ -20,7 +20,7 @@ def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:
 def test_the_c_grows_with_the_axes_alone(grown: axes.Growth) -> None:
     """What all axes share, functions and the guard of the first one, is spread over four times as many."""
     text = axes.emit(16, np.float32).files["axes_16.c"]
-    assert 0.75 <= grown.size / 64 / (len(text) / 16) <= 1.05
+    assert 0.70 <= grown.size / 64 / (len(text) / 16) <= 1.05
     assert 0.70 <= grown.lines / 64 / (text.count("\n") / 16) <= 1.05
 
 
