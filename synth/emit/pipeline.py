@@ -108,8 +108,9 @@ def _run_passes(
     """Return the constants, program, surrogates and composed program of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
-    program = fault_bits.gather(flags.simplified(fold.folded(program)))
+    program = flags.simplified(fold.folded(program))
     composed = _without_certificates(limits.without_idle(program, bounds, scalar))
+    program = fault_bits.gather(program)
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
