@@ -64,7 +64,7 @@ def check(
 
     Raises ModelError that names the first different equation.
     """
-    known = dict(loaded)
+    known = {**computed, **loaded}  # an equation may use a signal of the Block whose own equation comes later
     points = len(next(iter(loaded.values())))
     for group, equation in sorted(
         ((g, e) for g in groups for e in g.equations), key=lambda pair: (pair[1].mark != "", pair[1].order)
