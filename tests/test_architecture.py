@@ -44,6 +44,7 @@ VOCABULARY = (
     "companion",
     "tuning",
     "declaration",
+    "reference",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
 LAYERS += (
@@ -72,6 +73,7 @@ RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
 ASSEMBLED = ("design.py", "__main__.py")
 NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
+REFERENCES = ("synth", "reference")  # of the toolkit's Blocks: NumPy and mpmath alone
 
 
 def imports(path: Path, text: str) -> Iterator[tuple[str, ...]]:
@@ -96,11 +98,14 @@ def violations(path: Path, text: str) -> list[str]:
     if name[0] == "synth" and name[1] != "__init__" and name[:2] not in RANK:
         return [f"{path} has no place in the order; add {name[1]} to VOCABULARY or LAYERS"]
     importer = rank(name)
-    reference = path.name.startswith("reference") and "designs" in path.parts[:2]
+    reference = (path.name.startswith("reference") and "designs" in path.parts[:2]) or name[:2] == REFERENCES
     messages = []
     for module in imports(path, text):
         other = rank(module)
         independent = module[:1] == ("designs",) and any(part.startswith("reference") for part in module[2:])
+        independent = independent or module[:2] == REFERENCES
+        if not reference and module[:2] == REFERENCES:
+            messages.append(f"{path} imports {'.'.join(module)}, which judges it")
         if (reference and module[0] in NOT_IN_A_REFERENCE and not independent) or (
             importer is not None and other is not None and other > importer
         ):
@@ -172,6 +177,10 @@ def test_imports_follow_the_flow_of_data() -> None:
         ("designs/planar_6dof/reference_sensing.py", "from designs.planar_6dof import sensing"),
         ("designs/planar_6dof/reference_sensing.py", "import designs.planar_6dof"),
         ("tests/designs/hall_position/reference_six.py", "from synth import numeric"),
+        ("synth/reference/guard.py", "from synth.blocks import safety"),
+        ("synth/reference/gains.py", "import casadi"),
+        ("synth/blocks/safety.py", "from synth.reference import guard"),
+        ("designs/maglev_5dof/control.py", "from synth.reference import gains"),
     ],
 )
 def test_a_planted_violation_is_found(path: str, text: str) -> None:
@@ -186,6 +195,8 @@ def test_a_planted_violation_is_found(path: str, text: str) -> None:
         ("designs/maglev_5dof/design.py", "from synth.cli import main\nfrom models import pmlsm\nfrom . import audit"),
         ("designs/maglev_5dof/reference.py", "import numpy as np\nfrom scipy import linalg"),
         ("designs/planar_6dof_lqg/reference.py", "from designs.planar_6dof import reference_sensing"),
+        ("designs/planar_6dof_lqg/reference.py", "from synth.reference import gains"),
+        ("synth/reference/probe.py", "from synth.reference.guard import rows"),
     ],
 )
 def test_an_import_along_the_flow_is_allowed(path: str, text: str) -> None:

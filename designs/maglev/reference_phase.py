@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.reference import guard
+
 Array = NDArray[np.float64]
 Columns = Mapping[str, NDArray[Any]]
 
@@ -25,22 +27,10 @@ ADVANCE, STRIDE = 1.5, 1e-3  # samples, m in a sample
 CURRENT = 7 / sqrt(2)  # A rms
 BAD_SAMPLES, FADE, DESCENT = 5, 25, 80
 PEAK = sqrt(2) * sqrt(2) * CURRENT * (1 + 1e-4)
-LIMITS = {f"i_{axis}{j}": CURRENT for axis in "dq" for j in (1, 2, 3, 4)} | {"x": 0.1, "z": 0.1}
+LIMITS = {f"i_{axis}{j}": (-CURRENT, CURRENT) for axis in "dq" for j in (1, 2, 3, 4)} | dict.fromkeys("xz", (-0.1, 0.1))
 INPUTS = {"x": "x_commutation", "z": "z_commutation"}
-LIMIT = np.array([*LIMITS.values()])
-BITS = 1 << np.arange(len(LIMITS))
 MOTORS = {"x": (2, 4), "z": (1, 3)}
 SHIFTS = {"a": 0.0, "b": -2 * pi / 3, "c": 2 * pi / 3}
-
-
-def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, NDArray[np.bool_]]]:
-    """Return the accepted or else the last accepted value of each input, and which inputs are refused."""
-    values, refused = {}, {}
-    for name, limit in LIMITS.items():
-        u = np.asarray(inputs[INPUTS.get(name, name)], dtype=np.float64)
-        refused[name] = ~(np.abs(u) <= limit)
-        values[name] = np.where(refused[name], state[f"guard_last_{name}"], u)
-    return values, refused
 
 
 def advance(state: Columns, measured: Array, refused: NDArray[np.bool_], axis: str) -> tuple[Array, dict[str, Array]]:
@@ -80,11 +70,11 @@ def direct_currents(values: Mapping[str, Array], transfer: Array, active: NDArra
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample, columns by name."""
-    values, refused = guard(state, inputs)
-    after = {f"guard_last_{name}": value for name, value in values.items()}
+    accepted = guard.accept(state, inputs, LIMITS, called=INPUTS)
+    values, after = accepted.values, accepted.after
     acting, lost = {}, {}
     for axis in "xz":
-        acting[axis], states = advance(state, values[axis], refused[axis], axis)
+        acting[axis], states = advance(state, values[axis], ~accepted.good[axis], axis)
         lost[axis] = states[f"advance_left_{axis}"] == 0
         after |= states
     active = lost["x"] | lost["z"] | (np.asarray(state["commutation_transfer"]) != 0)
@@ -104,5 +94,5 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         "commutation_transfer": np.where(active, transfer, 0),
         "commutation_unknown": np.where(active, unknown, 0),
     }
-    word = BITS @ np.array([*refused.values()]) + 1024 * lost["x"] + 2048 * lost["z"]
+    word = accepted.word + 1024 * lost["x"] + 2048 * lost["z"]
     return after, outputs, np.asarray(word).astype(np.uint32)

@@ -8,13 +8,15 @@ Guard, pose, force coefficients and the limit of the thrust. Columns are (n,) fo
 axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents in A rms.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sin, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from synth.reference import guard
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, NDArray[Any]]
@@ -28,10 +30,9 @@ BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
 SENSORS = len(LIMITS)
+NAMES = tuple(LIMITS)
 LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
 LOW, HIGH = np.array([*LIMITS.values()]).T
-BITS = 1 << np.arange(len(LIMITS))
-HELD = tuple(f"guard_last_{s}" for s in LIMITS)
 SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}
 LAST = tuple(f"safe_output_last_{s}" for s in SAFE)
 QUADRATURE = [5, 4, 5, 4]  # of SAFE: the thrust currents of motors 1 to 4
@@ -93,24 +94,17 @@ def motor(g: Array, p: Parameters) -> Motor:
     )
 
 
-def rows(columns: Columns, names: Iterable[str]) -> Array:
-    """Return some columns (n,) as the rows of one array (m, n)."""
-    return np.array([columns[name] for name in names], dtype=np.float64)
+def guard_inputs(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
+    """Return the values to use (11, n), the guard's next state and the fault word."""
+    values, after, word = guard.standard(state, inputs, LIMITS, NAMES, BAD_SAMPLES)
+    return np.array([*values.values()]), after, word
 
 
-def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
-    """Return the values to use (11, n), the guard's next state and the fault word. NaN is outside every range."""
-    u = rows(inputs, LIMITS)
-    with np.errstate(invalid="ignore"):
-        good = ((u.T >= LOW) & (u.T <= HIGH)).T
-    values = np.where(good, u, rows(state, HELD))
-    complete = good[:SENSORS].all(axis=0)
-    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
-    after = dict(zip(HELD, values, strict=True))
-    after["guard_left"] = np.maximum(left, 1)
-    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
-    return values, after, np.asarray(BITS @ ~good + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+def safe_outputs(state: Columns, computed: Array, latched: NDArray[np.bool_]) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the currents of the motors, slewing to SAFE once latched, and the last ones as next states."""
+    out, after = guard.slew(state, dict(zip(SAFE, computed, strict=True)), latched, SLEW, SAFE)
+    i_d, i_q = [out[f"i_d{j}"] for j in (1, 2, 3, 4)], [[*out.values()][k] for k in QUADRATURE]
+    return dict(zip(OUTPUTS, (*i_d, *i_q), strict=True)), after
 
 
 def pose(values: Array, r: float) -> Array:

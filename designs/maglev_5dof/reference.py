@@ -26,22 +26,20 @@ from designs.maglev.reference_stage import (
     COMPENSATED,
     LAST,
     MAX_I_D,
-    OUTPUTS,
     QUADRATURE,
-    SAFE,
     SENSORS,
-    SLEW,
     Array,
     Columns,
     Motor,
     Parameters,
-    guard,
+    guard_inputs,
     limit_thrust,
     motor,
     pose,
-    rows,
+    safe_outputs,
 )
 from designs.maglev_5dof import reference_gains
+from synth.reference.guard import frozen, rows
 
 ETA = ("sum", "p1", "q1")
 ETA_BOUNDS = (600.0, 3.0, 600.0)
@@ -71,7 +69,7 @@ class Constants:
 def constants(corrected: bool = True) -> Constants:
     """Return the constants; `corrected=False` is F(12) as printed."""
     model, filter = reference_gains.internal_model(), reference_gains.derivative_filter()
-    K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
+    K = np.array([reference_gains.on_eta(WEIGHTS[s]) for s in AXES])
     return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, corrected)
 
 
@@ -163,12 +161,10 @@ def step(
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample, columns by name. F(5), (8), (12), (14)-(17)."""
     k = k or constants()
-    values, after, word = guard(state, inputs)
+    values, after, word = guard_inputs(state, inputs)
     ready, latched = np.asarray(state["guard_ready"]) > 0, after["guard_latched"] > 0
     last = rows(state, LAST)
     w, finish = law(state, pose(values[:SENSORS], k.parameters.r), values[SENSORS:], ready, k)
     computed, _, next_memory = finish(w, values[:4], last)
-    after |= {n: np.where(latched, state[n], v) for n, v in next_memory.items()}
-    out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
-    after |= zip(LAST, out, strict=True)
-    return after, dict(zip(OUTPUTS, np.concatenate([out[:4], out[QUADRATURE]]), strict=True)), word
+    outputs, slewed = safe_outputs(state, computed, latched)
+    return after | frozen(state, next_memory, latched) | slewed, outputs, word

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev import reference_faults, reference_probe
-from designs.maglev.reference_faults import T, by_row
+from designs.maglev import reference_faults
+from designs.maglev.reference_faults import T
 from designs.maglev.reference_stage import (
     AXES,
     COMPENSATED,
@@ -29,16 +29,19 @@ from designs.maglev.reference_stage import (
     Parameters,
     limit_thrust,
     motor,
-    rows,
 )
 from designs.maglev_5dof_precise import reference_gains
+from synth.reference import gains
+from synth.reference.guard import rows
+from synth.reference.probe import Probe
+from synth.reference.redundancy import by_row
 
 WEIGHTS = ((1e6, 1e4), (1e5, 800.0), (1e5, 800.0), (1e5, 5e3), (3e5, 5e3))  # of e, e', for y, x, z, phi, theta
 SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2), (6, 4, 4, 4))  # 1/s
 BANDWIDTH = (400.0, 400.0, 400.0, 400.0, 250.0)  # rad/s
 ERROR, FASTEST = (3e-4, 1e-3, 1e-3, 1e-4, 3e-4), (0.1, 0.3, 0.3, 0.1, 0.1)  # m, rad; m/s, rad/s
 CANCELLED, MEMORY, DEMAND = 0.8, 4.0, 1e4
-PROBE = reference_probe.Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, both_sides=True)
+PROBE = Probe(quiet=12, quarter=1, step=2.2e-6, attempts=8, T=T, both_sides=True)
 ETA = ("sum", "p1", "q1", "p2", "q2", "p3", "q3")  # of an axis with four modes; phi has the first two
 
 
@@ -59,25 +62,24 @@ class Constants:
 @cache
 def constants() -> Constants:
     """Return the constants."""
-    gains = {pair: reference_gains.on_eta(*pair) for pair in zip(WEIGHTS, SPEEDS, strict=True)}
-    observers = [reference_gains.observer(w) for w in BANDWIDTH]
-    by_name = {n: np.array([getattr(o, n) for o in observers]) for n in ("alpha", "beta", "gamma")}
+    pairs = list(zip(WEIGHTS, SPEEDS, strict=True))
+    by_pair = {pair: reference_gains.on_eta(*pair) for pair in pairs}
     K = np.zeros((len(AXES), 2 + len(ETA)))
-    for row, pair in zip(K, zip(WEIGHTS, SPEEDS, strict=True), strict=True):
-        row[: len(gains[pair])] = gains[pair]
-    return Constants(K, reference_gains.coordinates(4)[0], **by_name)
+    for row, pair in zip(K, pairs, strict=True):
+        row[: len(by_pair[pair])] = by_pair[pair]
+    alpha, beta, gamma = np.array([gains.triple_pole(w, T) for w in BANDWIDTH]).T
+    return Constants(K, reference_gains.coordinates(), alpha, beta, gamma)
 
 
 def observe(state: Columns, q: Array, ready: NDArray[np.bool_], k: Constants) -> tuple[Array, Array, Array]:
     """Return position and rate one sample ahead and the disturbance, each (5, n)."""
     before, v, d = (rows(state, [f"observer_{s}_fast_{n}" for s in AXES]) for n in "qvd")
-    nu, most = q - before, by_row(reference_faults.DISTURBANCES, q)
-    low, high = (by_row(ends, q) for ends in zip(*reference_faults.RANGES, strict=True))
+    nu, most = q - before, reference_faults.OBSERVERS.each("disturbance", q)
+    low, high, rate = (reference_faults.OBSERVERS.each(n, q) for n in ("low", "high", "rate"))
     position = np.where(ready, before + by_row(k.alpha, q) * nu, q)
     v = np.where(ready, v + by_row(k.beta, q) * nu, 0.0)
     d = np.where(ready, np.clip(d + by_row(k.gamma, q) * nu, -most, most), 0.0)
     a = rows(state, [f"delay_{reference_faults.DEMANDS[s]}_last" for s in AXES]) + d
-    rate = by_row(reference_faults.RATES, q)
     return np.clip(position + T * (v + T / 2 * a), low, high), np.clip(v + T * a, -rate, rate), d
 
 

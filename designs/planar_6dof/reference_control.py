@@ -1,4 +1,4 @@
-"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25).
+"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25), and dead reckoning with braking.
 
     guard      a value out of range is replaced by the last good one, a Hall voltage by 0; five bad samples in a row
                latch, and every sample is bad once Hall channels are suspected
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_sensing
+from synth.reference import dead_reckoning, guard, lead_lag
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -42,6 +43,12 @@ LIMITS = dict.fromkeys(HALL, 5.0) | dict.fromkeys(("d1", "d2", "d3"), 5e-4)
 MEASUREMENTS = tuple(LIMITS)
 BOX = {"x": 0.11, "y": 0.10, "phi": 0.02, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
 LIMITS |= {f"{axis}_ref": high for axis, high in (BOX | {"phi": 0.008}).items()}
+MASS, INERTIA = 1.52, 0.0022  # kg, kg m^2
+INERTIAS = {"x": MASS, "y": MASS, "phi": INERTIA}
+FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s
+FARTHEST = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad
+BRAKING = 24  # samples
+REMAINING = 0.5  # of the rate, after a braking sample
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
 VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
@@ -64,30 +71,12 @@ def wrench() -> Array:
     return np.array(columns + [[0, 0, 0, 1, y, -x] for x, y in CENTRES.values()]).T
 
 
-@dataclass(frozen=True)
-class Compensator:
-    """K(z) = D (z - z1) (z - z2) / ((z - p) (z - 1))."""
-
-    D: float
-    z1: float
-    z2: float
-    p: float
-
-
-def tustin(gain: Fraction, zeros: tuple[Fraction, Fraction], pole: Fraction, T: Fraction) -> Compensator:
-    """Return gain (s + a) (s + b) / ((s + c) s) with s = (2/T) (z - 1)/(z + 1), exactly."""
-    w = 2 / T
-    D = gain * (w + zeros[0]) * (w + zeros[1]) / ((w + pole) * w)
-    z1, z2, p = ((w - v) / (w + v) for v in (*zeros, pole))
-    return Compensator(*(float(v) for v in (D, z1, z2, p)))
-
-
 @cache
-def vertical(axis: str, T: Fraction) -> Compensator:
+def vertical(axis: str, T: Fraction) -> lead_lag.Compensator:
     """Return the compensator of z, theta or psi at the period T in s; the pole is moved to 2/T. (23)-(25)."""
     gain, zero, pole, share = (Fraction(v) for v in VERTICAL[axis])
     new_pole = 2 / T
-    return tustin(share * gain * new_pole / pole, (zero, Fraction(10)), new_pole, T)
+    return lead_lag.tustin(share * gain * new_pole / pole, (zero, Fraction(10)), new_pole, T)
 
 
 @cache
@@ -107,17 +96,16 @@ def scales() -> dict[str, float]:
 _LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A defines
 
 
-def demand(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
+def demand(axis: str, k: lead_lag.Compensator, e: Array, state: Columns) -> Array:
     """Return the force or torque that an axis demands for the error e. (21)-(25)."""
-    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lead"] + state[f"loop_{axis}_integral"])
+    return lead_lag.demand(f"loop_{axis}", k, e, state, scales()[axis])
 
 
-def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array, state: Columns) -> dict[str, Array]:
+def next_compensator_state(
+    axis: str, k: lead_lag.Compensator, e: Array, achieved: Array, state: Columns
+) -> dict[str, Array]:
     """Return the next states of a compensator, whose integral follows the achieved demand."""
-    scale = scales()[axis]
-    lead = k.p * state[f"loop_{axis}_lead"] + k.D * (k.p - k.z1) * e / scale
-    integral = state[f"loop_{axis}_integral"]
-    return {f"loop_{axis}_lead": lead, f"loop_{axis}_integral": integral + (1 - k.z2) * (achieved / scale - integral)}
+    return lead_lag.next_state(f"loop_{axis}", k, e, achieved, state, scales()[axis])
 
 
 @dataclass(frozen=True)
@@ -131,29 +119,40 @@ class Guarded:
     braked: Array
 
 
-def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
+def guard_inputs(state: Columns, inputs: Columns, braking: int = BRAKING) -> Guarded:
     """Return the guarded inputs; NaN is outside every range."""
-    with np.errstate(invalid="ignore"):
-        read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
-    values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
-    after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
+    accepted = guard.accept(state, inputs, {s: (-high, high) for s, high in LIMITS.items()}, HALL)
+    good = accepted.good
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), braking > 0)
     common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
-    word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
+    word = accepted.word + np.sum([(1 << len(good) + k) * (confirmed & suspected[s]) for k, s in enumerate(HALL)], axis=0)
     word = word + (1 << 29) * (confirmed & common)
-    complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
     before = np.asarray(state["guard_left"])
     all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)
-    left = np.where(all_good, BAD_SAMPLES + braking, before - 1)
-    after["guard_left"] = np.maximum(left, 1)
-    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(all_good, 1, state["guard_ready"])
-    brakes = ~all_good & (left <= braking) if braking else np.zeros_like(all_good)
-    word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0) + (1 << 30) * brakes).astype(np.uint32)
-    return Guarded(values, after, word, complete, before <= braking)
+    after = accepted.after | guard.count(state, all_good, BAD_SAMPLES + braking)
+    brakes = ~all_good & (before - 1 <= braking) if braking else np.zeros_like(all_good)
+    complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
+    return Guarded(
+        accepted.values, after, guard.fault_word(word + (1 << 30) * brakes, after), complete, before <= braking
+    )
+
+
+def sample(
+    measured: Columns, trusted: Array, acting: Columns, T: float, bandwidth: Mapping[str, float]
+) -> dead_reckoning.Sample:
+    """Return what a sample tells about x, y and phi, for the demands in A that act and bandwidths in rad/s."""
+    axes = {
+        a: dead_reckoning.Axis(scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a])
+        for a, inertia in INERTIAS.items()
+    }
+    return dead_reckoning.Sample(measured, trusted, acting, T, axes)
+
+
+def brake(demands: Columns, state: Columns, now: dead_reckoning.Sample, stops: Array) -> dict[str, Array]:
+    """Return the demands in N and N m; while the platen brakes, those that leave a part of the rates."""
+    rates = dead_reckoning.next_rates(state, now)
+    return dead_reckoning.brake(demands, rates, stops, now.T, INERTIAS, REMAINING)
 
 
 def vertical_kinematics(v: Columns) -> dict[str, Array]:
@@ -196,13 +195,12 @@ def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str,
     return out
 
 
-def initial_state(axes: tuple[str, ...], braking: int = 0) -> dict[str, Array]:
+def initial_state(axes: tuple[str, ...], braking: int = BRAKING) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
-    names = [f"guard_last_{s}" for s in LIMITS if s not in HALL] + [f"safe_output_last_{s}" for s in PHASES]
-    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lead")]
-    return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
-        "guard_left": np.array(float(BAD_SAMPLES + braking))
-    }
+    loops = {f"loop_{axis}_{part}": np.array(0.0) for axis in axes for part in ("integral", "lead")}
+    reckoned = dead_reckoning.initial_state(INERTIAS) if braking else {}
+    guarded = guard.initial_state(dict.fromkeys(LIMITS, (0.0, 0.0)), PHASES, BAD_SAMPLES + braking, HALL)
+    return guarded | loops | reckoned
 
 
 def finish_step(
@@ -212,10 +210,8 @@ def finish_step(
 
     The currents are limited: as computed, or on a slew to 0 once latched.
     """
-    latched, out, most = after["guard_latched"] > 0, {}, SLEW * float(T)
-    next_state = {n: v if n.startswith("guard_") else np.where(latched, state[n], v) for n, v in after.items()}
-    for name in PHASES:
-        last = state[f"safe_output_last_{name}"]
-        slewed = np.clip(0.0, last - most, last + most)
-        out[name] = np.clip(np.where(latched, slewed, computed[name]), -LIMIT, LIMIT)
-    return next_state | {f"safe_output_last_{name}": i for name, i in out.items()}, out
+    latched = after["guard_latched"] > 0
+    law = {n: v for n, v in after.items() if not n.startswith("guard_")}
+    limited = {n: np.clip(computed[n], -LIMIT, LIMIT) for n in PHASES}
+    outputs, last = guard.slew(state, limited, latched, SLEW * float(T))
+    return after | guard.frozen(state, law, latched) | last, outputs

@@ -1,7 +1,7 @@
 """The lead-lag controller of the planar positioner, one step of 1 ms: NumPy reference of the generated C.
 
-    sensing and filters: `reference_sensing`; prediction and braking: `reference_motion`
-    guard, six compensators (21)-(25), motors and phases: `reference_control`
+    sensing and filters: `reference_sensing`
+    guard, six compensators (21)-(25), prediction, braking, motors and phases: `reference_control`
 
 Every function takes scalars or columns (n,) of n independent controllers. Lengths in m, angles in rad, currents in A.
 """
@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_control as shared
-from designs.planar_6dof import reference_motion as motion
 from designs.planar_6dof import reference_sensing as sensing
-from designs.planar_6dof.reference_control import AXES, Compensator
+from designs.planar_6dof.reference_control import AXES
+from synth.reference import dead_reckoning, lead_lag
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -31,21 +31,20 @@ LAG, RESET = Fraction("0.00088"), Fraction("0.1")  # s
 
 
 @cache
-def compensators() -> dict[str, Compensator]:
+def compensators() -> dict[str, lead_lag.Compensator]:
     """Return the six compensators. (21)-(25)."""
     sampled = {}
     for axis in GAIN:
         lead = Fraction(LEAD[axis])
         gain = Fraction(GAIN_SHARE[axis]) * Fraction(GAIN[axis]) * lead * RESET / LAG
-        sampled[axis] = shared.tustin(gain, (1 / lead, 1 / RESET), 1 / LAG, PERIOD)
+        sampled[axis] = lead_lag.tustin(gain, (1 / lead, 1 / RESET), 1 / LAG, PERIOD)
     return sampled | {axis: shared.vertical(axis, PERIOD) for axis in shared.VERTICAL}
 
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     filters = sensing.initial_filter_state() | {f"delay_{axis}": np.array(0.0) for axis in GAIN}
-    guard_and_law = shared.initial_state(AXES, motion.BRAKING)
-    return guard_and_law | sensing.initial_reckoned_state() | motion.initial_state() | filters
+    return shared.initial_state(AXES) | sensing.initial_reckoned_state() | filters
 
 
 def sense(state: Columns, v: Columns, complete: Array) -> tuple[dict[str, Array], dict[str, Array]]:
@@ -53,33 +52,32 @@ def sense(state: Columns, v: Columns, complete: Array) -> tuple[dict[str, Array]
     k, ready, predicted = (
         sensing.constants(float(PERIOD)),
         np.asarray(state["guard_ready"]),
-        motion.predicted_pose(state),
+        dead_reckoning.predicted_pose(state, GAIN),
     )
     raw, after = sensing.sense(state, v, (ready, complete), predicted, k, True)
     filtered, after_filters = sensing.filter_positions(state, raw, ready, k)
     return raw | filtered | shared.vertical_kinematics(v), after | after_filters
 
 
-def sample(state: Columns, pose: Columns) -> motion.Sample:
+def sample(state: Columns, pose: Columns) -> dead_reckoning.Sample:
     """Return what a sample tells about the motion; the demands achieved in the sample before act until the next one."""
     trusted = (np.asarray(state["guard_ready"]) > 0) & pose["measured"]
     measured = {axis: pose[f"{axis}_raw"] for axis in GAIN}
     acting = {axis: state[f"delay_{axis}"] for axis in GAIN}
-    return motion.Sample(measured, trusted, acting, float(PERIOD), BANDWIDTH)
+    return shared.sample(measured, trusted, acting, float(PERIOD), BANDWIDTH)
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    guarded = shared.guard(state, inputs, motion.BRAKING)
+    guarded = shared.guard_inputs(state, inputs)
     values, after, word = guarded.values, guarded.after, guarded.word
     pose, after_sensing = sense(state, values, guarded.complete)
     now = sample(state, pose)
-    after |= after_sensing | motion.next_state(state, now)
+    after |= after_sensing | dead_reckoning.next_state(state, now)
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}
     k = compensators()
     demand = {axis: shared.demand(axis, k[axis], e[axis], state) for axis in AXES}
-    rates = motion.next_rates(state, now)
-    demand |= motion.brake({axis: demand[axis] for axis in GAIN}, rates, guarded.braked, now.T)
+    demand |= shared.brake({axis: demand[axis] for axis in GAIN}, state, now, guarded.braked)
     currents, achieved = shared.allocate(demand, pose["phi"])
     for axis in AXES:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_control as shared
-from designs.planar_6dof import reference_motion as motion
 from designs.planar_6dof import reference_sensing as sensing
+from synth.reference import dead_reckoning, gains
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -64,37 +64,16 @@ def axes() -> dict[str, Axis]:
 def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
     """Return K (3,) of s = -K (q, z, q') for the integral of x' diag(weights) x + R s^2 with s held over a period."""
     with mpmath.workdps(60):
-        A, B, Q, N, M = sample(b, weights, R)
-        E = mpmath.inverse(M)
-        F, G, H = A - B * E * N.T, B * E * B.T, Q - N * E * N.T
-        one = mpmath.eye(3)
-        for _ in range(12):  # structure-preserving doubling: the error of H decreases as 2^-2^k
-            W = mpmath.inverse(one + G * H)
-            F, G, H = F * W * F, G + F * W * G * F.T, H + F.T * H * W * F
-        K = mpmath.inverse(M + B.T * H * B) * (B.T * H * A + N.T)
+        A = mpmath.matrix([[0, 0, 1], [1, 0, 0], [0, 0, 0]])
+        _, K = gains.lqrd(A, mpmath.matrix([0, 0, mpmath.mpf(b)]), weights, R, PERIOD)
         return np.array([float(K[0, j]) for j in range(3)])
-
-
-def sample(b: float, weights: tuple[float, float, float], R: float) -> tuple[mpmath.matrix, ...]:
-    """Return A, B and the weights Q, N, R of one period. Van Loan 1978."""
-    F, W, T = mpmath.zeros(4), mpmath.diag([*weights, R]), mpmath.mpf(PERIOD.numerator) / PERIOD.denominator
-    F[0, 2] = F[1, 0] = 1
-    F[2, 3] = mpmath.mpf(b)
-    Z = mpmath.zeros(8)
-    for i in range(4):
-        for j in range(4):
-            Z[i, j], Z[i, j + 4], Z[i + 4, j + 4] = -F[j, i], W[i, j], F[i, j]
-    E = mpmath.expm(Z * T, method="taylor")
-    M = E[4:, 4:]
-    W = M.T * E[:4, 4:]
-    return M[:3, :3], M[:3, 3], W[:3, :3], W[:3, 3], W[3:, 3:]
 
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")]
-    law = {name: np.array(0.0) for name in names} | motion.initial_state()
-    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_reckoned_state() | law
+    law = {name: np.array(0.0) for name in names}
+    return shared.initial_state(UPRIGHT) | sensing.initial_reckoned_state() | law
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
@@ -146,10 +125,10 @@ def late_bits(loop_inputs: Mapping[str, tuple[Array, Array, Array]], guarded: sh
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    guarded = shared.guard(state, inputs, motion.BRAKING)
+    guarded = shared.guard_inputs(state, inputs)
     values, after, word = guarded.values, guarded.after, guarded.word
     ready, scales = np.asarray(state["guard_ready"]), shared.scales()
-    flags, predicted = (ready, guarded.complete), motion.predicted_pose(state)
+    flags, predicted = (ready, guarded.complete), dead_reckoning.predicted_pose(state, HORIZONTAL)
     pose, after_sensing = sensing.sense(state, values, flags, predicted, sensing.constants(float(PERIOD)), True)
     pose |= {"phi": pose["phi_raw"], **shared.vertical_kinematics(values)}
     loop_inputs = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
@@ -158,16 +137,15 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
     measured = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}
     acting = {axis: state[f"lqg_{axis}_achieved"] for axis in HORIZONTAL}
-    now = motion.Sample(measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
-    rates = motion.next_rates(state, now)
-    demands = motion.brake(demands, rates, guarded.braked, float(PERIOD))
+    now = shared.sample(measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
+    demands = shared.brake(demands, state, now, guarded.braked)
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | motion.next_state(state, now)
+    after |= after_sensing | dead_reckoning.next_state(state, now)
     word = word | late_bits(loop_inputs, guarded)
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

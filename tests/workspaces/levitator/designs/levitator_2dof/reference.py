@@ -1,4 +1,4 @@
-"""The controller of the levitator in NumPy, its gains in 60 digits by mpmath: no line of the toolkit is used.
+"""The controller of the levitator in NumPy, its gains in 60 digits by mpmath: of the toolkit only `synth.reference`.
 
 One sample of an axis x' = A x + B u, y = C x, whose command u comes a period T late, with e = y - r:
 
@@ -19,6 +19,9 @@ from typing import Any
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
+
+from synth.reference import gains as precise
+from synth.reference import guard
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -93,87 +96,17 @@ class Gains:
     on_r: float
 
 
-def polynomial(modes: Sequence[float]) -> list[Any]:
-    """Return the coefficients, lowest first, of s for the frequency 0 times s^2 + w^2 for each other one."""
-    p = [mpmath.mpf(1)]
-    for w in modes:
-        raised = [0, 0, *p] if w else [0, *p]
-        p = [a + mpmath.mpf(w) ** 2 * b for a, b in zip(raised, [*p, 0, 0], strict=False)]
-    return p
-
-
-def companion(modes: Sequence[float]) -> Matrix:
-    """Return Phi."""
-    p = polynomial(modes)
-    Phi = mpmath.zeros(len(p) - 1)
-    for i in range(len(p) - 1):
-        Phi[len(p) - 2, i] = -p[i]
-        if i:
-            Phi[i - 1, i] = 1
-    return Phi
-
-
 def weight_of_modes(modes: Mapping[float, float], weight: float) -> Matrix:
     """Return the weight on xi for which each mode's error decays at its speed: that on its oscillator's states."""
-    n = len(polynomial(list(modes))) - 1
+    n = len(precise.product(list(modes))) - 1
     Q = mpmath.zeros(n)
     for w, speed in modes.items():
-        others = polynomial([v for v in modes if v != w])
+        others = list(precise.product([v for v in modes if v != w]))[::-1]
         rows = [[0, *others], [mpmath.mpf(w) * c for c in others]] if w else [others]
         for row in rows:
             z = mpmath.matrix([[*row, *[0] * (n - len(row))]])
             Q += (2 if w else 1) * mpmath.mpf(speed) ** 2 * mpmath.mpf(weight) * z.T * z
     return Q
-
-
-def block(A: Matrix, B: Matrix) -> Matrix:
-    """Return diag(A, B)."""
-    M = mpmath.zeros(A.rows + B.rows, A.cols + B.cols)
-    M[: A.rows, : A.cols], M[A.rows :, A.cols :] = A, B
-    return M
-
-
-def gramian(F: Matrix, W: Matrix) -> tuple[Matrix, Matrix]:
-    """Return exp(F T) and the integral over a period of exp(F' t) W exp(F t) (Van Loan 1978)."""
-    n, size = F.rows, mpmath.mnorm(W)  # a large W asks for more terms
-    Z = block(-F.T, F)
-    Z[:n, n:] = W / size
-    E = mpmath.expm(Z * mpmath.mpf(T), method="taylor")
-    return E[n:, n:], E[n:, n:].T * E[:n, n:] * size
-
-
-def riccati(A: Matrix, B: Matrix, Q: Matrix, R: Matrix, N: Matrix) -> tuple[Matrix, Matrix]:
-    """Return X and -K of A'XA - X - (A'XB + N) (R + B'XB)^-1 (B'XA + N') + Q = 0 by structured doubling."""
-    inverse = mpmath.inverse(R)
-    a, g, h = A - B * inverse * N.T, B * inverse * B.T, Q - N * inverse * N.T
-    one = mpmath.eye(A.rows)
-    step = h
-    while mpmath.mnorm(step) > mpmath.mnorm(h) * mpmath.mpf(10) ** -40:  # the next one is of the square of this
-        w = mpmath.inverse(one + g * h)
-        step = a.T * h * w * a
-        a, g, h = a * w * a, g + a * w * g * a.T, h + step
-    return h, mpmath.inverse(R + B.T * h * B) * (B.T * h * A + N.T)
-
-
-def leapfrog(modes: Sequence[float]) -> tuple[Matrix, Matrix]:
-    """Return one sample of eta as (A, B): sum, then p and q by rising frequency."""
-    w = sorted(v for v in modes if v)
-    n = 1 + 2 * len(w)
-    A, B = mpmath.eye(n), mpmath.zeros(n, 1)
-    B[0] = 1
-    for k, v in enumerate(w):
-        c, p = 4 * mpmath.sin(mpmath.mpf(v) * mpmath.mpf(T) / 2) ** 2, 1 + 2 * k
-        A[p, p + 1], A[p + 1, p], A[p + 1, p + 1], B[p + 1] = c, -1, 1 - c, 1
-    return A, B
-
-
-def controllability(A: Matrix, B: Matrix) -> Matrix:
-    """Return (B, A B, A^2 B, ...)."""
-    M, column = mpmath.zeros(A.rows), B
-    for j in range(A.rows):
-        M[:, j] = column
-        column = A * column
-    return M
 
 
 def observer_gain(A: Matrix, C: Matrix, modes: Sequence[float]) -> Matrix:
@@ -185,7 +118,7 @@ def observer_gain(A: Matrix, C: Matrix, modes: Sequence[float]) -> Matrix:
         p = p * (A * A - turn * A + fade**2 * mpmath.eye(n) if w else A - fade * mpmath.eye(n))
     last = mpmath.zeros(n, 1)
     last[n - 1] = 1
-    return p * mpmath.inverse(controllability(A.T, C.T).T) * last
+    return p * mpmath.inverse(precise.controllability(A.T, C.T).T) * last
 
 
 @cache
@@ -195,33 +128,33 @@ def gains(name: str) -> Gains:
     modes = list(axis.modes)
     with mpmath.workdps(60):
         A, B = mpmath.matrix(axis.A), mpmath.matrix(list(axis.B))
-        Phi, n = companion(modes), A.rows
+        Phi, n = precise.companion(modes), A.rows
         k = Phi.rows
         N = mpmath.zeros(k, 1)
         N[k - 1] = 1
         F = mpmath.zeros(n + k + 2)  # x, xi, u, and the e that drives xi, held like u
         F[:n, :n], F[:n, n + k], F[n : n + k, n : n + k], F[n : n + k, n + k + 1] = A, B, Phi, N
-        W = block(
-            block(mpmath.diag(list(axis.weights)), weight_of_modes(axis.modes, axis.weights[0])),
+        W = precise.diagonal(
+            precise.diagonal(mpmath.diag(list(axis.weights)), weight_of_modes(axis.modes, axis.weights[0])),
             mpmath.diag([axis.effort, 0]),
         )
-        E, cost = gramian(F, W)
+        E, cost = precise.gramian(F, W, T)
         held = mpmath.zeros(n + k + 2, n + k + 1)  # e = C x at the sample
         held[: n + k + 1, :], held[n + k + 1, 0] = mpmath.eye(n + k + 1), 1
         step, W = (E * held)[: n + k, :], held.T * cost * held
         m = n + k
-        _, gain = riccati(step[:, :m], step[:, m], W[:m, :m], W[m:, m:], W[:m, m:])
+        _, gain = precise.riccati(step[:, :m], step[:, m], W[:m, :m], W[m:, m:], W[:m, m:])
         K_x, K_xi = -gain[:, :n], -gain[:, n:]
         A_T, B_T, Phi_T, N_T = E[:n, :n], E[:n, n + k], E[n:m, n:m], E[n:m, m + 1]
         noise = mpmath.zeros(n)
         noise[1, 1] = axis.process
-        _, noise = gramian(A.T, noise)
+        _, noise = precise.gramian(A.T, noise, T)
         C, V = mpmath.zeros(1, n), mpmath.matrix([[axis.sensor]])
         C[0] = 1
-        P, _ = riccati(A_T.T, C.T, noise, V, mpmath.zeros(n, 1))
+        P, _ = precise.riccati(A_T.T, C.T, noise, V, mpmath.zeros(n, 1))
         correction = P * C.T * mpmath.inverse(C * P * C.T + V)
-        turn, drive = leapfrog(modes)
-        R = controllability(Phi_T, N_T) * mpmath.inverse(controllability(turn, drive))
+        turn, drive = precise.leapfrog(modes, T)
+        R = precise.to_leapfrog(modes, T)
         on_x, on_eta = K_x * A_T + K_xi * N_T * C, K_xi * R * turn
         numbers = (A_T, B_T, A_T * correction, correction, on_x, K_x * B_T, on_eta, turn, drive)
         E = observer_gain(turn, on_eta, modes)
@@ -231,28 +164,8 @@ def gains(name: str) -> Gains:
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    state: dict[str, float] = dict.fromkeys((f"guard_last_{s}" for s in LIMITS), 0.0)
-    state |= {"guard_left": BAD_SAMPLES, "guard_latched": 0, "guard_ready": 0}
-    for s, bounds in BOUNDS.items():
-        state |= dict.fromkeys((f"servo_{s}_{n}" for n in (*bounds, "started")), 0.0)
-    state |= dict.fromkeys((f"safe_output_last_{i}" for i in CURRENTS), 0.0)
-    return {name: np.array(value, dtype=np.float64) for name, value in state.items()}
-
-
-def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return the values to use, the guard's next state and the fault word."""
-    with np.errstate(invalid="ignore"):
-        measured = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: (measured[s] >= low) & (measured[s] <= high) for s, (low, high) in LIMITS.items()}
-    values = {s: np.where(good[s], measured[s], state[f"guard_last_{s}"]) for s in LIMITS}
-    after = {f"guard_last_{s}": value for s, value in values.items()}
-    word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(LIMITS)], axis=0)
-    complete = good["z"] & good["x"]
-    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
-    after["guard_left"] = np.maximum(left, 1)
-    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
-    return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+    servos = {f"servo_{s}_{n}": np.array(0.0) for s, bounds in BOUNDS.items() for n in (*bounds, "started")}
+    return guard.initial_state(LIMITS, CURRENTS, BAD_SAMPLES) | servos
 
 
 def along(matrix: Array, *columns: Array) -> Array:
@@ -277,8 +190,8 @@ def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[s
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, outputs, fault word) of one sample, columns by name."""
-    values, after, word = guard(state, inputs)
-    latched, computed = after["guard_latched"] > 0, {}
+    values, after, word = guard.standard(state, inputs, LIMITS, "zx", BAD_SAMPLES)
+    latched, computed, next_states = after["guard_latched"] > 0, {}, {}
     for s, current in (("z", "i1"), ("x", "i2")):
         u, position, next_eta, ahead = servo(s, values, state)
         if s == "z":
@@ -292,13 +205,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
             excess = made - u
         eta = next_eta + along(gains(s).E, excess)
         for (n, bound), value in zip(BOUNDS[s].items(), [*eta, *ahead, made], strict=True):
-            after[f"servo_{s}_{n}"] = np.clip(value, -bound, bound)
-        after[f"servo_{s}_started"] = np.ones_like(u)
-    still = [name for name in after if name.startswith("servo_")]
-    after |= {name: np.where(latched, state[name], after[name]) for name in still}
-    out, reach = {}, SLEW * T
-    for current, value in computed.items():
-        last = np.asarray(state[f"safe_output_last_{current}"])
-        out[current] = np.where(latched, np.clip(0.0, last - reach, last + reach), value)
-        after[f"safe_output_last_{current}"] = out[current]
-    return after, out, word
+            next_states[f"servo_{s}_{n}"] = np.clip(value, -bound, bound)
+        next_states[f"servo_{s}_started"] = np.ones_like(u)
+    out, last = guard.slew(state, computed, latched, SLEW * T)
+    return after | guard.frozen(state, next_states, latched) | last, out, word

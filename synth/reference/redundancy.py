@@ -1,0 +1,141 @@
+"""Readings replaced by parity and prediction, and sensors excluded, in NumPy: reference of `blocks.redundancy`.
+
+    parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
+                 or more follow from the predictions
+    isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
+    others       a code that stands still while the prediction moves by more than a gate is frozen
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.reference.guard import rows
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Columns = Mapping[str, NDArray[Any]]
+
+FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
+LONGEST = 40  # samples counted without a change, of the others
+CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """The sensors of the relation with their signs and its threshold, and the `others` with gate and travel.
+
+    Readings are limited to `low` .. `high`.
+    """
+
+    signs: Mapping[str, float]
+    threshold: float
+    others: Sequence[str]
+    gate: float
+    travel: float
+    low: Array
+    high: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All sensors."""
+        return (*self.signs, *self.others)
+
+    def parity(self, y: Array) -> Array:
+        """Return the parity of some readings; its rows are those of the relation."""
+        return np.asarray(np.sum(self.column(y) * y, axis=0))
+
+    def column(self, like: Array) -> Array:
+        """Return the signs as a column."""
+        return by_row([*self.signs.values()], like)
+
+
+def by_row(values: Any, like: Array) -> Array:
+    """Return values (m,) as a column for rows (m, n)."""
+    return np.reshape(np.asarray(values, dtype=float), (-1,) + (1,) * (like.ndim - 1))
+
+
+def replaced(
+    state: Columns, y: Array, good: Flags, expected: Array, attempts: int, of: Sensors
+) -> tuple[Array, Flags, dict[str, Flags], dict[str, Any]]:
+    """Return the readings to use (m, n), the suspects (m, n), flags of the sample, and the next states.
+
+    `expected` are the predicted readings; `attempts` of the probe without an answer exclude one of the others.
+    """
+    g, names = len(of.signs), of.names
+    same = y == rows(state, [f"redundancy_code_{n}" for n in names])
+    excluded = rows(state, [f"redundancy_excluded_{n}" for n in names]) > 0
+    usable, longest = good & ~excluded, by_row([STILL] * g + [LONGEST] * len(of.others), y)
+    count = rows(state, [f"redundancy_still_{n}" for n in names])
+    still = np.where(same, np.minimum(count + 1, longest), 0.0)
+    value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
+    related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
+    changed = (~same[:g] & excluded[:g] & good[:g]).any(axis=0)
+    undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & changed)
+    undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
+    before = np.where(same[g:], rows(state, [f"redundancy_before_{n}" for n in of.others]), expected[g:])
+    unanswered = rows(state, [f"probe_{n}_attempt" for n in of.others]) >= attempts
+    doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
+    doubted = np.where(np.abs(expected[g:] - y[g:]) > of.gate, DOUBTS, np.maximum(doubts - 1, 0))
+    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
+    stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
+    frozen = (ready & stands & usable[g:]) | excluded[g:]
+    trusted = usable[g:] & ~frozen
+    value = np.concatenate([related, np.where(trusted, y[g:], expected[g:])])
+    low, high = by_row(of.low, y), by_row(of.high, y)
+    suspects = np.concatenate([named | excluded[:g] | undecided, frozen])
+    next: dict[str, Any] = {f"redundancy_code_{n}": v for n, v in zip(names, y, strict=True)}
+    next |= {f"redundancy_still_{n}": v for n, v in zip(names, still, strict=True)}
+    next |= {f"redundancy_before_{n}": v for n, v in zip(of.others, before, strict=True)}
+    kept_doubts = np.where(same[g:], doubts, doubted)
+    next |= {f"redundancy_doubts_{n}": v for n, v in zip(of.others, kept_doubts, strict=True)}
+    leave_out = np.concatenate([excluded[:g] | after["excluded"], frozen])
+    degraded = np.asarray(state["redundancy_degraded"]) > 0
+    calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
+    calm &= np.abs(of.parity(y[:g])) <= of.threshold
+    decisions = {f"redundancy_excluded_{n}": v for n, v in zip(names, leave_out, strict=True)}
+    decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
+    decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0)
+    next |= {n: np.where(calm, np.asarray(state[n]) > 0, v) for n, v in decisions.items()}
+    next["redundancy_contradictions_0"] = np.where(calm, 0, after["count"])
+    missing = np.sum(~usable[:g], axis=0)
+    determined = (missing <= 1) & ~undecided
+    flags = {
+        "determined": calm | determined,
+        "regular": calm | (determined & trusted.all(axis=0)),
+        "sufficient": calm | (missing <= 2),
+        "trusted": calm | trusted,
+        "degraded": ~calm & ready,
+    }
+    return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, flags, next
+
+
+def _isolate(
+    state: Columns, of: Sensors, y: Array, value: Array, expected: Array, usable: Flags, still: Array, ready: Flags
+) -> tuple[Array, Flags, dict[str, Any]]:
+    """Return the readings of the relation to use, which is named now, and what follows for the states."""
+    sign = of.column(y)
+    r, missing = of.parity(value), np.sum(~usable, axis=0)
+    wrong = (missing == 0) & (np.abs(r) > of.threshold) & ready
+    E = np.where(r > 0, 1.0, -1.0) * sign * (y - expected)
+    undecided = np.asarray(state["redundancy_undecided_0"]) > 0
+    candidate = (still >= FRESH) & (CANDIDATE * np.abs(r) < E)
+    first = candidate.any(axis=0)
+    score = np.where(first, np.where(candidate, E, -1.0), E)
+    order = np.sort(score, axis=0)
+    alone = (still >= STILL) & (np.sum(still < FRESH, axis=0) == len(y) - 1)
+    second = alone.any(axis=0) & ~first
+    third = (order[-1] - order[-2] > LEAD[1] * np.abs(r)) & ~undecided
+    first &= order[-1] - order[-2] > LEAD[0] * np.abs(r)
+    largest = np.arange(len(y)).reshape(by_row(range(len(y)), y).shape) == np.argmax(score, axis=0)
+    named = np.where(second, alone, largest) & wrong & (first | second | third)
+    by_parity = named | (~usable & (missing == 1))
+    count = np.asarray(state["redundancy_contradictions_0"])
+    excluded = named & (count >= PERSISTENT - 1)
+    stuck = (np.asarray(state["redundancy_stuck_0"]) > 0) | (excluded & (still >= FRESH)).any(axis=0)
+    next = {"excluded": excluded, "stuck": stuck, "waited": wrong & (count >= UNDECIDED - 1)}
+    next["count"] = np.where(wrong, np.minimum(count + 1, UNDECIDED), 0)
+    return np.where(by_parity, value - sign * r, value), named, next
