@@ -100,7 +100,9 @@ def guard_inputs(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Arra
     return np.array([*values.values()]), after, word
 
 
-def safe_outputs(state: Columns, computed: Array, latched: NDArray[np.bool_]) -> tuple[dict[str, Array], dict[str, Array]]:
+def safe_outputs(
+    state: Columns, computed: Array, latched: NDArray[np.bool_]
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the currents of the motors, slewing to SAFE once latched, and the last ones as next states."""
     out, after = guard.slew(state, dict(zip(SAFE, computed, strict=True)), latched, SLEW, SAFE)
     i_d, i_q = [out[f"i_d{j}"] for j in (1, 2, 3, 4)], [[*out.values()][k] for k in QUADRATURE]

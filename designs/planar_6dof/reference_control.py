@@ -1,4 +1,4 @@
-"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25), and dead reckoning with braking.
+"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25), dead reckoning, braking.
 
     guard      a value out of range is replaced by the last good one, a Hall voltage by 0; five bad samples in a row
                latch, and every sample is bad once Hall channels are suspected
@@ -126,7 +126,9 @@ def guard_inputs(state: Columns, inputs: Columns, braking: int = BRAKING) -> Gua
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), braking > 0)
     common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
-    word = accepted.word + np.sum([(1 << len(good) + k) * (confirmed & suspected[s]) for k, s in enumerate(HALL)], axis=0)
+    word = accepted.word + np.sum(
+        [(1 << len(good) + k) * (confirmed & suspected[s]) for k, s in enumerate(HALL)], axis=0
+    )
     word = word + (1 << 29) * (confirmed & common)
     before = np.asarray(state["guard_left"])
     all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)

@@ -1,4 +1,4 @@
-"""NumPy references of what every controller has: guard, safe output, fault handling, common laws, gains in high precision.
+"""NumPy references of what controllers share: guard, safe output, fault handling, common laws, and precise gains.
 
 A stage's `reference.py` computes one step of its controller, independently of the toolkit that emits it. Its own laws
 are written there, from their equations; what it has in common with other stages is here. These modules import NumPy,

@@ -1,4 +1,4 @@
-"""Dead reckoning from achieved demands, and braking, in NumPy: reference of `blocks.dead_reckoning` and `blocks.braking`.
+"""Dead reckoning and braking in NumPy: reference of `blocks.dead_reckoning` and `blocks.braking`.
 
 Each axis is the double integrator q'' = b d, sampled with d held over a period:
 

@@ -1,8 +1,8 @@
 """Guard and safe output of a controller in NumPy: reference of `blocks.safety`.
 
-    accept   a value outside its range, or NaN, is replaced by the last accepted one, or by 0; its fault bit is set
-    count    after a number of samples in a row with a bad measurement, the latch
-    slew     once latched, outputs move to their safe values, and the states of the law stand still
+accept   a value outside its range, or NaN, is replaced by the last accepted one, or by 0; its fault bit is set
+count    after a number of samples in a row with a bad measurement, the latch
+slew     once latched, outputs move to their safe values, and the states of the law stand still
 """
 
 from collections.abc import Collection, Iterable, Mapping

@@ -1,6 +1,6 @@
-"""Landing along ramps, and the count of missed calls, in NumPy: reference of `blocks.landing` and `blocks.missed_calls`.
+"""Landing along ramps, and missed calls, in NumPy: reference of `blocks.landing` and `blocks.missed_calls`.
 
-    w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, the first one down to its stop, the others braked to rest
+w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, the first one down to its stop, the others braked to rest
 """
 
 from collections.abc import Mapping

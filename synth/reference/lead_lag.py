@@ -40,9 +40,7 @@ def demand(block: str, k: Compensator, e: Array, state: Columns, scale: float) -
     return k.D * e + scale * (state[f"{block}_lead"] + state[f"{block}_integral"])
 
 
-def next_state(
-    block: str, k: Compensator, e: Array, achieved: Array, state: Columns, scale: float
-) -> dict[str, Array]:
+def next_state(block: str, k: Compensator, e: Array, achieved: Array, state: Columns, scale: float) -> dict[str, Array]:
     """Return the next states; the integral follows the achieved demand."""
     lead = k.p * state[f"{block}_lead"] + k.D * (k.p - k.z1) * e / scale
     integral = state[f"{block}_integral"]

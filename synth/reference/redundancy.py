@@ -1,9 +1,9 @@
 """Readings replaced by parity and prediction, and sensors excluded, in NumPy: reference of `blocks.redundancy`.
 
-    parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
-                 or more follow from the predictions
-    isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
-    others       a code that stands still while the prediction moves by more than a gate is frozen
+parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
+             or more follow from the predictions
+isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
+others       a code that stands still while the prediction moves by more than a gate is frozen
 """
 
 from collections.abc import Mapping, Sequence

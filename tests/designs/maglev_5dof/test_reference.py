@@ -16,6 +16,7 @@ from scipy import linalg, signal
 
 from designs.maglev import reference_stage
 from designs.maglev_5dof import reference, reference_gains
+from synth.reference.guard import rows
 from tests.designs.maglev_5dof import full_plant
 
 Array = NDArray[np.float64]
@@ -368,7 +369,7 @@ class TestLaw:
     ) -> tuple[Array, Array]:
         """Return the currents (6, n) and what the limits add to those of the axes (5, n), for columns by axis."""
         flat = {s: np.zeros_like(q["y"]) for s in reference_stage.AXES} | q
-        both = (reference_stage.rows(columns, reference_stage.AXES) for columns in (w, flat))
+        both = (rows(columns, reference_stage.AXES) for columns in (w, flat))
         return reference.currents(*both, gaps, before, k)
 
     @staticmethod

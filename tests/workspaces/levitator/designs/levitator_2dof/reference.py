@@ -145,7 +145,7 @@ def gains(name: str) -> Gains:
         m = n + k
         _, gain = precise.riccati(step[:, :m], step[:, m], W[:m, :m], W[m:, m:], W[:m, m:])
         K_x, K_xi = -gain[:, :n], -gain[:, n:]
-        A_T, B_T, Phi_T, N_T = E[:n, :n], E[:n, n + k], E[n:m, n:m], E[n:m, m + 1]
+        A_T, B_T, N_T = E[:n, :n], E[:n, n + k], E[n:m, m + 1]
         noise = mpmath.zeros(n)
         noise[1, 1] = axis.process
         _, noise = precise.gramian(A.T, noise, T)
