@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import filtering, vertical
 from designs.planar_6dof.loop import Array, simulate
+from synth.blocks import lead_lag as lead_lag_block
 from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
@@ -58,7 +59,7 @@ def _compensator(axis: str, sampled: lead_lag.LeadLag, continuous: lead_lag.Comp
         "sampled": {
             "gain": sampled.gain,
             "zeros": [digits.significant(z.real, 12) for z in sampled.zeros],
-            "poles": [digits.significant(vertical.pole(sampled), 12), 1.0],
+            "poles": [digits.significant(lead_lag_block.pole(sampled), 12), 1.0],
         },
         "certificate": {
             "at_rad_s": digits.significant(sampled.frequency, 6),

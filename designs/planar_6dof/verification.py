@@ -134,7 +134,7 @@ def record_runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory
         f"replay of {replay_s:g} s": simulate(loop, replay_s, tour(replay_s, time), {}),
         "replay of a saturated step": simulate(loop, SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
         "replay of faults": simulate(loop, SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
-        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).failure.run,
+        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).run,
     }
 
 

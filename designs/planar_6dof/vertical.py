@@ -9,14 +9,8 @@
 
 Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
-Each loop is a lead filter V and an integral I, whose zero z2 is that of s + 10. The integral is driven by the demand
-d_a that the motors achieve:
-
-    d = w + I,   I+ = z2 I + (1 - z2) d_a,    w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
-
-all divided by the scale of the axis in `planar_allocation`, so d is its demand in A. While d_a = d this is
-d = w (z - z2) / (z - 1). At a limit I converges to d_a with the time constant of the zero. This is anti-windup without
-a separate limit of the integral. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
+Each loop is that of `synth.blocks.lead_lag`, all divided by the scale of the axis in `planar_allocation`, so d is its
+demand in A. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
 from collections.abc import Mapping
@@ -27,7 +21,8 @@ from typing import Literal
 from models import planar_allocation as allocation
 from models import planar_stage
 from models.planar_allocation import ACHIEVED, AXES, BOX, DEMANDS
-from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.block import Block, Exprs, Step, build
+from synth.blocks import lead_lag as lead_lag_block
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.classical import lead_lag
@@ -49,7 +44,7 @@ MEASURED_RANGE = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "ps
 POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in MEASURED_RANGE.items()}
 DEMAND, ACHIEVED_DEMAND = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
-MARGIN = 1.01  # of the states' ranges over their bounds, more than rounding
+MARGIN = lead_lag_block.MARGIN
 _QUANTITY = {
     "x": "position along X",
     "y": "position along Y",
@@ -101,44 +96,14 @@ def loops(time: Discrete, variant: Variant = "shipped") -> dict[str, lead_lag.Le
     return sampled({axis: compensator(axis, time, variant) for axis in allocation.VERTICAL}, time)
 
 
-def pole(K: lead_lag.LeadLag) -> float:
-    """Return the pole in z beside the integrator, 0 where it was at 2/T."""
-    p = float(K.poles[0].real)
-    return p if abs(p) > 1e-12 else 0.0
-
-
 def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block:
-    """Return the Block of one loop, from the position, the set-point and the achieved demand to the demand.
-
-    K has two zeros, the second one that of the integral, a pole and an integrator, in this order. Both states stay in
-    their ranges while the position does and the achieved demand is within `achievable_bound`.
-    """
-    position, reference, demand, achieved = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], ACHIEVED_DEMAND[axis]
-    (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
-    gain, lead_input = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
-    most = MARGIN * abs(lead_input) * (position.high + reference.high) / (1 - abs(p))
-    integral = MARGIN * allocation.achievable_bound(plant)[axis]
-    states = [
-        State(Signal("integral", demand.unit, -integral, integral, "integral of the error"), 0.0),
-        State(Signal("lead", demand.unit, -most, most, "state of the lead filter"), 0.0),
-    ]
-    per, tag = f"{demand.unit}/{position.unit}", f"({EQUATION[axis]})"
-    constants = [
-        Constant("gain", gain, per, f"{tag}: gain on the error"),
-        Constant("lead_input", lead_input, per, f"{tag}: gain times (lead_pole - zero)"),
-        *([Constant("lead_pole", p, "1", f"{tag}: pole of the lead filter in z")] if p else []),
-        Constant("integral_decay", z2, "1", f"{tag}: zero of the integral action in z"),
-        Constant("integral_input", 1 - z2, "1", f"{tag}: 1 - integral_decay"),
-    ]
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        error = u[reference.name] - u[position.name]
-        lead = k["lead_input"] * error + (k["lead_pole"] * x["lead"] if p else 0)
-        integral = k["integral_decay"] * x["integral"] + k["integral_input"] * u[achieved.name]
-        return Step({demand.name: k["gain"] * error + x["lead"] + x["integral"]}, {"integral": integral, "lead": lead})
-
-    inputs = [position, reference, achieved]
-    name = f"loop_{axis}"
-    return build(
-        name, time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=f"lead-lag, {tag}"
+    """Return the Block of one loop, from the position, the set-point and the achieved demand to the demand in A."""
+    loop = lead_lag_block.Loop(
+        POSITIONS[axis],
+        REFERENCES[axis],
+        DEMAND[axis],
+        ACHIEVED_DEMAND[axis],
+        allocation.scales(plant)[axis],
+        allocation.achievable_bound(plant)[axis],
     )
+    return lead_lag_block.block(f"loop_{axis}", time, K, loop, f"({EQUATION[axis]})")

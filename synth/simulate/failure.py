@@ -4,14 +4,14 @@ From a given sample on, the sensor shows a constant (dead, out of range, NaN) or
 Samples are counted from the first bad sample, which has number 0.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.fault import LATCH_BIT
+from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 from synth.simulate.sensors import Override
@@ -21,7 +21,9 @@ from synth.simulate.sensors import Override
 class Failure:
     """A run in which `sensor` fails at `sample`; `bits` are the bits of the fault word that identify each sensor.
 
-    `deviation` (N,) is the largest |position - set-point| over the positions that have a set-point.
+    `deviation` (N,) is the largest |position - set-point| over the positions that have a set-point. `contradicted` is
+    the samples from the failure until its law could know it, None if it never can; `suspected` are the sensors that the
+    law compares. The controller brakes for `braking` samples before the latch.
     """
 
     sensor: str
@@ -29,6 +31,9 @@ class Failure:
     run: Trajectory
     deviation: Array
     bits: Mapping[str, int]
+    suspected: tuple[str, ...] = ()
+    braking: int = 0
+    contradicted: int | None = None
 
     @property
     def samples_to_latch(self) -> int | None:
@@ -45,6 +50,39 @@ class Failure:
         """The sensors that the fault word identifies before the latch although they work."""
         word = int(np.bitwise_or.reduce(self.words))
         return tuple(name for name, bits in self.bits.items() if word & bits and name != self.sensor)
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The working sensors among the suspected ones that the fault word identifies before the latch."""
+        return tuple(name for name in self.misidentified_sensors if name in self.suspected)
+
+    @property
+    def samples_to_braking(self) -> int | None:
+        """Samples from the failure until it brakes, None if it does not before the latch."""
+        return self.first(self.words >> BRAKING_BIT & 1)
+
+    @property
+    def samples_to_reaction(self) -> int | None:
+        """Samples from the failure until it brakes, or until it latches where it does not brake."""
+        return self.samples_to_braking if self.braking else self.samples_to_latch
+
+    @property
+    def isolation_delay(self) -> float:
+        """Samples from the contradiction to the sensor's name or the reaction: 0 without the former, inf without these.
+
+        A reaction does not count when only working sensors are named.
+        """
+        if self.contradicted is None:
+            return 0.0
+        answers = [self.samples_to_detection, None if self.others else self.samples_to_reaction]
+        return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
+
+    @property
+    def latch_delay(self) -> float:
+        """Samples from the contradiction to the latch, without those of braking; inf without a latch."""
+        if self.contradicted is None:
+            return 0.0
+        return or_never(self.samples_to_latch) - self.braking - self.contradicted
 
     @property
     def words(self) -> NDArray[np.uint32]:
@@ -87,10 +125,12 @@ def fail(
     duration_s: float,
     courses: Mapping[str, Array],
     start: Mapping[str, float],
+    contradicts: Callable[[Rig, Trajectory], NDArray[np.bool_]] | None = None,
 ) -> Failure:
     """Run a rig from rest at `start` on set-point profiles `courses` (N,); from `at_s` on a sensor shows only `shown`.
 
-    With `shown` None it sticks at its last valid reading. Raises SignalError as `Rig.run`.
+    With `shown` None it sticks at its last valid reading. `contradicts` returns the samples (N,) in which the sensors
+    of a run contradict each other. Raises SignalError as `Rig.run`.
     """
     time = sample_times(duration_s, rig.period_s)
     k = int(np.argmax(time >= at_s))
@@ -99,7 +139,17 @@ def fail(
     run = rig.run(duration_s, start, courses, overrides={sensor: bad})
     positions = {s.name: s.of for s in rig.stage.interface.set_points}
     deviation = np.max([np.abs(run[positions[name]] - course) for name, course in courses.items()], axis=0)
-    return Failure(sensor, k, run, deviation, bits(rig))
+    interface = rig.stage.interface
+    f = Failure(sensor, k, run, deviation, bits(rig), interface.suspected, interface.braking)
+    if contradicts is None:
+        return f
+    flags = contradicts(rig, run) & (np.arange(len(time)) >= k)
+    return replace(f, contradicted=f.first(flags[: len(f.words)]))
+
+
+def or_never(samples: int | None) -> float:
+    """Return a count of samples, inf for None."""
+    return np.inf if samples is None else float(samples)
 
 
 def bits(rig: Rig) -> dict[str, int]:

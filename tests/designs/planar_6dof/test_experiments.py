@@ -1,7 +1,6 @@
 """The planar positioner's experiments keep their limits, what they measure is right, and planted defects are seen."""
 
 from dataclasses import replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -20,6 +19,7 @@ from models import planar_allocation as allocation
 from synth.block import Block
 from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.experiment import Experiment
+from synth.simulate.failure import Failure
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
@@ -172,14 +172,14 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:
         f = failures.fail(lead, channel, "nan")
         assert (
-            f.failure.samples_to_detection == 0
-            and f.failure.samples_to_latch == 4 + interface.BRAKING
+            f.samples_to_detection == 0
+            and f.samples_to_latch == 4 + interface.BRAKING
             and not f.others
             and f.contradicted is None
         )
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
-    assert late.failure.samples_to_detection is None and late.failure.samples_to_latch is None
-    assert late.failure.final_command() == 0 == late.failure.max_slew_rate() == late.isolation_delay
+    assert late.samples_to_detection is None and late.samples_to_latch is None
+    assert late.final_command() == 0 == late.max_slew_rate() == late.isolation_delay
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
@@ -253,42 +253,39 @@ def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None
     f, zero = (failures.fail(optimal, "V_cx", kind, speed=failures.SPEED) for kind in ("nan", "zero"))
     braking, latch = f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"
 
-    def caught(f: failures.Failed, kind: str) -> set[str]:
+    def caught(f: Failure, kind: str) -> set[str]:
         return {c.name for c in failures.checks([f], kind, moving=True) if not c.passed}
 
-    def without(f: failures.Failed, *bits: int) -> failures.Failed:
-        faults = f.failure.run.faults & np.uint32(0xFFFFFFFF - sum(1 << b for b in bits))
-        return replace(f, failure=replace(f.failure, run=replace(f.failure.run, faults=faults)))
+    def without(f: Failure, *bits: int) -> Failure:
+        faults = f.run.faults & np.uint32(0xFFFFFFFF - sum(1 << b for b in bits))
+        return replace(f, run=replace(f.run, faults=faults))
 
-    assert f.samples_to_braking == 4 and f.failure.samples_to_latch == 4 + interface.BRAKING == 4 + f.braking
+    assert f.samples_to_braking == 4 and f.samples_to_latch == 4 + interface.BRAKING == 4 + f.braking
     assert not caught(f, "nan") and not caught(zero, "zero") and zero.contradicted is not None
-    early = replace(f, failure=replace(f.failure, sample=f.failure.sample - 1))
+    early = replace(f, sample=f.sample - 1)
     assert caught(early, "nan") == {"samples until it brakes", "samples until the latch"}
     assert caught(replace(f, braking=f.braking - 1), "nan") == {"samples until the latch"}
     assert caught(without(f, BRAKING_BIT), "nan") == {"samples until it brakes"}
     assert caught(without(zero, LATCH_BIT), "zero") >= {latch, "channels whose failure is not noticed"}
-    named = [b for b in range(BRAKING_BIT) if zero.failure.bits["V_cx"] >> b & 1]
+    named = [b for b in range(BRAKING_BIT) if zero.bits["V_cx"] >> b & 1]
     assert caught(without(zero, BRAKING_BIT, *named), "zero") >= {braking}
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
-    def caught(f: failures.Failed, kind: str = "nan") -> set[str]:
+    def caught(f: Failure, kind: str = "nan") -> set[str]:
         return {c.name for c in failures.checks([f], kind, moving=False) if not c.passed}
 
     good = failures.fail(lead, "V_cx", "nan", speed=failures.SPEED)
-    run, sample = good.failure.run, good.failure.sample
-
-    def changed(f: failures.Failed, **fields: Any) -> failures.Failed:
-        return replace(f, failure=replace(f.failure, **fields))
+    run, sample = good.run, good.sample
 
     before = np.arange(len(run.time)) < sample + 4 + interface.BRAKING
     still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
-    assert not caught(good) and 0 < good.failure.max_slew_rate() <= failures.SLEW
-    assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
-    assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
-    assert caught(changed(good, sample=sample - 1)) == {"samples until it brakes", "samples until the latch"}
-    assert caught(changed(good, sample=sample + 1)) == {"samples with a fault before the failure"}
+    assert not caught(good) and 0 < good.max_slew_rate() <= failures.SLEW
+    assert caught(replace(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
+    assert caught(replace(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
+    assert caught(replace(good, sample=sample - 1)) == {"samples until it brakes", "samples until the latch"}
+    assert caught(replace(good, sample=sample + 1)) == {"samples with a fault before the failure"}
     early = failures.fail(lead, "V_cx", "zero", speed=failures.SPEED)
     assert early.contradicted is not None
     for ahead, expected in (
