@@ -16,14 +16,12 @@ import numpy as np
 from synth import show
 from synth.block import Block
 from synth.campaign import FaultCampaign, SafeOutput
-from synth.companion import Companion, Drive, Gains
+from synth.companion import Companion, Drive, Gains, Reference
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.tuning import Tuning
-
-Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from designs.maglev import commutation, fault_campaign, fault_handling, motions, platen, verification
+from designs.maglev import (
+    commutation,
+    fault_campaign,
+    fault_handling,
+    motions,
+    platen,
+    reference_phase,
+    verification,
+)
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
 from synth.block import Block
@@ -39,7 +47,14 @@ def design(
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),
         "recording": verification.vectors,
-        "companions": [Companion(phases, header_notes=[commutation.FADING, EQUATIONS])],
+        "companions": [
+            Companion(
+                phases,
+                header_notes=[commutation.FADING, EQUATIONS],
+                reference=reference_phase.step,
+                floor=verification.FLOOR,
+            )
+        ],
         "drive": Drive(maglev_phases.plant(), (phases,)),
     }
     return stage.design(controller, plant, **(common | fields))

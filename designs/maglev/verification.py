@@ -12,17 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev import commutation, motions, platen, reference_faults, reference_phase, reference_stage
+from designs.maglev import motions, platen, reference_faults, reference_stage
 from synth.block import Block
 from synth.check import Check
-from synth.companion import Companion
-from synth.declaration import Stage
+from synth.declaration import Reference, Stage
 from synth.simulate import rig as simulation
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.verify import agree, sampling, standard, suite
-from synth.verify.agree import Agreement
+from synth.verify import agree, companions, sampling, standard, suite
 from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
 
@@ -39,7 +37,6 @@ FLOOR = 1.0  # A
 EDGE_FLOOR = platen.CURRENT
 POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
 LawStates = Callable[[np.random.Generator, str, NDArray[np.float64], NDArray[np.float64]], Columns]
-Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
 MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
 STEPS = 1000  # of the test vectors
 BAD, BAD_SET_POINT = slice(700, 703), slice(800, 810)  # samples with the x encoder or y_ref out of range
@@ -49,7 +46,7 @@ def verify(law_states: LawStates, stage: Stage, progress: Callable[[str], None],
     """Compare all witnesses, over the `whole` replay or over a short one; `law_states` draws states of the law."""
     by = standard.witnesses(stage)
     progress("random steps")
-    samples = random_steps(by.block, reference_of(stage), law_states, RANDOM_STEPS)
+    samples = random_steps(by.block, standard.require_reference(stage), law_states, RANDOM_STEPS)
     compared = suite.compare("random steps", by, *samples, FLOOR)
     share = float(np.mean(is_saturated(by.by_name["c64"](*samples).outputs)))
     double, single = suite.in_both_precisions(by, *samples)
@@ -63,42 +60,19 @@ def verify(law_states: LawStates, stage: Stage, progress: Callable[[str], None],
     runs = replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY)
     compared += suite.replay(by, {what: run.measured for what, run in runs.items()}, FLOOR)
     progress("commutation")
-    phases, precisions = compare_commutations(stage, runs)
-    compared += phases
+    (phases,) = stage.companions
+    recorded = {what: phases.select_inputs(run.measured, run.commands) for what, run in runs.items()}
+    rng, sizes = np.random.default_rng(SEED + 2), (RANDOM_STEPS, EDGE_STEPS)
+    beside, precisions = companions.compare(phases, "commutation", stage, recorded, rng, sizes)
+    compared += beside
     progress("single against double over 60 s")
     checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
     checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
     return Evidence(stage.name, (*compared, in_single, precisions, *edge), tuple(checks))
 
 
-def compare_commutations(stage: Stage, runs: Mapping[str, Trajectory]) -> tuple[list[Agreement], Agreement]:
-    """Compare all witnesses of the commutation over random and edge steps and `runs`, and single with double.
-
-    The random states include every stage of a handover between the motors.
-    """
-    block = commutation.phase_currents(stage.name, stage.plant)
-    by, rng = suite.witnesses(block, reference_phase.step, stage.surrogate_error), np.random.default_rng(SEED + 2)
-    random, edge = sampling.anywhere(block, rng, RANDOM_STEPS), sampling.edge_steps(block, rng, EDGE_STEPS)
-    compared = suite.compare("commutation, random steps", by, *random, FLOOR)
-    compared += suite.compare("commutation, edge steps", by, *edge, FLOOR)
-    companion = Companion(block)
-    recorded = {
-        f"commutation, {what}": companion.select_inputs(run.measured, run.commands) for what, run in runs.items()
-    }
-    double, single = suite.in_both_precisions(by, *random)
-    pair = ("c64", double), ("c32", single)
-    in_single = agree.compare("commutation, random steps", *pair, FLOOR, block, np.float32)
-    return [*compared, *suite.replay(by, recorded, FLOOR)], in_single
-
-
 def _unit(floor: float) -> str:
     return f"max({floor:.3g} A, |i|)"
-
-
-def reference_of(stage: Stage) -> Reference:
-    """Return the reference of a stage."""
-    assert stage.reference is not None
-    return stage.reference
 
 
 def random_steps(block: Block, reference: Reference, law_states: LawStates, n: int) -> tuple[Columns, Columns]:

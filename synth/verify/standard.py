@@ -20,7 +20,8 @@ from synth.errors import DesignError
 from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import agree, sampling, steps, stimuli, suite
+from synth.simulate.scenario import Trajectory
+from synth.verify import agree, companions, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
@@ -59,12 +60,16 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     progress("witnesses")
     witness_set = witnesses(stage)
     rig = rigs.of_stage(stage, witness_set.c64)
-    runs = _runs(rig, WHOLE if whole else QUICK)
+    samples = WHOLE if whole else QUICK
+    trajectories = _runs(rig, samples)
+    runs = {name: _first_samples(dict(run.measured), samples) for name, run in trajectories.items()}
     progress("random and edge steps")
     agreements, checks = compare_samples(witness_set, runs)
     progress("replays of closed loops")
     compared = suite.replay(witness_set, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
     agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, UNIT)]
+    beside, beside_checks = compare_companions(stage, trajectories, samples)
+    agreements, checks = [*agreements, *beside], [*checks, *beside_checks]
     progress("single against double")
     checks += compare_paths(stage, witness_set)
     if stage.operating_points and stage.require:
@@ -105,11 +110,31 @@ def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str])
     return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)
 
 
-def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
-    """Return the recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
-    runs = {e.name: e.trajectory.measured for e in (e.run(rig) for e in rig.stage.experiments)}
-    shortened: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
-    return shortened | {"faults": stimuli.closed_loop(rig, n).measured}
+def compare_companions(
+    stage: Stage, runs: Mapping[str, Trajectory], samples: int
+) -> tuple[list[Agreement], list[Check]]:
+    """Compare the witnesses of the companions that have a reference, over some samples of each run and random steps."""
+    agreements: list[Agreement] = []
+    checks: list[Check] = []
+    for k, companion in enumerate(c for c in stage.companions if c.reference):
+        columns = {name: companion.select_inputs(run.measured, run.commands) for name, run in runs.items()}
+        recorded = {f"replay of {name}": _first_samples(each, samples) for name, each in columns.items()}
+        rng, sizes = np.random.default_rng(SEED + 2 + k), (RANDOM_STEPS, EDGE_STEPS)
+        compared, single = companions.compare(companion, companion.block.name, stage, recorded, rng, sizes)
+        unit = UNIT if companion.floor is None else f"max({companion.floor:g}, |output|)"
+        agreements, checks = [*agreements, *compared, single], [*checks, *suite.exact_checks(compared, unit)]
+    return agreements, checks
+
+
+def _runs(rig: Rig, n: int) -> dict[str, Trajectory]:
+    """Return each experiment, and n samples of a closed loop with faults."""
+    runs = {e.name: e.trajectory for e in (e.run(rig) for e in rig.stage.experiments)}
+    return runs | {"faults": stimuli.closed_loop(rig, n)}
+
+
+def _first_samples(columns: agree.Columns, n: int) -> agree.Columns:
+    """Return at most n samples."""
+    return {name: values[:n] for name, values in columns.items()}
 
 
 def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
