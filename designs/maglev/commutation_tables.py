@@ -1,10 +1,8 @@
 """Tables of the report about the commutation: errors through both blocks, instructions of a step, and equal bits."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.maglev import platen
 from synth.blocks import phasor
@@ -15,7 +13,7 @@ from synth.execute import host
 from synth.report import page
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 
 ANGLES = {"tracking": "where the current acts", "tracking_measured_angle": "measured"}
 SAMPLES, LOST = slice(2000, 3000), slice(200, 700)  # of the tracking, and of these samples those in which x is lost
@@ -54,30 +52,8 @@ def instructions(companion: Companion, emitted: EmittedCode, tracking: Experimen
     x[LOST] = x[BOTH] = z[BOTH] = np.nan
     lost = steps.record(controller, "positions lost", recorded)
     rows: list[tuple[page.Cell, ...]] = [
-        (build.name, *_row(emitted, controller, (healthy, lost), build)) for build in meter.builds()
+        (row.build, float(row.counts[0].mean()), *(int(n.max()) for n in row.counts), row.values, row.differing)
+        for row in meter.instructions(emitted, (healthy, lost))
     ]
     columns = ("build", "mean", "most", "most, a position lost", "values", "with other bits")
     return page.Table("Instructions of a step of the commutation on a Cortex-M4F", columns, tuple(rows), digits=6)
-
-
-def _row(
-    emitted: EmittedCode, controller: host.Controller, sequences: Sequence[steps.Steps], build: meter.Build
-) -> tuple[float, ...]:
-    """Return mean and most instructions, most while a position is lost, and of how many values how many differ.
-
-    A build with contraction rounds otherwise by intention.
-    """
-    runs = [meter.run(baselines.emitted_c(emitted), sequence, build) for sequence in sequences]
-    healthy, lost = (run.cost.instructions for run in runs)
-    pairs = [
-        (value, run.outputs[name])
-        for run, sequence in zip(runs, sequences, strict=True)
-        for name, value in steps.evaluate(controller, sequence).outputs.items()
-    ]
-    differing = sum(_count_differing(*pair) for pair in pairs)
-    count = sum(len(value) for value, _ in pairs)
-    return float(healthy.mean()), int(healthy.max()), int(lost.max()), count, differing
-
-
-def _count_differing(expected: NDArray[Any], emulated: NDArray[Any]) -> int:
-    return int(np.count_nonzero(expected.view(np.uint32) != np.asarray(emulated, np.float32).view(np.uint32)))

@@ -204,12 +204,12 @@ def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
 
 
 def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
-    from synth.verify import baselines, meter, steps  # needs the extra `target`
+    from synth.verify import meter, steps  # needs the extra `target`
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
-    for build in meter.builds():
-        n = meter.run(baselines.emitted_c(emitted), recorded, build).cost.instructions
-        yield what, order, len(of.states), arithmetic, build.name, float(n.mean()), int(n.max())
+    for row in meter.instructions(emitted, [recorded]):
+        (n,) = row.counts
+        yield what, order, len(of.states), arithmetic, row.build, float(n.mean()), int(n.max())

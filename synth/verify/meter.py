@@ -130,6 +130,34 @@ def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
     return measure(emitted, block, [loop, steps.random_steps(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
 
 
+class Instructions(NamedTuple):
+    """Instructions of a step by one build: those of each sequence (N,), and how many of its output values differ.
+
+    They are compared with those of the C on the host, bit by bit; a build with contraction rounds otherwise by
+    intention.
+    """
+
+    build: str
+    counts: tuple[NDArray[np.int64], ...]
+    values: int
+    differing: int
+
+
+def instructions(emitted: EmittedCode, sequences: Sequence[Steps]) -> list[Instructions]:
+    """Return the instructions of a step of emitted C over some sequences, for each installed compiler."""
+    controller, rows = host.load(emitted.files, emitted.manifest), []
+    expected = [steps.evaluate(controller, sequence).outputs for sequence in sequences]
+    for build in builds():
+        runs = [run(baselines.emitted_c(emitted), sequence, build) for sequence in sequences]
+        pairs = [(v, r.outputs[n]) for outputs, r in zip(expected, runs, strict=True) for n, v in outputs.items()]
+        differing = sum(
+            int(np.count_nonzero(v.view(np.uint32) != w.astype(np.float32).view(np.uint32))) for v, w in pairs
+        )
+        counts = tuple(r.cost.instructions for r in runs)
+        rows.append(Instructions(build.name, counts, sum(len(v) for v, _ in pairs), differing))
+    return rows
+
+
 def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over a sequence of steps."""
     path = link(candidate, build)
