@@ -26,6 +26,11 @@ CONTRADICTION = (
     "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
     "even if they agree again, so the latch follows."
 )
+ABOUT = (
+    "The six-axis planar positioner of Yu and Kim: a platen on air bearings, driven by three planar motors over a "
+    "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
+    "physics; every figure on it was measured on the C that ships, or on the model that the C was derived from."
+)
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 
 
@@ -59,6 +64,7 @@ def design(
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
         audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
         cost_stimuli=partial(standard_tasks.cost_stimuli, further_steps=cost_stimuli.stimuli, floor=cost_stimuli.FLOOR),
-        report=lambda _, *arguments: report(*arguments),
+        report=report,
+        about=ABOUT,
         **fields,
     )

@@ -13,15 +13,16 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import drawings, loops
+from designs.planar_6dof import drawings, loops, verification
 from designs.planar_6dof import loop as simulated
 from models import halbach, hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
 from synth.block import Block
+from synth.declaration import Stage
 from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
-from synth.report import captions, faults, page, sections, standard, template
+from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
@@ -35,11 +36,6 @@ from synth.timing import Discrete
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
-ABOUT = (
-    "The six-axis planar positioner of Yu and Kim: a platen on air bearings, driven by three planar motors over a "
-    "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
-    "physics; every figure on it was measured on the C that ships, or on the model that the C was derived from."
-)
 SHOWN = Shown(
     {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
     latch=(0.1, 0.05),  # the platen then coasts without current
@@ -77,6 +73,7 @@ class Contents:
 
 def report(
     contents: Callable[[Plant], Contents],
+    stage: Stage,
     files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
@@ -84,32 +81,26 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report of a design as one HTML document, with all given experiments."""
-    plant, cost_section = planar_stage.plant(), sections.cost(cost)
+    plant = planar_stage.plant()  # the motors of the stage see harmonics, which the equations leave out
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
-    computed = {
-        **_stage(plant, block),
-        **_at_rest(runs, time, design),
-        **_run_figures(runs, design),
-    }
+    computed = {**_stage(plant, block), **_at_rest(runs, time, design), **_run_figures(runs, design)}
     values = captions.with_captions(computed, data["blocks"])
-    equations = (*design.equations, *map(tuple, data["equations"]["upright"]))
     loop_part = standard.loops(design.loops)
-    parts = (
-        standard.model(plant, _forces),
-        standard.law(block, (page.Equations(equations),)),
-        standard.gains(template.gains(design.block.name, files)),
-        replace(loop_part, sections=(*design.whole, *loop_part.sections)),
-        experiments(design, runs, rows, values),
-        *((faults.section(evidence.faults),) if evidence.faults else ()),
-        standard.audit(rows),
-        standard.verification(evidence, "1 A"),
-        replace(cost_section, blocks=(*cost_section.blocks, *(design.cost(runs) if cost else ()))),
-        standard.files(files),
+    extra = template.Extra(
+        {**values, **design.values},
+        [
+            standard.model(plant, _forces),
+            replace(loop_part, sections=(*design.whole, *loop_part.sections)),
+            experiments(design, runs, rows, values),
+        ],
+        facts=(("law", design.line),),
+        law=(page.Equations((*design.equations, *map(tuple, data["equations"]["upright"]))),),
+        cost=design.cost,
+        shared=("planar_6dof",),
+        floor=f"{verification.FLOOR:g} A",
     )
-    inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
-    facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", design.line))
-    return template.assemble(design.block.name, ABOUT, facts, parts, {**values, **design.values}, ("planar_6dof",))
+    return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
 def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:

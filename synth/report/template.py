@@ -6,8 +6,9 @@ report.md and sections that replace standard ones; or by a separate report from 
 
 import importlib.util
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,9 @@ class Extra:
 
     `values` are further placeholders of report.md; `sections` replace standard sections of the same title; `named`
     names expressions of the physics, see `derive.plant`; `facts` follow the standard ones; `shown` replaces the
-    presentation of experiments that follows from the declaration.
+    presentation of experiments that follows from the declaration. `law` are blocks below the equations of the control
+    law; `cost(runs)` returns blocks below the measured cost. The text of the `shared` design packages comes first.
+    `floor` states the value below which a difference of witnesses is relative to it.
     """
 
     values: Mapping[str, Value] = field(default_factory=dict)
@@ -46,6 +49,10 @@ class Extra:
     terms: NamedTerms | None = None
     facts: Sequence[tuple[str, str]] = ()
     shown: Shown | None = None
+    law: Sequence[page.Block] = ()
+    cost: Callable[[Sequence[Experiment]], Sequence[page.Block]] = lambda runs: ()
+    shared: Sequence[str] = ()
+    floor: str = FLOOR
 
 
 def report(
@@ -62,21 +69,25 @@ def report(
     Raises DesignError for an unknown placeholder, ModelError for a displayed equation that differs from the stage.
     """
     extra = extra or Extra()
+    makers = {
+        **_declared_sections(stage, gains(stage.name, files), evidence, extra),
+        standard.EXPERIMENTS: lambda: standard.experiments(runs, extra.shown or default_style(stage)),
+        **({study.TITLE: partial(study.section, evidence.study)} if evidence.study else {}),
+        **({faults.TITLE: partial(faults.section, evidence.faults)} if evidence.faults else {}),
+        **({standard.AUDIT: lambda: standard.audit(rows)} if rows else {}),
+        standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor, is_margin),
+        standard.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),
+        standard.FILES: lambda: standard.files(files),
+    }
     replaced = {s.title: s for s in extra.sections}
-    computed = [
-        *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
-        standard.experiments(runs, extra.shown or default_style(stage)),
-        *((study.section(evidence.study),) if evidence.study else ()),
-        *((faults.section(evidence.faults),) if evidence.faults else ()),
-        *((standard.audit(rows),) if rows else ()),
-        standard.verification(evidence, FLOOR, is_margin),
-        sections.cost(cost),
-        standard.files(files),
-    ]
+    parts = [replaced[title] if title in replaced else make() for title, make in makers.items()]
     known = {**values(stage, rows), **extra.values}
-    parts = [replaced.get(s.title, s) for s in computed]
     about = f"{stage.name}: {stage.warning} {stage.about}" if stage.warning else stage.about
-    return assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known)
+    return assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known, extra.shared)
+
+
+def _with_blocks(section: Section, blocks: Sequence[page.Block]) -> Section:
+    return replace(section, blocks=(*section.blocks, *blocks))
 
 
 def assemble(
@@ -99,18 +110,17 @@ def assemble(
     return page.render(page.Report(name, about, (*summary, *merged), tuple(facts)))
 
 
-def _computed_sections(
-    stage: Stage, gains: Mapping[str, Any], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
-) -> list[Section]:
-    """Return the sections that are computed for the report, except for those that the design replaces."""
+def _declared_sections(
+    stage: Stage, gains: Mapping[str, Any], evidence: Evidence, extra: Extra
+) -> dict[str, Callable[[], Section]]:
+    """Return what makes the sections that follow from the declaration, by title."""
     block = stage.controller.block.rounded(stage.scalar)
-    makers = {
+    return {
         standard.MODEL: lambda: standard.model(stage.plant, extra.terms),
-        standard.LAW: lambda: standard.law(block),
+        standard.LAW: lambda: standard.law(block, extra.law),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
     }
-    return [replaced[title] if title in replaced else make() for title, make in makers.items()]
 
 
 def gains(name: str, files: Mapping[str, EmittedCode]) -> Mapping[str, Any]:

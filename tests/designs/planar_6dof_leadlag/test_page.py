@@ -7,6 +7,7 @@ import pytest
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof_leadlag import control, page
+from designs.planar_6dof_leadlag.design import DESIGN
 from models import planar_stage
 from synth.check import Check
 from synth.verify.evidence import Evidence
@@ -20,7 +21,7 @@ def test_it_shows_all_that_is_handed_in(monkeypatch: pytest.MonkeyPatch) -> None
     )
     runs = short_runs.runs(loops.of(control.controller(planar_stage.plant())))
     bad = replace(runs[0], name="bad", title="Planted", checks=(Check("rise", 0.03, 0.025, "s"),))
-    html = page.report({}, Evidence(control.NAME, (), ()), [*runs, bad], short_runs.ROWS, None)
+    html = page.report(DESIGN.stage, {}, Evidence(control.NAME, (), ()), [*runs, bad], short_runs.ROWS, None)
     assert len(html.encode()) < short_runs.MOST
     for title in ("x by 20 µm", "x by 20 µm, finite matrix", "Circle (Fig. 9)", "Planted"):
         assert f"{title}</h3>" in html

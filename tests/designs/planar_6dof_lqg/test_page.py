@@ -8,6 +8,7 @@ from designs.planar_6dof import experiments, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof_lqg import page
+from designs.planar_6dof_lqg.design import DESIGN
 from models import planar_stage
 from synth.emit.write import EmittedCode
 from synth.verify.evidence import Evidence
@@ -24,7 +25,9 @@ def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(parts)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
     gains = (ROOT / "generated_c" / lqg.NAME / "gains.json").read_text()
-    html = page.report({lqg.NAME: EmittedCode({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None)
+    html = page.report(
+        DESIGN.stage, {lqg.NAME: EmittedCode({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None
+    )
     assert len(html.encode()) < short_runs.MOST
     assert html.count("open loop and sensitivity") == 2 and html.count("<td>as shipped</td>") == 2 + 3
     for text in ("Disk margins of all channels", "The library refuses it", "has the poles −1", "weights (47)"):
