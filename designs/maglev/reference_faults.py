@@ -33,6 +33,7 @@ SENSING = redundancy.Sensors(
     "xz",
     gate=40e-6,  # m
     travel=0.0499,  # m
+    longest=40,
     low=LOW[:SENSORS],
     high=HIGH[:SENSORS],
 )

@@ -20,7 +20,6 @@ Flags = NDArray[np.bool_]
 Columns = Mapping[str, NDArray[Any]]
 
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
-LONGEST = 40  # samples counted without a change, of the others
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 
 
@@ -28,7 +27,7 @@ CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 class Sensors:
     """The sensors of the relation with their signs and its threshold, and the `others` with gate and travel.
 
-    Readings are limited to `low` .. `high`.
+    Samples without a change of the others are counted up to `longest`. Readings are limited to `low` .. `high`.
     """
 
     signs: Mapping[str, float]
@@ -36,6 +35,7 @@ class Sensors:
     others: Sequence[str]
     gate: float
     travel: float
+    longest: int
     low: Array
     high: Array
 
@@ -68,7 +68,7 @@ def replaced(
     g, names = len(of.signs), of.names
     same = y == rows(state, [f"redundancy_code_{n}" for n in names])
     excluded = rows(state, [f"redundancy_excluded_{n}" for n in names]) > 0
-    usable, longest = good & ~excluded, by_row([STILL] * g + [LONGEST] * len(of.others), y)
+    usable, longest = good & ~excluded, by_row([STILL] * g + [of.longest] * len(of.others), y)
     count = rows(state, [f"redundancy_still_{n}" for n in names])
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
