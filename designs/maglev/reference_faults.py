@@ -107,7 +107,7 @@ def step(
     values, good = np.array([*accepted.values.values()]), np.array([accepted.good[n] for n in NAMES])
     ready = np.asarray(state["guard_ready"]) > 0
     expected = expected_readings(predictor.positions(state, AXES))
-    used, suspects, flag, after_readings = redundancy.replaced(
+    used, suspects, flag, after_readings = redundancy.readings(
         state, values[:SENSORS], good, expected, at_rest.attempts, SENSING
     )
     pose = reference_stage.pose(used, reference_stage.Parameters().r)

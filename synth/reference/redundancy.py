@@ -40,7 +40,7 @@ class Sensors:
     high: Array
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def sensors(self) -> tuple[str, ...]:
         """All sensors."""
         return (*self.signs, *self.others)
 
@@ -58,14 +58,14 @@ def by_row(values: Any, like: Array) -> Array:
     return np.reshape(np.asarray(values, dtype=float), (-1,) + (1,) * (like.ndim - 1))
 
 
-def replaced(
+def readings(
     state: Columns, y: Array, good: Flags, expected: Array, attempts: int, of: Sensors
 ) -> tuple[Array, Flags, dict[str, Flags], dict[str, Any]]:
     """Return the readings to use (m, n), the suspects (m, n), flags of the sample, and the next states.
 
     `expected` are the predicted readings; `attempts` of the probe without an answer exclude one of the others.
     """
-    g, names = len(of.signs), of.names
+    g, names = len(of.signs), of.sensors
     same = y == rows(state, [f"redundancy_code_{n}" for n in names])
     excluded = rows(state, [f"redundancy_excluded_{n}" for n in names]) > 0
     usable, longest = good & ~excluded, by_row([STILL] * g + [of.longest] * len(of.others), y)

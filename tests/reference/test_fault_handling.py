@@ -70,7 +70,7 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     read = x | {"guard_ready": u["ready"], "probe_x_attempt": u["x_unanswered"]}
     y, expected = (np.array([u[f"{s.name}_{n}"] for s in SENSORS]) for n in ("accepted", "expected"))
     good = np.array([u[f"fault_{s.name}"] == 0 for s in SENSORS])
-    value, suspects, flags, after = redundancy.replaced(read, y, good, expected, 1, of)
+    value, suspects, flags, after = redundancy.readings(read, y, good, expected, 1, of)
     outputs = {f"{s.name}_held": v for s, v in zip(SENSORS, value, strict=True)}
     outputs |= {f"suspect_{s.name}": v.astype(float) for s, v in zip(SENSORS, suspects, strict=True)}
     outputs |= {n: flags[n].astype(float) for n in ("regular", "determined", "sufficient")}
