@@ -119,24 +119,24 @@ class Guarded:
     braked: Array
 
 
-def guard_inputs(state: Columns, inputs: Columns, braking: int = BRAKING) -> Guarded:
+def guard_inputs(state: Columns, inputs: Columns) -> Guarded:
     """Return the guarded inputs; NaN is outside every range."""
     accepted = guard.accept(state, inputs, {s: (-high, high) for s, high in LIMITS.items()}, HALL)
     good = accepted.good
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
-    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), braking > 0)
+    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), True)
     common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
     word = accepted.word + np.sum(
         [(1 << len(good) + k) * (confirmed & suspected[s]) for k, s in enumerate(HALL)], axis=0
     )
     word = word + (1 << 29) * (confirmed & common)
     before = np.asarray(state["guard_left"])
-    all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)
-    after = accepted.after | guard.count(state, all_good, BAD_SAMPLES + braking)
-    brakes = ~all_good & (before - 1 <= braking) if braking else np.zeros_like(all_good)
+    all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > BRAKING)
+    after = accepted.after | guard.count(state, all_good, BAD_SAMPLES + BRAKING)
+    brakes = ~all_good & (before - 1 <= BRAKING)
     complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
     return Guarded(
-        accepted.values, after, guard.fault_word(word + (1 << 30) * brakes, after), complete, before <= braking
+        accepted.values, after, guard.fault_word(word + (1 << 30) * brakes, after), complete, before <= BRAKING
     )
 
 
@@ -197,12 +197,11 @@ def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str,
     return out
 
 
-def initial_state(axes: tuple[str, ...], braking: int = BRAKING) -> dict[str, Array]:
+def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     loops = {f"loop_{axis}_{part}": np.array(0.0) for axis in axes for part in ("integral", "lead")}
-    reckoned = dead_reckoning.initial_state(INERTIAS) if braking else {}
-    guarded = guard.initial_state(dict.fromkeys(LIMITS, (0.0, 0.0)), PHASES, BAD_SAMPLES + braking, HALL)
-    return guarded | loops | reckoned
+    guarded = guard.initial_state(dict.fromkeys(LIMITS, (0.0, 0.0)), PHASES, BAD_SAMPLES + BRAKING, HALL)
+    return guarded | loops | dead_reckoning.initial_state(INERTIAS)
 
 
 def finish_step(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.planar_6dof import random_steps, reference_control, reference_motion, reference_sensing
+from designs.planar_6dof import random_steps, reference_control, reference_sensing
 from designs.planar_6dof_leadlag import design, reference
 from synth.verify import agree
 from tests.designs.planar_6dof import planted
@@ -61,9 +61,9 @@ def test_a_wrong_sign_in_the_c_is_reported(at: WitnessSteps) -> None:
         (reference_sensing, "MAX_RAW_YAW", 0.0249),
         (reference_sensing, "COUNT", 3),
         (reference_sensing, "FASTEST", reference_sensing.FASTEST | {"phi": 6.9}),
-        (reference_motion, "BRAKING", 23),
-        (reference_motion, "REMAINING", 0.51),
-        (reference_motion, "INERTIAS", reference_motion.INERTIAS | {"phi": 0.00221}),
+        (reference_control, "BRAKING", 23),
+        (reference_control, "REMAINING", 0.51),
+        (reference_control, "INERTIAS", reference_control.INERTIAS | {"phi": 0.00221}),
         (reference, "BANDWIDTH", reference.BANDWIDTH | {"phi": 8.01}),
     ],
 )
