@@ -20,19 +20,20 @@ Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what 
 class Companion:
     """A Block that is emitted beside the controller, as the commutation of a motor is.
 
+    With a `reference`, a step of the independent NumPy witness, the verification compares its witnesses like those of
+    the controller, outputs relative to max(`floor`, |output|), by default to their ranges.
+
     `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller;
     by default each is the output or else the input of the controller with its name. `gains` returns the document of its
-    gains.json. `header_notes` are sentences of its C's header, by default those of the stage. With a `reference`, a
-    step of the independent NumPy witness, the verification compares its witnesses as those of the controller, outputs
-    relative to max(`floor`, |output|), by default to their ranges.
+    gains.json. `header_notes` are sentences of its C's header, by default those of the stage.
     """
 
     block: Block
+    reference: Reference | None = None
+    floor: float | None = None
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     header_notes: Sequence[str] = ()
-    reference: Reference | None = None
-    floor: float | None = None
 
     def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""
