@@ -4,7 +4,7 @@ sensors, set-points --> controller --> drive, such as a commutation --> amplifie
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,8 @@ class Companion:
     """
 
     block: Block
-    reference: Reference | None = None
-    floor: float | None = None
+    reference: Reference | None = field(default=None, kw_only=True)
+    floor: float | None = field(default=None, kw_only=True)
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     header_notes: Sequence[str] = ()
