@@ -71,3 +71,15 @@ def test_units_and_counts_of_experiments_are_those_declared() -> None:
 
 def test_a_design_without_report_md_has_no_text() -> None:
     assert template.design_prose("no_such_design") == ""
+
+
+def test_a_design_adds_to_the_control_law_and_states_the_floor_of_its_witnesses(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    html = report(monkeypatch, "", law=(page.Text("As the paper prints it."),), floor="1 A")
+    law, gains = (html.index(f" {title}</h2>") for title in (standard.LAW, standard.GAINS))
+    assert law < html.index("As the paper prints it.") < gains and "The floor is 1 A." in html
+    text = dict.fromkeys(("shared", STAGE.name), "") | {"shared": "# Model\nOf both designs."}
+    monkeypatch.setattr(template, "design_prose", text.__getitem__)
+    sections = Extra(sections=(Section(standard.LOOPS, ()),), shared=("shared",))
+    assert "Of both designs." in template.report(STAGE, {}, EVIDENCE, (), (), None, sections)
