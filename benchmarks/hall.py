@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from designs.hall_position import config
-from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
 from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.protected import config as four
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.block import Block

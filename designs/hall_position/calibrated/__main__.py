@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import trust
+from designs.hall_position.protected import trust
 
 UNITS = (("fabricated", 0), *(("built", seed) for seed in survey.SEEDS))
 WIDE = 0.01  # drift of gains, for a second budget

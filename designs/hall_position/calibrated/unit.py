@@ -10,8 +10,8 @@ from itertools import product
 
 import numpy as np
 
-from designs.hall_position.four import config, trust
 from designs.hall_position.glsdc import channels
+from designs.hall_position.protected import config, trust
 from models import built_matrix, hall_bench
 from models.built_matrix import Mounting
 from models.hall_bench import Bench

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import config, trust
-from designs.hall_position.four.trust import Samples
+from designs.hall_position.protected import config, trust
+from designs.hall_position.protected.trust import Samples
 from synth.report import charts, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
@@ -76,7 +76,7 @@ def _runners() -> list[tuple[str, str, float, Runner]]:
 
 
 def _runner_without(field: str) -> Runner:
-    return lambda fault, speed: trust.samples(config.USUAL, field, fault, BODIES, speed)
+    return lambda fault, speed: trust.run(config.USUAL, field, fault, BODIES, speed)
 
 
 def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:

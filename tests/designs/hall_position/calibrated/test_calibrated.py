@@ -10,9 +10,9 @@ from designs.hall_position.calibrated import corrections, estimator, stages, sur
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import config, trust
-from designs.hall_position.four.trust import Samples
 from designs.hall_position.pages import integrity
+from designs.hall_position.protected import config, trust
+from designs.hall_position.protected.trust import Samples
 from synth.errors import ModelError
 
 SEED, OTHER, BODIES = 12, 13, 1500

@@ -1,4 +1,4 @@
-"""Stimuli of the estimator of four sensors: bodies that rest for a sweep and then move, with faults of a sensor.
+"""Stimuli of the estimators with protection levels: bodies rest for a sweep and then move, with faults of a sensor.
 
 body k has fault k of FAULTS, from a random sample of its motion on: none, a dead sensor, a stuck voltage, an offset, a
 voltage that is not a number, or one out of its range
@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from designs.hall_position.config import TIME
-from designs.hall_position.four import config
+from designs.hall_position.protected import config
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.verify.sampling import Columns
@@ -34,20 +34,20 @@ FAULTS: Mapping[str, Fault] = {
 }
 
 
-def voltages(bodies: int, seed: int = SEED) -> Numbers:
-    """Return the voltages (SAMPLES, bodies, 4, 2) of bodies in motion, each with its fault."""
-    array, rng = config.array(), np.random.default_rng(seed)
+def voltages(bodies: int, seed: int = SEED, name: str = config.NAME) -> Numbers:
+    """Return the voltages (SAMPLES, bodies, sensors, 2) of bodies in motion, each with its fault."""
+    array, rng = config.array(name), np.random.default_rng(seed)
     moved = motions.smooth_motions(TIME.period_s, (SAMPLES - REST, bodies), seed, TRAVEL, YAW)
     paths = [np.concatenate([np.repeat(v[:1], REST, axis=0), v]) for v in (moved.X, moved.Y, moved.yaw)]
     first = rng.uniform(-0.45, 0.45, (2, bodies)) * array.pitch
     along = [path - path[0] + start for path, start in zip(paths, first, strict=False)]
     V = motions.noisy(array, Pose(along[0], along[1], paths[2]), seed) * (1 + 0.1 * rng.uniform(-1, 1, (bodies, 1, 1)))
     for k, fails in zip(range(bodies), list(FAULTS.values()) * bodies, strict=False):
-        begin, sensor = rng.integers(REST, SAMPLES), rng.integers(4)
+        begin, sensor = rng.integers(REST, SAMPLES), rng.integers(len(array.positions))
         V[begin:, k, sensor] = fails(V[begin:, k, sensor])
     return V
 
 
-def inputs(bodies: int, seed: int = SEED) -> Columns:
+def inputs(bodies: int, seed: int = SEED, name: str = config.NAME) -> Columns:
     """Return the inputs (SAMPLES, bodies) by name."""
-    return motions.by_input(voltages(bodies, seed))
+    return motions.by_input(voltages(bodies, seed, name))

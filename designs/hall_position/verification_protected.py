@@ -1,4 +1,4 @@
-"""Verification of the C of four sensors against a NumPy reference, CasADi, CasADi's own C, and in single precision.
+"""Verification of the C of three and of four sensors against NumPy, CasADi, CasADi's own C, and single precision.
 
 The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
 same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
@@ -13,9 +13,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import reference_four
-from designs.hall_position.four import config, stimuli
+from designs.hall_position import reference_protected
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.protected import config, stimuli
 from designs.hall_position.reference_glsdc import Setup
 from synth.check import Check
 from synth.simulate import ensemble
@@ -44,21 +44,28 @@ class Steps:
     inputs: Columns
 
 
-def setup() -> Setup:
+def setup(name: str = config.NAME) -> Setup:
     """Return the numbers of the reference."""
-    array = config.array()
+    array = config.array(name)
     return Setup(vars(array) | vars(config.USUAL) | {"wave_number": array.wave_number})
 
 
-def witnesses() -> Witnesses:
-    """Return the witnesses of the estimator."""
-    return suite.witnesses(config.block(), partial(reference_four.step, setup()), estimator.SURROGATE_ERROR)
+def witnesses(name: str = config.NAME) -> Witnesses:
+    """Return the witnesses of an estimator."""
+    step = partial(reference_protected.step, setup(name))
+    return suite.witnesses(config.block(name=name), step, estimator.SURROGATE_ERROR)
 
 
 def verify(progress: Callable[[str], None], whole: bool) -> tuple[list[Agreement], list[Check]]:
-    """Compare all witnesses over many bodies, or over few."""
-    progress(f"{config.NAME}: witnesses")
-    return compare(witnesses(), FULL_BODIES if whole else QUICK_BODIES, progress)
+    """Compare all witnesses of each estimator over many bodies, or over few."""
+    agreements: list[Agreement] = []
+    checks: list[Check] = []
+    for name in config.PLACES:
+        progress(f"{name}: witnesses")
+        some_agreements, some = compare(witnesses(name), FULL_BODIES if whole else QUICK_BODIES, progress)
+        agreements += some_agreements
+        checks += some
+    return agreements, checks
 
 
 def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tuple[list[Agreement], list[Check]]:
@@ -92,11 +99,11 @@ def _scaled(of: StepResults) -> StepResults:
 
 def steps_along(of: Witnesses, bodies: int) -> Steps:
     """Return the consecutive steps of the C in double precision from init."""
-    inputs = stimuli.inputs(bodies)
+    inputs = stimuli.inputs(bodies, name=of.block.name)
     batches = list(ensemble.replay(of.c64, inputs))
     before = np.concatenate([ensemble.initial_states(of.c64, bodies), *(batch.states for batch in batches[:-1])])
     states = {s.name: before[s.name] for s in of.block.states}
-    return Steps(f"{config.NAME}, motions", states, {n: v.ravel() for n, v in inputs.items()})
+    return Steps(f"{of.block.name}, motions", states, {n: v.ravel() for n, v in inputs.items()})
 
 
 def perturbed_steps(of: Witnesses, along: Steps) -> Steps:
@@ -110,7 +117,7 @@ def perturbed_steps(of: Witnesses, along: Steps) -> Steps:
     for name in COUNTERS:
         full = f"estimator_{name}"
         states[full] = rng.integers(0, int(bounds[full].high) + 1, len(states[full]))
-    return Steps(f"{config.NAME}, perturbed steps", states, along.inputs)
+    return Steps(f"{of.block.name}, perturbed steps", states, along.inputs)
 
 
 def near_decision(of: Witnesses, steps: Steps) -> NDArray[np.bool_]:

@@ -8,9 +8,9 @@ from functools import partial
 from math import pi
 from string import ascii_lowercase
 
-from designs.hall_position.four import metres
-from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels, planar
+from designs.hall_position.protected import metres
+from designs.hall_position.protected.parameters import Tuning
 from models.hall_two_waves import PlanarArray
 from synth.block import Block
 from synth.blocks import glsdc_estimator, glsdc_model, safety, screening
@@ -51,7 +51,7 @@ def with_guard(name: str, array: PlanarArray, time: Discrete, located: Sequence[
     volts = channels.voltages(len(array.positions))
     inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
     guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
-    lengths = [s.name for s in located[-1].outputs if s.unit == "m"]
+    lengths = [s.name for block in located for s in block.outputs if s.unit == "m"]
     return compose(name, [guard, *located], inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
 
 
