@@ -8,8 +8,10 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments, four_experiments
 from designs.hall_position.paper import rows
 from designs.hall_position.protected import config as protected
+from designs.hall_position.protected import stimuli as protected_stimuli
 from models import papers
 from synth import stage
+from synth.stage import Companion
 from synth.workspace import CostStimuli
 
 
@@ -31,7 +33,16 @@ DESIGN = stage.design(
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: stimuli.recording(rig.controller.scalar),
     gains=config.gains,
-    companions=protected.companions(),
+    companions=[
+        Companion(
+            protected.block(name=name),
+            partial(protected.vectors, name=name),
+            partial(protected.gains, name=name),
+            [protected.PRECONDITIONS],
+            protected_stimuli.sequences,
+        )
+        for name in protected.PLACES
+    ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: [*experiments.run(progress), *four_experiments.run(progress)],
     audit=lambda of: rows.rows(),

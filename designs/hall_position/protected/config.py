@@ -25,7 +25,6 @@ from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
 from synth.emit.c import digits
 from synth.errors import DesignError
-from synth.stage import Companion
 
 NAME, THREE = "hall_position_four", "hall_position_three"
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
@@ -61,17 +60,6 @@ def array(name: str = NAME) -> Array:
 def block(tuning: Tuning = USUAL, name: str = NAME) -> Block:
     """Return the guarded estimator; raise DesignError for an unknown name."""
     return estimator.guarded_estimator(name, array(name), config.TIME, tuning)
-
-
-def companions() -> list[Companion]:
-    """Return what is emitted of each estimator."""
-
-    def companion(name: str) -> Companion:
-        return Companion(
-            block(name=name), lambda u, y: vectors(u, y, name), lambda scalar: gains(scalar, name), [PRECONDITIONS]
-        )
-
-    return [companion(name) for name in PLACES]
 
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:

@@ -12,7 +12,11 @@ from designs.hall_position.config import TIME
 from designs.hall_position.protected import config
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
+from synth.execute import host
+from synth.verify import steps
 from synth.verify.sampling import Columns
+from synth.verify.steps import Steps
+from synth.verify.stimuli import excursions
 
 SAMPLES, REST = 300, 110  # samples of a motion, and those at rest before it
 TRAVEL, YAW, SEED = 0.2, 0.08, 2_031  # m, rad
@@ -46,6 +50,17 @@ def voltages(bodies: int, seed: int = SEED, name: str = config.NAME) -> Numbers:
         begin, sensor = rng.integers(REST, SAMPLES), rng.integers(len(array.positions))
         V[begin:, k, sensor] = fails(V[begin:, k, sensor])
     return V
+
+
+def sequences(controller: host.Controller) -> list[Steps]:
+    """Return motions with each fault of FAULTS, and the excursions from them: for cost and decision coverage."""
+    V = voltages(len(FAULTS), name=str(controller.manifest["design"]))
+    loops = [
+        steps.record(controller, f"motion, {fault}", motions.by_input(V[:, k]), closed_loop=True)
+        for k, fault in enumerate(FAULTS)
+    ]
+    at_rest = {name: float(v[0]) for name, v in motions.by_input(V[:, 0]).items()}
+    return [*loops, *excursions(controller, at_rest, loops)]
 
 
 def inputs(bodies: int, seed: int = SEED, name: str = config.NAME) -> Columns:

@@ -11,7 +11,7 @@ samples a voltage, or both of a sensor, fails. `wrong` is an error above 0.5 mm 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -34,6 +34,7 @@ REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
 BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
 MARGIN = 1e-3  # m, of cold starts to the edge of the pitch
+KEPT = 64  # sets of voltages, of a few runs over the same poses
 Fault = Callable[[Numbers, Numbers, int | Numbers], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
 
 
@@ -127,11 +128,22 @@ def world(field: str, bodies: int, rng: np.random.Generator, name: str = config.
     def read(pose: Pose) -> Numbers:
         poses, V = np.column_stack([pose.X, pose.Y, pose.yaw]), np.zeros((bodies, sensors, 2))
         for k, bench in enumerate(benches):
-            V[k::seeds] = hall_bench.static_voltages(bench, poses[k::seeds]).reshape(-1, sensors, 2)
+            V[k::seeds] = static_voltages(bench, np.ascontiguousarray(poses[k::seeds]))
         c, s = np.cos(turn), np.sin(turn)
         return scale * np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
 
     return World(read, sensors)
+
+
+def static_voltages(bench: hall_bench.Bench, poses: Numbers) -> Numbers:
+    """Return the voltages (N, sensors, 2) at poses (N, 3), without noise; the last ones serve other faults, too."""
+    return _static_voltages(bench, poses.tobytes()).copy()
+
+
+@lru_cache(KEPT)
+def _static_voltages(bench: hall_bench.Bench, poses: bytes) -> Numbers:
+    at = np.frombuffer(poses).reshape(-1, 3)
+    return np.asarray(hall_bench.static_voltages(bench, at).reshape(len(at), -1, 2))
 
 
 @cache

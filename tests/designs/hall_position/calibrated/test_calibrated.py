@@ -116,8 +116,9 @@ def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(integrity, "UNITS", {"as built": CASE})
     monkeypatch.setattr(integrity, "BODIES", 40)
     blocks = integrity.blocks()
-    rows = {row[1]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
-    assert rows["none"][2] == 1e3 * config.USUAL.model_error and rows["none"][6] > rows["map"][6]
+    rows = {row[:2]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
+    bare, mapped = (rows["as built", stage] for stage in ("none", "map"))
+    assert bare[2] == 1e3 * config.USUAL.model_error and bare[7] > mapped[7] and bare[4] > mapped[4]
     assert [row[1] for row in blocks["integrity.stages"]] == list(stages.STAGES)  # type: ignore[union-attr,index,misc]
     assert len(blocks["integrity.subsets"]) == 16  # type: ignore[arg-type]
 
