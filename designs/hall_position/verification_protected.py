@@ -3,7 +3,9 @@
 The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
 same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
 rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
-does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred.
+does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred, of up to a
+thousand with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a fault, in
+which rounding is absolute, and its relative error as l^2: above its limit a level is compared so.
 """
 
 from collections.abc import Callable
@@ -26,7 +28,9 @@ from synth.verify.suite import Witnesses
 
 FULL_BODIES, QUICK_BODIES = 120, 12
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
-COST_FLOOR = 100.0  # of chi_square
+COST_FLOORS = {config.NAME: 100.0, config.THREE: 1000.0}  # of chi_square
+USUAL = config.USUAL
+LIMITS = {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit}
 DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
 NEAR = 1e-7  # relative change of the voltages
@@ -85,16 +89,21 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
         c64 = suite.select(of.by_name["c64"](steps.states, steps.inputs), clear)
         for name in suite.WITNESS_NAMES:
             stepped = suite.select(of.by_name[name](steps.states, steps.inputs), clear)
-            one = agree.compare(steps.what, (name, _scaled(stepped)), ("c64", _scaled(c64)), FLOOR, of.block)
+            pair = (name, _scaled(of, stepped, c64)), ("c64", _scaled(of, c64, c64))
+            one = agree.compare(steps.what, *pair, FLOOR, of.block)
             agreements.append(one)
             checks += suite.exact_checks([one], f"max({FLOOR:g}, |y|)")
         checks += _single_checks(of, steps)
     return agreements, checks
 
 
-def _scaled(of: StepResults) -> StepResults:
-    """Return results with chi-square over its floor."""
-    return replace(of, outputs={**of.outputs, "chi_square": of.outputs["chi_square"] / COST_FLOOR})
+def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
+    """Return results, chi-square over its floor, and levels over the square by which those of c64 exceed a limit."""
+    scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
+    for axis, limit in LIMITS.items():
+        excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
+        scaled[f"protection_{axis}"] = stepped.outputs[f"protection_{axis}"] / excess**2
+    return replace(stepped, outputs={**stepped.outputs, **scaled})
 
 
 def steps_along(of: Witnesses, bodies: int) -> Steps:

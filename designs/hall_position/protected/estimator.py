@@ -94,17 +94,16 @@ def search(tuning: Tuning) -> Search:
     return Search(tuning.starts, {"phase_x": along, "phase_y": along, "yaw": turn}, tuning.patience, tuning.dwell)
 
 
-def _unknowns(tuning: Tuning) -> list[Unknown]:
-    phases = [
-        Unknown(
-            Signal(f"phase_{a}", "rad", -pi, pi),
-            tuning.largest_phase,
-            tuning.phase_step,
-            periodic=True,
-            velocity_gain=tuning.velocity_gain,
-        )
+def phase_unknowns(largest: float, step: float, velocity_gain: float) -> list[Unknown]:
+    """Return w X and w Y within a turn, by largest deviation, largest correction and gain of the predicted motion."""
+    return [
+        Unknown(Signal(f"phase_{a}", "rad", -pi, pi), largest, step, periodic=True, velocity_gain=velocity_gain)
         for a in "xy"
     ]
+
+
+def _unknowns(tuning: Tuning) -> list[Unknown]:
+    phases = phase_unknowns(tuning.largest_phase, tuning.phase_step, tuning.velocity_gain)
     turn, spread = tuning.yaw_range, tuning.amplitude_range
     yaw = Unknown(
         Signal("yaw", "rad", -turn, turn),

@@ -181,16 +181,7 @@ def _unknowns(array: SpatialArray, tuning: Tuning) -> list[Unknown]:
         signal = Signal(name, "rad", -size, size)
         return Unknown(signal, tuning.largest_turn, step, angle=True, velocity_gain=tuning.velocity_gain)
 
-    phases = [
-        Unknown(
-            Signal(f"phase_{axis}", "rad", -pi, pi),
-            tuning.largest_phase,
-            tuning.phase_step,
-            periodic=True,
-            velocity_gain=tuning.velocity_gain,
-        )
-        for axis in "xy"
-    ]
+    phases = estimators.phase_unknowns(tuning.largest_phase, tuning.phase_step, tuning.velocity_gain)
     low, high = array.height - tuning.gap, array.height + tuning.gap
     height = Unknown(
         Signal("Z", "m", low, high, "height of the body's origin above the magnet matrix"),

@@ -96,15 +96,15 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
-    for module, sensors in ((estimator, two), (spatial, FOUR)):
-        with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            module.guarded_estimator(sensors, time)
+    with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
+        estimator.guarded_estimator(two, time)
+    with pytest.raises(TimingError, match=r"`time` of `glsdc_estimator.estimator` is .*: give a Discrete"):
+        spatial.guarded_estimator(FOUR, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position_four"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for make in (protected.array.__wrapped__, lambda name: protected.block.__wrapped__(name=name)):
-        with pytest.raises(DesignError, match="give one of hall_position_four, hall_position_three"):
-            make(name)
+    with pytest.raises(DesignError, match="give one of hall_position_four, hall_position_three"):
+        protected.array.__wrapped__(name)
