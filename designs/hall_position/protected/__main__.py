@@ -19,7 +19,8 @@ def write(line: str) -> None:
 
 def main(bodies: int) -> None:
     """Print the tables of faults and of cold starts."""
-    write("field, R in mV, motion, fault: valid %, valid and wrong % of samples, of bodies, rms/deviation, largest um")
+    write("field, R in mV, motion, fault: valid %, valid and wrong % of samples, of bodies,")
+    write("    rms/deviation, beyond 4 deviations %, largest um")
     for name in config.PLACES:
         write(name)
         for field, tuning in ROWS:
@@ -28,7 +29,7 @@ def main(bodies: int) -> None:
                     o = trust.run(tuning, field, fault, bodies, speed, name=name).outcome()
                     case = f"{field:11s} {1e3 * tuning.model_error:3.0f} {speed:4.1f} m/s {fault:15s}"
                     shares = f"{100 * o.valid:7.2f} {100 * o.wrong:7.3f} {100 * o.wrong_bodies:7.3f}"
-                    write(f"{case} {shares} {o.ratio:5.2f} {1e6 * o.error:7.0f}")
+                    write(f"{case} {shares} {o.ratio:5.2f} {100 * o.beyond:6.3f} {1e6 * o.error:7.0f}")
         for field, tuning in ROWS:
             write(f"cold start, {field}: {trust.cold_start(tuning, field, 5 * bodies, name=name)}")
 

@@ -11,7 +11,7 @@ from string import ascii_lowercase
 from designs.hall_position.glsdc import channels, planar
 from designs.hall_position.protected import metres
 from designs.hall_position.protected.parameters import Tuning
-from models.hall_two_waves import PlanarArray
+from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block
 from synth.blocks import glsdc_estimator, glsdc_model, safety, screening
 from synth.blocks.glsdc_integrity import Integrity
@@ -76,7 +76,7 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block
     )
 
 
-def groups(array: PlanarArray) -> list[list[str]]:
+def groups(array: PlanarArray | SpatialArray) -> list[list[str]]:
     """Return the names of the voltages by sensor: they fail together."""
     return [[f"V_{letter}x", f"V_{letter}y"] for letter in ascii_lowercase[: len(array.positions)]]
 

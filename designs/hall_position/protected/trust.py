@@ -26,7 +26,7 @@ from synth.errors import ModelError
 from synth.execute import build, host
 from synth.statespace import Array
 
-WRONG, WRONG_YAW = 5e-4, 0.02  # m, rad
+WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
 FIELDS = ("own", "calibrated", "fabricated", "built")
 RESIDUAL = 4e-3  # V rms
 AMPLITUDE, GAIN, ANGLE, PLACE = 0.1, 0.01, np.radians(1), 1e-4  # relative, relative, rad, m
@@ -60,13 +60,15 @@ FAULTS: Mapping[str, Fault] = {
 class Outcome:
     """Shares of samples that are `valid`, and that are valid and `wrong`, and of bodies that were ever so.
 
-    `ratio` is the rms error over the deviation, of valid positions; `error` the largest of these, m.
+    Of valid positions `ratio` is the rms error over the deviation, `beyond` the share of errors above SIGMAS
+    deviations, and `error` the largest error, m.
     """
 
     valid: float
     wrong: float
     wrong_bodies: float
     ratio: float
+    beyond: float
     error: float
 
 
@@ -95,12 +97,13 @@ class Samples:
     def outcome(self) -> Outcome:
         """Return the shares of the samples and of the bodies."""
         wrong = self.valid & ((self.error > WRONG) | (np.abs(self.errors[..., 2]) > WRONG_YAW))
-        squares = ((self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2).mean(axis=-1)
+        squares = (self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2
         return Outcome(
             valid=float(self.valid.mean()),
             wrong=float(wrong.mean()),
             wrong_bodies=float(wrong.any(axis=0).mean()),
             ratio=float(np.sqrt(squares.mean())) if squares.size else 0.0,
+            beyond=float((squares > SIGMAS**2).mean()) if squares.size else 0.0,
             error=float(self.error[self.valid].max(initial=0.0)),
         )
 
