@@ -1,10 +1,10 @@
-"""Instructions of a sample of the Hall estimators on a Cortex-M4F: two sensors, and four.
+"""Instructions of a sample of the Hall estimators on a Cortex-M4F: two sensors, three, and four.
 
     python -m benchmarks.hall
 
-Two sensors with the five corrections and the descent check that ship, and with two corrections, as in tracking; four
-sensors over their test vectors. Two sensors took 2,295 instructions while their normal equations were written out. The
-largest of the samples each; not cycles, and no bound of the worst case.
+Two sensors with the five corrections and the descent check that ship, and with two corrections, as in tracking; three
+and four over their test vectors. Two took 2,295 instructions while their normal equations were written out. The largest
+of the samples each; not cycles, and no bound of the worst case.
 """
 
 import sys
@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from designs.hall_position import config
-from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
 from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.protected import config as protected
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.block import Block
@@ -56,11 +56,12 @@ def costs() -> Iterator[Cost]:
     for iterations in (config.TUNING.iterations, 2):
         block = estimator.guarded_estimator(array, config.TIME, Tuning(iterations))
         yield Cost(f"two sensors, {iterations} corrections", SAMPLES, max(count_instructions(block, read)))
-    vectors = four.vectors({"V_ax": np.zeros(1, np.float32)}, {})
-    counts = count_instructions(four.block(), vectors)
-    tracking = counts[four.REST : four.REFUSED.start]
-    yield Cost("four sensors, tracking without a fault", len(tracking), max(tracking))
-    yield Cost("four sensors, sweep, tracking, and faults", len(counts), max(counts))
+    for name, what in ((protected.THREE, "three sensors"), (protected.NAME, "four sensors")):
+        vectors = protected.vectors({"V_ax": np.zeros(1, np.float32)}, {}, name)
+        counts = count_instructions(protected.block(name=name), vectors)
+        tracking = counts[protected.REST : protected.REFUSED.start]
+        yield Cost(f"{what}, tracking without a fault", len(tracking), max(tracking))
+        yield Cost(f"{what}, sweep, tracking, and faults", len(counts), max(counts))
 
 
 def lines() -> Iterator[str]:

@@ -25,7 +25,8 @@ class Companion:
 
     `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller;
     by default each is the output or else the input of the controller with its name. `gains` returns the document of its
-    gains.json. `header_notes` are sentences of its C's header, by default those of the stage.
+    gains.json. `header_notes` are sentences of its C's header, by default those of the stage. `sequences` returns, for
+    the compiled C, further steps that cover its decisions.
     """
 
     block: Block
@@ -34,6 +35,7 @@ class Companion:
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     header_notes: Sequence[str] = ()
+    sequences: Callable[[Any], Sequence[Any]] | None = None
 
     def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""

@@ -175,9 +175,11 @@ def companion_costs(design: Design) -> Task[list[Cost]]:
         emitted = emission(design, np.float32).result(say)
         codes = [emitted[c.block.name] for c in companions]
         recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
-        return [meter.brief(code, c.block, u) for code, c, u in zip(codes, companions, recorded, strict=True)]
+        each = zip(codes, companions, recorded, strict=True)
+        return [meter.brief(code, c.block, u, c.sequences) for code, c, u in each]
 
-    return Task("cost of companions", compute, (meter.brief, design.emit))
+    used = (meter.brief, design.emit, *(c.sequences for c in companions))
+    return Task("cost of companions", compute, used)
 
 
 def build(design: Design) -> Task[Built]:

@@ -1,4 +1,4 @@
-"""Cost of a sample for three sensors, and for four in six degrees of freedom: emitted C beside CasADi's C.
+"""Cost of a sample with protection levels, and for four sensors in six degrees of freedom, beside CasADi's C.
 
     most(c) = max over k of n_c(x_k, u_k),    ratio = most(CasADi's C) / most(emitted C)
 
@@ -8,15 +8,18 @@ and steps. Instructions are not cycles, and the maximum over some steps does not
 Needs the extra `target`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from designs.hall_position import config, stimuli
-from designs.hall_position.glsdc import channels, six_estimator
+from designs.hall_position import config
+from designs.hall_position.glsdc import channels
+from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from designs.hall_position.protected import config as protected
+from designs.hall_position.protected import spatial
 from models import hall_array, hall_two_waves
 from models import hall_motions as motions
 from models.hall_motions import Numbers
@@ -33,16 +36,10 @@ from synth.verify.steps import Steps
 
 BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
 ABSENT = "Not measured: no emulator, or arm-none-eabi-gcc is not installed."
-COSTLY = (
-    "random",
-    "states resampled",
-    "random states and inputs",
-    "rare among states resampled",
-)  # of stimuli: the costliest
-COSTLY_STEPS, SPATIAL_STEPS = 100, 120  # steps of each of COSTLY, and of each kind in six degrees of freedom
+SPATIAL_STEPS = 120  # steps of each kind in six degrees of freedom
 TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom
 FALSE_VOLTAGES = slice(40, 60)  # samples whose voltages belong to no pose
-TITLE = "Cost of three sensors and of six degrees of freedom"
+TITLE = "Cost of three and four sensors, and of six degrees of freedom"
 COLUMNS = ("estimator", "build", "steps", "emitted C", "CasADi's C in float", "ratio")
 SEED = 2_025  # of a motion whose maximum is within five instructions of that of thousands of steps
 
@@ -66,8 +63,8 @@ class Subject(NamedTuple):
     steps: Steps
 
 
-def measure(three: EmittedCode, four: SpatialArray) -> Sequence[Row]:
-    """Measure the emitted C of three sensors, and that of four sensors in six degrees of freedom.
+def measure(files: Mapping[str, EmittedCode], array: SpatialArray) -> Sequence[Row]:
+    """Measure the emitted C with protection levels, and that of an array in six degrees of freedom.
 
     The latter is emitted here, which takes most of the time, while compilers run in parallel as separate processes.
     Without an installed compiler there are no rows.
@@ -78,7 +75,7 @@ def measure(three: EmittedCode, four: SpatialArray) -> Sequence[Row]:
         return ()
     with ThreadPoolExecutor(len(BUILDS)) as pool:
         subjects = []
-        for make in (partial(of_three, three), partial(of_six, four)):
+        for make in (*(partial(of_protected, files[name]) for name in protected.PLACES), partial(of_six, array)):
             subjects.append(make())
             for build in BUILDS:
                 pool.submit(_compile, subjects[-1], build)  # a text that the compiler refuses raises below
@@ -99,18 +96,19 @@ def row(subject: Subject, build: Build) -> Row:
     return Row(subject.name, build.name, len(subject.steps), emitted, casadi)
 
 
-def of_three(emitted: EmittedCode) -> Subject:
-    """Return the emitted C of three sensors, with steps that include the costliest ones."""
-    sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
-    costly = steps.concatenate("costly", [steps.thinned(s, COSTLY_STEPS) for s in sequences if s.name in COSTLY])
-    casadi = baselines.casadi(config.block(config.THREE), shimmed=True)
-    return Subject("three sensors", baselines.emitted_c(emitted), casadi, costly)
+def of_protected(emitted: EmittedCode) -> Subject:
+    """Return the emitted C of an estimator with protection levels, with its test vectors."""
+    name = str(emitted.manifest["design"])
+    inputs = protected.vectors({"V_ax": np.zeros(1, np.float32)}, {}, name)
+    along = steps.record(host.load(emitted.files, emitted.manifest), "vectors", inputs)
+    casadi = baselines.casadi(protected.block(name=name), shimmed=True)
+    return Subject(f"{len(protected.PLACES[name])} sensors", baselines.emitted_c(emitted), casadi, along)
 
 
 def of_six(array: SpatialArray) -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
-    block = unranged(six_estimator.guarded_estimator(array, config.TIME))  # this block does not ship
-    emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
+    block = unranged(spatial.guarded_estimator(array, config.TIME))  # this block does not ship
+    emitted = write.emit(block, np.float32, error=SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
     return Subject(name, baselines.emitted_c(emitted), baselines.casadi(block, shimmed=True), sequence)

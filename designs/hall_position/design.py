@@ -4,10 +4,11 @@ from functools import partial
 from typing import Any
 
 from designs.hall_position import config, random_steps, reference_guard, stimuli, verification
-from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments, four_experiments
 from designs.hall_position.paper import rows
+from designs.hall_position.protected import config as protected
+from designs.hall_position.protected import stimuli as protected_stimuli
 from models import papers
 from synth import stage
 from synth.stage import Companion
@@ -22,24 +23,25 @@ def report(*arguments: Any) -> str:
 
 
 EQUATIONS = f"(n) is equation (n) of {papers.KAWATO}."
-CONTROLLER, THREE = config.controller(), config.block(config.THREE)
+CONTROLLER = config.controller()
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
     warning=config.UNPROTECTED,
-    header_notes=[config.preconditions(config.NAME), EQUATIONS],
+    header_notes=[config.preconditions(), EQUATIONS],
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
-    recording=lambda rig: stimuli.recording(config.NAME, rig.controller.scalar),
-    gains=partial(config.gains, config.NAME),
+    recording=lambda rig: stimuli.recording(rig.controller.scalar),
+    gains=config.gains,
     companions=[
         Companion(
-            THREE,
-            stimuli.vectors_of_three,
-            partial(config.gains, config.THREE),
-            [config.preconditions(config.THREE), EQUATIONS],
-        ),
-        Companion(four.block(), four.vectors, four.gains, [four.PRECONDITIONS]),
+            protected.block(name=name),
+            partial(protected.vectors, name=name),
+            partial(protected.gains, name=name),
+            [protected.PRECONDITIONS],
+            protected_stimuli.sequences,
+        )
+        for name in protected.PLACES
     ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: [*experiments.run(progress), *four_experiments.run(progress)],

@@ -46,10 +46,13 @@ def report(
         standard.audit(rows, ()),
         standard.verification(evidence),
         sections.cost(cost),
-        costs.section(costs.measure(files[config.THREE], six.optimised_layout(stage, 4)) if cost else ()),
+        costs.section(costs.measure(files, six.optimised_layout(stage, 4)) if cost else ()),
         standard.files(files),
     ]
-    inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
+    inputs, outputs = (
+        "4 Hall voltages; 6 or 8 with protection levels",
+        "X, Y and yaw, their deviations, residual, flags",
+    )
     law = ("law", "GLSDC, Fig. 9, five corrections a sample")
     facts = (*standard.facts(config.TIME, np.float32, inputs, outputs), law)
     return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})

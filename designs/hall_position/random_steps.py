@@ -51,23 +51,21 @@ class Subject:
     setup: Setup
 
 
-def setup(name: str = config.NAME) -> Setup:
-    """Return the setup of the reference for the estimator of a name; raise DesignError for an unknown name."""
-    return Setup(vars(config.array(name)) | vars(config.TUNING))
+def setup() -> Setup:
+    """Return the setup of the reference."""
+    return Setup(vars(config.array()) | vars(config.TUNING))
 
 
-def subject(name: str) -> Subject:
-    """Return the estimator of a name with all that its comparison with the reference needs."""
-    return Subject(name, config.array(name), config.block(name), setup(name))
+def subject() -> Subject:
+    """Return the estimator with all that its comparison with the reference needs."""
+    return Subject(config.NAME, config.array(), config.block(), setup())
 
 
 def operating_steps(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n independent steps (states, inputs) in operation: the random stimuli."""
     rng, array = np.random.default_rng(SEED), subject.array
     states, w = sampling.states_anywhere(subject.block, rng, n, whole=INTEGER_STATES), array.wave_number
-    predicted, _ = reference.predict(
-        subject.setup, reference_guard.estimator_states(states), np.zeros((n, len(array.positions), 2), bool)
-    )
+    predicted = reference.predict(subject.setup, reference_guard.estimator_states(states))
     deviation = rng.choice(POSE_DEVIATIONS, n)[:, np.newaxis]
     x, y, yaw = (predicted + deviation * rng.standard_normal((n, 3)) / [w, w, array.radius]).T
     # The estimator's x and y are those of the sensors' centre r_c; the body is at (x, y) - R(yaw) r_c.

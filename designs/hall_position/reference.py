@@ -20,30 +20,20 @@ from designs.hall_position import reference_glsdc as glsdc
 from designs.hall_position.reference_glsdc import Array, Columns, Fit, Problem, Setup, wrap
 
 ROUNDING = 2e-6  # of the cost
-SUSPECT = 2  # samples
-CONTRAST = 25  # of squared residuals
-INCONSISTENT = 4.0  # standard deviations, rms
-REDUNDANCY_FACTOR = 4  # of the ambiguity threshold, with more than two sensors
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
 
 
 @dataclass(frozen=True)
 class Integrity:
-    """Flags of a sample (N,): residual fault, voltages inconsistent with each other, damped, or `good`.
+    """Flags of a sample (N,): residual fault, damped, or `good`.
 
     `unambiguous`: besides, no other pose in the yaw window has the same voltages.
     """
 
     fault: Array
-    inconsistent: Array
     damped: Array
     good: Array
     unambiguous: Array
-
-
-def is_redundant(setup: Setup) -> bool:
-    """Return whether a sensor can be excluded."""
-    return len(setup.positions) > 2
 
 
 def centre(setup: Setup) -> Array:
@@ -98,45 +88,34 @@ def linearise(setup: Setup, arms: Array, pose: Array, volts: Array) -> tuple[Arr
 
 def initial_state(setup: Setup) -> dict[str, Array]:
     """Return the state after init, by name."""
-    counts = (
-        "residual_faults",
-        "searching",
-        "ambiguity_resolved",
-        "acquired",
-        "lock_lost",
-        *(("excluded_sensor",) if is_redundant(setup) else ()),
-    )
+    counts = ("residual_faults", "searching", "ambiguity_resolved", "acquired", "lock_lost")
     return glsdc.initial_state(
         [*POSE, "yaw_last_good", "start_x", "start_y", "pitch_x", "pitch_y", *problem(setup).motions, *counts]
     )
 
 
-def predict(setup: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
-    """Return the predicted pose (N, 3) in m and rad, and the sensors' weights (N, sensors), 0 or 1."""
-    weights = np.ones(refused.shape[:2])
-    if is_redundant(setup):
-        numbers = np.arange(1, len(setup.positions) + 1)
-        weights = 1.0 * (~np.any(refused, axis=2) & (numbers != state["excluded_sensor"][:, None]))
-    return glsdc.predict(problem(setup), state), weights
+def predict(setup: Setup, state: Columns) -> Array:
+    """Return the predicted pose (N, 3) in m and rad."""
+    return glsdc.predict(problem(setup), state)
 
 
 def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next state for held voltages (N, sensors, 2), some of them `refused`."""
-    start, weights = predict(setup, state, refused)
-    fits, end, converged = glsdc.descend(problem(setup), start, volts, weights)
-    last, complete = fits[-1], ~np.any(refused, axis=(1, 2)) | is_redundant(setup)
-    freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
+    start = predict(setup, state)
+    fits, end, converged = glsdc.descend(problem(setup), start, volts)
+    last, complete = fits[-1], ~np.any(refused, axis=(1, 2))
+    freedom = 2 * len(setup.positions) - 3
     inverse = np.linalg.inv(np.linalg.qr(glsdc.augment(last.H, damping(setup)))[1])
-    yaw, sensors = start[:, 2] + end[:, 2], (weights > 0).sum(axis=1)
-    integrity = check_integrity(setup, state, last, yaw, freedom, inverse, converged, sensors)
+    yaw = start[:, 2] + end[:, 2]
+    integrity = check_integrity(setup, state, last, yaw, freedom, inverse, converged)
     end = np.where((integrity.fault & (state["searching"] == 0))[:, None], 0.0, end)
     pose = locate(setup, state, start + end)
     counted = np.all([np.abs(pose[f"pitch_{a}"]) <= setup.pitches for a in "xy"], axis=0)
-    limit = setup.yaw_limit if is_redundant(setup) else min(setup.yaw_limit, setup.yaw_window / 2)
+    limit = min(setup.yaw_limit, setup.yaw_window / 2)
     size = np.abs(pose["yaw"])
     inside = counted & (size <= limit)
     resolved = (integrity.unambiguous & complete & inside) | ((state["ambiguity_resolved"] > 0) & ~integrity.damped)
-    next = advance(setup, state, pose, integrity, converged, resolved, fits[0].each)
+    next = advance(setup, state, pose, integrity, converged, resolved)
     outside = ~(counted & (size <= np.where(resolved, limit, 2 * limit)))
     next["lock_lost"] = np.maximum(next["lock_lost"], (state["acquired"] > 0) & outside)
     if setup.velocity_gain:
@@ -148,7 +127,7 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
         position(setup, pose) | deviations(setup, inverse, pose["yaw"]) | {"residual": np.sqrt(last.squares / freedom)}
     )
     out |= {"converged": converged, "damped": integrity.damped, "valid": valid, "lock_lost": state["lock_lost"]}
-    return out | ({"excluded_sensor": state["excluded_sensor"]} if is_redundant(setup) else {}), next
+    return out, next
 
 
 def check_integrity(
@@ -156,16 +135,14 @@ def check_integrity(
     state: Columns,
     last: Fit,
     yaw: Array,
-    freedom: Array,
+    freedom: int,
     inverse: Array,
     converged: Array,
-    sensors: Array,
 ) -> Integrity:
     """Return the flags of a sample that ends at a yaw, from R^-1 (N, 3, 3) without yaw_damping_ratio."""
-    redundant, searching = is_redundant(setup), state["searching"] > 0
+    searching = state["searching"] > 0
     innovation = ((damping(setup) * last.at) ** 2).sum(axis=1)
-    growth = 1 + state["residual_faults"] if redundant else 1.0
-    gate_exceeded = innovation > (growth * setup.innovation_gate_sigma * setup.deviation) ** 2
+    gate_exceeded = innovation > (setup.innovation_gate_sigma * setup.deviation) ** 2
     change = yaw - state["yaw_last_good"]
     in_window = (
         np.abs(wrap(wrap(change)[0])[0] if setup.yaw_limit + setup.yaw_window > pi else change) <= setup.yaw_window
@@ -175,12 +152,8 @@ def check_integrity(
     prior_weight = ((damping(setup)[:, None] * inverse) ** 2).sum(axis=(1, 2))
     damped = prior_weight > setup.max_prior_weight
     good = converged & ~damped & ~fault & ~gate_exceeded
-    if redundant:
-        single = (sensors > 2) & (prior_weight <= REDUNDANCY_FACTOR * setup.ambiguity_threshold)
-    else:
-        single = in_window & (prior_weight <= setup.ambiguity_threshold)
-    inconsistent = last.squares > freedom * min(setup.residual_limit, INCONSISTENT * setup.deviation) ** 2
-    return Integrity(fault, inconsistent, damped, good, good & ~searching & single)
+    single = in_window & (prior_weight <= setup.ambiguity_threshold)
+    return Integrity(fault, damped, good, good & ~searching & single)
 
 
 def locate(setup: Setup, state: Columns, at: Array) -> dict[str, Array]:
@@ -193,25 +166,12 @@ def locate(setup: Setup, state: Columns, at: Array) -> dict[str, Array]:
 
 
 def advance(
-    setup: Setup, state: Columns, pose: Columns, integrity: Integrity, converged: Array, resolved: Array, each: Array
+    setup: Setup, state: Columns, pose: Columns, integrity: Integrity, converged: Array, resolved: Array
 ) -> dict[str, Array]:
     """Return the next states from the pose and the flags of a sample."""
     fault = integrity.fault
     changes, restart = glsdc.restart(state, fault, pose)
     next = dict(pose) | changes
-    if is_redundant(setup):
-        others, sensors = np.sort(each, axis=1)[:, :-1].sum(axis=1), each.shape[1] - 1
-        bound = setup.residual_limit**2 + (setup.innovation_gate_sigma * setup.deviation) ** 2 / setup.damping
-        failed = (others <= 2 * sensors * bound) & (CONTRAST * others <= each.max(axis=1))
-        failed &= (
-            fault
-            & integrity.inconsistent
-            & (state["ambiguity_resolved"] > 0)
-            & (state["residual_faults"] >= SUSPECT - 1)
-        )
-        next["excluded_sensor"] = np.where(
-            restart, 0, np.where(failed, 1 + np.argmax(each, axis=1), state["excluded_sensor"])
-        )
     next["searching"] = np.where(restart, 1, np.where(converged & ~fault, 0, state["searching"]))
     next |= {"lock_lost": np.maximum(state["lock_lost"], restart & (state["acquired"] > 0))}
     next |= {"acquired": np.maximum(resolved, state["acquired"]), "ambiguity_resolved": resolved & ~restart}

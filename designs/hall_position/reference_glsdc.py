@@ -1,9 +1,9 @@
 """Reference of GLSDC in plain NumPy, for any number of unknowns; N bodies advance one sample at a time.
 
-    minimise  |w^(1/2) (V - h(q + d))|^2 + |S d|^2,    d (n,) in m and rad, S diagonal: the root of the damping
+    minimise  |V - h(q + d)|^2 + |S d|^2,    d (n,) in m and rad, S diagonal: the root of the damping
 
-A correction is the least-squares solution of the weighted rows stacked on S, by QR factorisation, at each trial or once
-at the predicted pose. A search starts at the points of Roberts' sequence.
+A correction is the least-squares solution of the rows stacked on S, by QR factorisation at each trial. A search starts
+at the points of Roberts' sequence.
 
 Source: Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors",
 section 3.B and Fig. 9.
@@ -43,8 +43,8 @@ class Problem:
     """Names of states, residuals (N, m) and rows (N, m, n) at poses (N, n), S, and bounds of d (n,) in m and rad.
 
     Residuals are those of the first axes of all sensors, then of the second ones. Each of the `blocks` of unknowns is
-    solved for together, the later ones first; the earlier ones then fit the limited values. Rows are factorised `once`
-    a sample or at each trial. `units` are a state's units of each unknown. A cost may rise by `rounding`, relative.
+    solved for together, the later ones first; the earlier ones then fit the limited values. `units` are a state's units
+    of each unknown. A cost may rise by `rounding`, relative.
     """
 
     poses: Sequence[str]
@@ -59,7 +59,6 @@ class Problem:
     convergence_sigma: float
     scale: float = 1.0
     rounding: float = 0.0
-    once: bool = False
 
     def threshold(self, cost: Array) -> Array:
         """Return the cost up to which another one counts as lower."""
@@ -68,17 +67,12 @@ class Problem:
 
 @dataclass(frozen=True)
 class Fit:
-    """Rows H (N, m, n) at a displacement, damped and factorised: Q, R and z = Q'b (N, n).
-
-    `each` (N, sensors) are the squared residuals of sensors, V^2.
-    """
+    """Rows H (N, m, n) at a displacement, damped and factorised by QR: R and z = Q'b (N, n)."""
 
     at: Array
     H: Array
-    each: Array
     squares: Array
     cost: Array
-    Q: Array
     R: Array
     z: Array
 
@@ -95,13 +89,13 @@ def predict(problem: Problem, state: Columns) -> Array:
     return np.asarray((start + motion) / problem.units)
 
 
-def descend(problem: Problem, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
+def descend(problem: Problem, start: Array, volts: Array) -> tuple[list[Fit], Array, Array]:
     """Return the trials, the displacement (N, n) after all corrections, and whether they have converged."""
-    trial = fit(problem, start, np.zeros_like(start), volts, weights)
+    trial = fit(problem, start, np.zeros_like(start), volts)
     fits, best, lowest, better = [trial], trial.at, trial.cost, np.ones(len(start), bool)
     for _ in range(problem.corrections - 1):
         at = np.where(better[:, None], correct(problem, trial), (trial.at + best) / 2)
-        trial = fit(problem, start, at, volts, weights, fits[0] if problem.once else None)
+        trial = fit(problem, start, at, volts)
         fits.append(trial)
         better = trial.cost <= problem.threshold(lowest)
         best, lowest = np.where(better[:, None], trial.at, best), np.where(better, trial.cost, lowest)
@@ -109,15 +103,12 @@ def descend(problem: Problem, start: Array, volts: Array, weights: Array) -> tup
     return fits, np.where(converged[:, None], correct(problem, trial), best), converged
 
 
-def fit(problem: Problem, start: Array, at: Array, volts: Array, weights: Array, first: Fit | None = None) -> Fit:
-    """Linearise at a displacement (N, n) with weights (N, sensors); with `first`, its rows are reused."""
-    root = np.tile(np.sqrt(weights), 2)
+def fit(problem: Problem, start: Array, at: Array, volts: Array) -> Fit:
+    """Linearise at a displacement (N, n)."""
     e, H = problem.linearise(start + at, volts)
-    e, H = root * e, root[:, :, None] * H if first is None else first.H
-    Q, R = np.linalg.qr(augment(H, problem.damping)) if first is None else (first.Q, first.R)
+    Q, R = np.linalg.qr(augment(H, problem.damping))
     b = np.concatenate([e, -problem.damping * at], axis=1)
-    each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
-    return Fit(at, H, each, each.sum(axis=1), (b**2).sum(axis=1), Q, R, np.einsum("nmi,nm->ni", Q, b))
+    return Fit(at, H, (e**2).sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
 
 
 def augment(H: Array, root: Array) -> Array:

@@ -12,13 +12,13 @@ from designs.hall_position.reference_glsdc import Array, Columns, Setup
 CHANGE = 1e-9  # of the differences: of voltages, relative to alpha, and of phases, rad
 
 
-def margin(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+def margin(setup: Setup, state: Columns, volts: Array) -> Array:
     """Return the least distance of a cost from the bound below which it counts as lower, (N,).
 
     It is the error of the voltages relative to alpha, and of the residuals, that would move the cost across the bound.
     """
-    problem, (start, weights) = reference.problem(setup), reference.predict(setup, state, refused)
-    costs = [fit.cost for fit in glsdc.descend(problem, start, volts, weights)[0]]
+    problem, start = reference.problem(setup), reference.predict(setup, state)
+    costs = [fit.cost for fit in glsdc.descend(problem, start, volts)[0]]
     lowest, least = costs[0], np.full(len(start), np.inf)
     for cost in costs[1:]:
         bound = problem.threshold(lowest)
@@ -33,8 +33,8 @@ def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) ->
     It is the largest condition number of the corrections times the step's `amplification`: far from a solution, a
     correction magnifies the error of the one before it.
     """
-    start, weights = reference.predict(setup, state, refused)
-    fits, root = glsdc.descend(reference.problem(setup), start, volts, weights)[0], reference.damping(setup)
+    start = reference.predict(setup, state)
+    fits, root = glsdc.descend(reference.problem(setup), start, volts)[0], reference.damping(setup)
     condition = np.max([np.linalg.cond(glsdc.augment(fit.H, root) / root) for fit in fits], axis=0)
     return np.asarray(condition * np.maximum(amplification(setup, state, volts, refused), 1))
 

@@ -10,15 +10,13 @@ at ends, rare       of these, the steps near the ends of ranges, and those with 
 vectors             from `init` at rest with three samples out of range, then across pitches with a yaw, to the latch
 """
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from designs.hall_position import config, random_steps
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
-from synth.errors import DesignError
 from synth.execute import host
 from synth.verify import steps
 from synth.verify.sampling import Columns
@@ -39,7 +37,7 @@ OUT_OF_RANGE, SHORT_FAULT, LONG_FAULT = 9.0, slice(150, 153), slice(900, 910)  #
 
 def replay(controller: host.Controller) -> Columns:
     """Return the controller's inputs (10,000,) on a motion with refused voltages, jumps, and the latch."""
-    V, k = _measure(_name(controller), REPLAY_STEPS, SLOW_MOTION, SEED), np.arange(REPLAY_STEPS)
+    V, k = _measure(REPLAY_STEPS, SLOW_MOTION, SEED), np.arange(REPLAY_STEPS)
     V[k % 250 == 1, 0, 1] = np.nan
     V[(k > 4100) & (k < 4105), 1, 0] = np.inf
     V[(k > 6100) & (k < 6120)] *= -1
@@ -48,17 +46,12 @@ def replay(controller: host.Controller) -> Columns:
     return motions.by_input(V)
 
 
-def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
-    """Return the inputs (N,) of an estimator's test vectors, V."""
-    V = motions.noisy(config.array(name), path(), VECTORS_SEED)
+def recording(scalar: type[np.floating]) -> dict[str, Numbers]:
+    """Return the inputs (N,) of the test vectors, V."""
+    V = motions.noisy(config.array(), path(), VECTORS_SEED)
     V[SHORT_FAULT, 0, 1] = OUT_OF_RANGE
     V[LONG_FAULT, 1, 0] = OUT_OF_RANGE
     return motions.by_input(V.astype(scalar))
-
-
-def vectors_of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
-    """Return the test vectors' inputs of three sensors, in the scalar type of the `inputs` of two."""
-    return recording(config.THREE, inputs["V_ax"].dtype.type)
 
 
 def path() -> Pose:
@@ -71,15 +64,14 @@ def path() -> Pose:
 def sequences(controller: host.Controller, progress: Callable[[str], None]) -> list[Steps]:
     """Return every sequence, those of motions first."""
     progress("sequences")
-    name = _name(controller)
-    volts = {kind: _measure(name, MOTION_STEPS, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
+    volts = {kind: _measure(MOTION_STEPS, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
     loops = [steps.record(controller, kind, motions.by_input(V), closed_loop=True) for kind, V in volts.items()]
     lost = steps.record(controller, "lost", motions.by_input(_misplaced_voltages(volts["turns"], volts["motions"])))
     recorded = [*loops, lost, steps.record(controller, "refused", replay(controller))]
     pool = steps.concatenate("all of these", recorded)
     wrong = [
         _shifted_states(controller, pool),
-        _random_steps(controller, name),
+        _random_steps(controller),
         steps.resampled(controller, pool, "states resampled"),
     ]
     near = steps.at_range_ends(controller, steps.concatenate("wrong", wrong), STEPS_PER_RANGE_END, RANGE_END_DISTANCE)
@@ -95,17 +87,10 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
     ]
 
 
-def _name(controller: host.Controller) -> str:
-    name = str(controller.manifest["design"])
-    if name not in config.PLACES:
-        raise DesignError(f"'{name}' is not one of {', '.join(config.PLACES)}: measure one of these")
-    return name
-
-
-def _measure(name: str, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
+def _measure(n: int, size: tuple[float, float, float], seed: int) -> Numbers:
     """Return voltages (n, sensors, 2) on a motion of one body."""
     pose = motions.smooth_motions(config.TIME.period_s, (n, 1), seed, *size)
-    return motions.noisy(config.array(name), pose, seed)[:, 0]
+    return motions.noisy(config.array(), pose, seed)[:, 0]
 
 
 def _misplaced_voltages(V: Numbers, other: Numbers) -> Numbers:
@@ -126,8 +111,8 @@ def _shifted_states(controller: host.Controller, pool: Steps) -> Steps:
     return Steps("shifted", states, pool.inputs)
 
 
-def _random_steps(controller: host.Controller, name: str) -> Steps:
+def _random_steps(controller: host.Controller) -> Steps:
     """Return the random steps of verification."""
-    states, inputs = random_steps.operating_steps(random_steps.subject(name), RANDOM_STEPS)
+    states, inputs = random_steps.operating_steps(random_steps.subject(), RANDOM_STEPS)
     records = host.records(controller.manifest, controller.state, states, RANDOM_STEPS)
     return Steps("random", records, controller.records(inputs, RANDOM_STEPS))

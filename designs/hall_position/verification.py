@@ -22,7 +22,7 @@ from designs.hall_position import (
     reference,
     reference_guard,
     reference_rounding,
-    verification_four,
+    verification_protected,
 )
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
@@ -80,19 +80,17 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     """Compare all witnesses of the estimators, over FULL_STEPS or over QUICK_STEPS numbers of steps."""
     agreements: list[agree.Agreement] = []
     checks: list[Check] = []
-    for name in config.PLACES:
-        progress(f"{name}: witnesses")
-        subject = random_steps.subject(name)
-        for some_agreements, some in compare_witnesses(
-            subject, witnesses(subject), FULL_STEPS if whole else QUICK_STEPS, progress
-        ):
-            agreements += some_agreements
-            checks += some
-        progress(f"{name}: random motion without end")
-        checks += endurance.checks(
-            name, EstimatorConfig(config.array(name)), BODIES, FULL_SAMPLES if whole else QUICK_SAMPLES
-        )
-    some_agreements, some = verification_four.verify(progress, whole)
+    progress(f"{config.NAME}: witnesses")
+    subject = random_steps.subject()
+    for some_agreements, some in compare_witnesses(
+        subject, witnesses(subject), FULL_STEPS if whole else QUICK_STEPS, progress
+    ):
+        agreements += some_agreements
+        checks += some
+    progress(f"{config.NAME}: random motion without end")
+    samples = FULL_SAMPLES if whole else QUICK_SAMPLES
+    checks += endurance.checks(config.NAME, EstimatorConfig(config.array()), BODIES, samples)
+    some_agreements, some = verification_protected.verify(progress, whole)
     return Evidence(config.NAME, (*agreements, *some_agreements), (*checks, *some))
 
 
@@ -131,9 +129,10 @@ def condition_steps(subject: Subject, what: str, states: Columns, inputs: Column
     """Return steps with the magnification of their rounding errors and the margins of their costs."""
     held, refused = reference_guard.hold_voltages(subject.setup, states, inputs)
     step = subject.setup, reference_guard.estimator_states(states), held, refused
+    margin = reference_rounding.margin(*step[:3])
     near = np.where(near_decision_boundary(subject, *step[1:]), 1 / CHANGE, 0.0)
     severity = np.maximum(reference_rounding.magnification(*step), near)
-    return Steps(what, states, inputs, severity, reference_rounding.margin(*step))
+    return Steps(what, states, inputs, severity, margin)
 
 
 def near_decision_boundary(subject: Subject, states: Columns, held: Numbers, refused: Numbers) -> NDArray[np.bool_]:

@@ -11,14 +11,15 @@
  *
  * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
  *
- * At init the body is within half a pitch of the counted origin along X and Y, and within 5 degrees of yaw 0. It rests
- * until the first valid sample. A lost position lock needs init.
- *
- * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
- * Hall-Effect Sensors".
+ * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
+ * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
+ * sensor. A lost track needs init.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ *
+ * With HALL_POSITION_THREE_DIAGNOSTICS defined, for the .c as well, hall_position_three_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
@@ -42,18 +43,24 @@ typedef struct {
 } hall_position_three_input_t;
 
 typedef struct {
-    float X;                            /* m, -0.518092 .. 0.518092: position of the body's origin along X of the magnet matrix */
-    float Y;                            /* m, -0.518092 .. 0.518092: position of the body's origin along Y of the magnet matrix */
-    float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the body relative to the magnet matrix */
-    float deviation_X;                  /* m, 0 .. 10000: standard deviation of X from the voltages' noise */
-    float deviation_Y;                  /* m, 0 .. 10000: standard deviation of Y from the voltages' noise */
-    float deviation_yaw;                /* rad, 0 .. 1: standard deviation of yaw from the voltages' noise */
-    float residual;                     /* V, 0 .. 1000: rms of the voltage residuals, by degrees of freedom */
-    float converged;                    /* 1, 0 .. 1: the last correction is small, and no correction raised the cost */
-    float damped;                       /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
-    float valid;                        /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, inputs accepted */
-    float lock_lost;                    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
-    float excluded_sensor;              /* 1, 0 .. 3: number of the sensor excluded as failed, 0 for none */
+    float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
+    float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
+    float deviation_X;                  /* m, 0 .. 0.00202127: standard deviation of X, limited */
+    float deviation_Y;                  /* m, 0 .. 0.00202127: standard deviation of Y, limited */
+    float protection_X;                 /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
+    float protection_Y;                 /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
+    float yaw;                          /* rad, -0.20944 .. 0.20944 */
+    float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
+    float deviation_yaw;                /* rad, 0 .. 0.1: standard deviation of yaw, limited */
+    float deviation_amplitude;          /* 1, 0 .. 0.2: standard deviation of amplitude, limited */
+    float protection_yaw;               /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
+    float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
+    float converged;                    /* 1, 0 .. 1: the last correction is small */
+    float weak;                         /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
+    float excluded;                     /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
+    float tracking;                     /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
+    float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
+    float valid;                        /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
 } hall_position_three_output_t;
 
 typedef struct {
@@ -66,34 +73,50 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
-    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
-    float estimator_yaw;                /* rad, -3.14159 .. 3.14159: yaw of the last sample */
-    float estimator_yaw_last_good;      /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
-    float estimator_start_x;            /* rad, -3.14159 .. 3.14159: phase along x at which the last search started */
-    float estimator_start_y;            /* rad, -3.14159 .. 3.14159: phase along y at which the last search started */
-    float estimator_pitch_x;            /* 1, -8 .. 8: number of whole pitches along x, from the middle one */
-    float estimator_pitch_y;            /* 1, -8 .. 8: number of whole pitches along y, from the middle one */
-    float estimator_motion_x;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
-    float estimator_motion_y;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
-    float estimator_motion_yaw;         /* rad, -0.140221 .. 0.140221: predicted change of yaw per sample */
-    uint32_t estimator_residual_faults; /* 1, 0 .. 5: consecutive samples with a residual fault */
-    uint32_t estimator_searching;       /* 1, 0 .. 1: position lock is being searched */
-    uint32_t estimator_ambiguity_resolved;/* 1, 0 .. 1: no other position has the same voltages */
-    uint32_t estimator_acquired;        /* 1, 0 .. 1: position lock has been acquired since init */
-    uint32_t estimator_lock_lost;       /* 1, 0 .. 1: position lock has been lost since it was acquired */
-    uint32_t estimator_excluded_sensor; /* 1, 0 .. 3: number of the sensor excluded as failed, 0 for none */
+    float screen_last_V_ax;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_ay;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_bx;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_by;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_cx;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_cy;             /* V, -5 .. 5: of the last sample */
+    uint32_t screen_repeats_1;          /* 1, 0 .. 6: samples in a row in which a channel of group 1 has the same code */
+    uint32_t screen_repeats_2;          /* 1, 0 .. 6: samples in a row in which a channel of group 2 has the same code */
+    uint32_t screen_repeats_3;          /* 1, 0 .. 6: samples in a row in which a channel of group 3 has the same code */
+    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159 */
+    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159 */
+    float estimator_yaw;                /* rad, -0.20944 .. 0.20944 */
+    float estimator_amplitude;          /* 1, 0.75 .. 1.25: field over that of the model */
+    float estimator_motion_phase_x;     /* rad, -0.5 .. 0.5: predicted change of phase_x a sample */
+    float estimator_motion_phase_y;     /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
+    float estimator_motion_yaw;         /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
+    uint32_t estimator_excluded;        /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
+    uint32_t estimator_start_number;    /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
+    uint32_t estimator_candidates;      /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
+    uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
+    uint32_t estimator_age;             /* 1, 0 .. 3: samples since this start */
+    float estimator_candidate_phase_x;  /* rad, -3.14159 .. 3.14159: phase_x of the first solution of this sweep */
+    float estimator_candidate_phase_y;  /* rad, -3.14159 .. 3.14159: phase_y of the first solution of this sweep */
+    float estimator_candidate_yaw;      /* rad, -0.20944 .. 0.20944: yaw of the first solution of this sweep */
+    float estimator_candidate_amplitude;/* 1, 0.75 .. 1.25: amplitude of the first solution of this sweep */
+    float estimator_begin_phase_x;      /* rad, -3.14159 .. 3.14159: phase_x of this start */
+    float estimator_begin_phase_y;      /* rad, -3.14159 .. 3.14159: phase_y of this start */
+    float estimator_begin_yaw;          /* rad, -0.20944 .. 0.20944: yaw of this start */
+    float metres_last_x;                /* rad, -3.14159 .. 3.14159: phase of the last sample */
+    float metres_last_y;                /* rad, -3.14159 .. 3.14159: phase of the last sample */
+    float metres_pitch_x;               /* 1, -9 .. 9: pitches along x */
+    float metres_pitch_y;               /* 1, -9 .. 9: pitches along y */
+    uint32_t metres_counting;           /* 1, 0 .. 1: the last sample was tracked */
 } hall_position_three_state_t;
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_three_input_t) == 24u, "size of hall_position_three_input_t");
-_Static_assert(sizeof(hall_position_three_output_t) == 48u, "size of hall_position_three_output_t");
-_Static_assert(sizeof(hall_position_three_state_t) == 104u, "size of hall_position_three_state_t");
+_Static_assert(sizeof(hall_position_three_output_t) == 72u, "size of hall_position_three_output_t");
+_Static_assert(sizeof(hall_position_three_state_t) == 168u, "size of hall_position_three_state_t");
 #else
 extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_input_t) == 24u) ? 1 : -1];
-extern char hall_position_three_output_size_is_48[(sizeof(hall_position_three_output_t) == 48u) ? 1 : -1];
-extern char hall_position_three_state_size_is_104[(sizeof(hall_position_three_state_t) == 104u) ? 1 : -1];
+extern char hall_position_three_output_size_is_72[(sizeof(hall_position_three_output_t) == 72u) ? 1 : -1];
+extern char hall_position_three_state_size_is_168[(sizeof(hall_position_three_state_t) == 168u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -110,6 +133,30 @@ void hall_position_three_init(hall_position_three_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in, hall_position_three_output_t *out);
+
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
+typedef struct {
+    float rejected;                     /* 1: number of the group of channels that is refused or frozen */
+    float screened;                     /* 1: no group of channels is faulty, or a single one, which is rejected */
+    float phase_x;                      /* rad */
+    float phase_y;                      /* rad */
+    float deviation_phase_x;            /* rad: standard deviation of phase_x, limited */
+    float deviation_phase_y;            /* rad: standard deviation of phase_y, limited */
+    float phases_valid;                 /* 1: converged, complete, not weak, and passes the integrity monitor if there is one */
+    float protection_phase_x;           /* rad: protection level of phase_x: a fault in one group of channels moves it by more only with the declared risk */
+    float protection_phase_y;           /* rad: protection level of phase_y: a fault in one group of channels moves it by more only with the declared risk */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} hall_position_three_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics);
+#endif
 
 #ifdef __cplusplus
 }

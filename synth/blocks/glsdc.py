@@ -9,14 +9,12 @@ for any measurement model h and any number of unknowns, i = 0 .. n-1: J is compu
 J(d_n) is not computed. d_n is the result only if the last correction is a small fraction of a standard deviation in the
 metric of the normal equations, (gradient' N^-1 gradient)^(1/2) / deviation; otherwise the best d_i is the result.
 
-A model supplies each trial with its normal equations. `fixed_jacobian` uses one Jacobian for all trials, factorised
-without pivoting:
+A model supplies each trial with its normal equations, factorised without pivoting (`factorise_information`):
 
-    N = H'H + damping = L D L',    D_j >= damping_j,    |L_ij| <= (N_ii / damping_j)^(1/2)
+    N = H'H + damping = L D L',    D_j >= least_j,    |L_ij| <= (N_ii / least_j)^(1/2)
 
 Both inequalities hold up to rounding. The code enforces them, which bounds every quantity computed from the factors.
-Without damping, `factorise_information` needs a least value for each pivot. `glsdc_estimator` makes a Block of all this
-from any measurement model.
+`glsdc_estimator` makes a Block of all this from any measurement model.
 
 Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "A Novel Multi-DOF Precision
 Positioning Methodology Using Two-Axis Hall-Effect Sensors", Fig. 9.
@@ -167,32 +165,6 @@ class LdlNormalEquations:
                 step -= self.factors.lower[k][i] * moves[k]
             ends[i], moves[i] = choose(i, step)
         return ends
-
-
-def fixed_jacobian(
-    factors: LdlFactors,
-    rows: Sequence[Vector],
-    residuals: Callable[[int, Vector], Vector],
-    damping: Sequence[float],
-    named: NamedExpressions,
-) -> Callable[[int, Vector], Trial[LdlNormalEquations]]:
-    """Return the function that evaluates a trial: Jacobian rows (m, n) and factors at d = 0, residuals at each d."""
-
-    def evaluate(i: int, at: Vector) -> Trial[LdlNormalEquations]:
-        e = residuals(i, at)
-        squares = total(v**2 for v in e)
-        damped = [weight * v for weight, v in zip(damping, at, strict=True)]
-        cost = squares + dot(damped, at)
-        named.append((Signal("cost", "V^2", 0, 1e9, "squared residuals and damping"), cost))
-        gradient = [total(r[j] * v for r, v in zip(rows, e, strict=True)) - damped[j] for j in range(len(at))]
-        return Trial(at, e, squares, cost, LdlNormalEquations(factors, substitute_forward(factors, gradient)))
-
-    return evaluate
-
-
-def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> LdlFactors:
-    """Return L and D of H'H + diag(damping (n,)); each column of H satisfies |h_i|^2 <= `most` damping_i."""
-    return _eliminate(information(rows, rows, damping), damping, 1 + most)
 
 
 def information(rows: Sequence[Vector], others: Sequence[Vector], prior: Sequence[float]) -> list[list[ca.SX]]:

@@ -264,6 +264,8 @@ def _factors(of: ca.SX) -> tuple[float, ca.SX]:
     """Return an expression as a number times the rest; sums of multiples of one expression are one multiple."""
     if of.is_constant():
         return float(of), ca.SX(1)
+    if of.op() not in (ca.OP_MUL, ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD):
+        return 1.0, of
     parts = [_factors(of.dep(i)) for i in range(of.n_dep())]
     if of.op() == ca.OP_MUL:
         return parts[0][0] * parts[1][0], parts[0][1] * parts[1][1]

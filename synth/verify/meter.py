@@ -120,14 +120,22 @@ def with_law_alone(cost: Cost, law: EmittedCode, inputs: Columns) -> Cost:
     return replace(cost, compared=(*cost.compared, *alone))
 
 
-def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
-    """Measure in a few seconds: some steps of one closed loop, and random states for decision coverage.
+def brief(
+    emitted: EmittedCode,
+    block: Block,
+    inputs: Columns,
+    sequences: Callable[[host.Controller], Sequence[Steps]] | None = None,
+) -> Cost:
+    """Measure in a few seconds: some steps of one closed loop, and for decision coverage random states.
+
+    With `sequences`, these instead of random states.
 
     Raises CompileError and SignalError as `measure`.
     """
     controller = host.load(emitted.files, emitted.manifest)
     loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
-    return measure(emitted, block, [loop, steps.random_steps(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
+    others = sequences(controller) if sequences else [steps.random_steps(controller, DRAWN)]
+    return measure(emitted, block, [loop, *others], lambda _: None, BRIEF_COMMON)
 
 
 class Instructions(NamedTuple):

@@ -8,7 +8,7 @@ import pytest
 from scipy import optimize
 
 from synth.blocks import glsdc
-from synth.blocks.glsdc import Descent, NamedExpressions, Vector
+from synth.blocks.glsdc import Descent, LdlFactors, LdlNormalEquations, Trial, Vector
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -19,23 +19,31 @@ BOUNDS = tuple(Signal(name, "m", -2, 2) for name in "xy")
 USUAL = Descent(6, BOUNDS, slack=1e-8, decrease_tolerance=1e-8)  # of a deviation of 1 mm
 
 
+def factorise(rows: list[list[ca.SX]], most: float) -> LdlFactors:
+    """Return the factors of H'H + DAMPING, whose columns have |h_i|^2 <= `most` DAMPING_i."""
+    return glsdc.factorise_information(glsdc.information(rows, rows, DAMPING), DAMPING, (1 + most) ** 0.5)[0]
+
+
 @cache
 def solver(of: Descent) -> ca.Function:
     """Return (place, waves) -> (displacement, converged, cost before, variances, Jacobian)."""
     q, V = ca.SX.sym("q", 2), ca.SX.sym("V", len(SOURCES))
-    named: NamedExpressions = []
 
     def waves(d: Vector) -> ca.SX:
         return ca.vcat([ca.sin(ca.sqrt((q[0] + d[0] - x) ** 2 + (q[1] + d[1] - y) ** 2)) for x, y in SOURCES])
 
-    def residuals(i: int, d: Vector) -> Vector:
-        return ca.vertsplit(V - waves(d))
-
     H = ca.jacobian(waves([ca.SX(0), ca.SX(0)]), q)
     rows = [ca.horzsplit(row) for row in ca.vertsplit(H)]
-    factors = glsdc.factorise(rows, DAMPING, MOST)
-    solution = glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, DAMPING, named), of)
-    assert len(named) == of.corrections
+    factors = factorise(rows, MOST)
+
+    def evaluate(i: int, at: Vector) -> Trial[LdlNormalEquations]:
+        e, damped = ca.vertsplit(V - waves(at)), [w * v for w, v in zip(DAMPING, at, strict=True)]
+        squares = glsdc.dot(e, e)
+        gradient = [glsdc.dot([r[j] for r in rows], e) - damped[j] for j in range(len(at))]
+        normal = LdlNormalEquations(factors, glsdc.substitute_forward(factors, gradient))
+        return Trial(at, e, squares, squares + glsdc.dot(damped, at), normal)
+
+    solution = glsdc.descend(evaluate, of)
     variances = ca.vcat(glsdc.variances(factors))
     return ca.Function("f", [q, V], [ca.vcat(solution.at), solution.converged, solution.first.cost, variances, H])
 
@@ -80,6 +88,6 @@ def test_variances_are_those_of_the_inverse(most: float) -> None:
     q = np.array([1.0, 2.0])
     H = np.asarray(solver(USUAL)(q, read(q))[-1]) * [1, 100]
     rows = [[ca.SX(v) for v in row] for row in H]
-    variances = [float(v) for v in glsdc.variances(glsdc.factorise(rows, DAMPING, most))]
+    variances = [float(v) for v in glsdc.variances(factorise(rows, most))]
     exact = np.linalg.inv(H.T @ H + np.diag(DAMPING)).diagonal()
     assert np.allclose(variances, exact, rtol=1e-12) == (most > 1)

@@ -6,7 +6,6 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position.glsdc.parameters import SpatialTuning as Tuning
 from models import hall_array, hall_two_waves
 from models.hall_two_waves import SpatialArray as Array
 from synth.analyse.observability import information
@@ -50,11 +49,3 @@ def test_the_voltages_of_these_tests_are_those_of_the_sensor_model(array: Array)
 def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(ModelError, match=message):
         replace(FOUR, **change)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    "change", [{"corrections": 0}, {"max_phase_step": 2.0}, {"tilt": 0.2}, {"gap": 0.0}, {"damping": -1.0}]
-)
-def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
-    with pytest.raises(ModelError, match=f"{next(iter(change))} is"):
-        Tuning(**change)  # type: ignore[arg-type]

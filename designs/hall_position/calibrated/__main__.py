@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import trust
+from designs.hall_position.protected import trust
 
 UNITS = (("fabricated", 0), *(("built", seed) for seed in survey.SEEDS))
 WIDE = 0.01  # drift of gains, for a second budget
@@ -36,14 +36,16 @@ def print_stages() -> None:
 
 def print_survey(cases: Sequence[Case], bodies: int) -> None:
     """Print the survey of cases, and their cold starts."""
-    write("field, seed, stage, drift, motion, fault: valid %, valid and wrong % of samples, of bodies, rms/dev, um")
+    write("field, seed, stage, drift, motion, fault: valid %, valid and wrong % of samples, of bodies,")
+    write("    rms/deviation, beyond 4 deviations %, largest um")
     for case in cases:
         name = f"{case.field:10s} {case.seed:2d} {case.stage:6s} {case.drift:g}"
         for speed in (0.0, trust.SPEED):
             for fault in trust.FAULTS:
                 o = survey.run(case, fault, bodies, speed).outcome()
                 shares = f"{100 * o.valid:7.2f} {100 * o.wrong:7.3f} {100 * o.wrong_bodies:7.3f}"
-                write(f"{name} {speed:4.1f} m/s {fault:15s} {shares} {o.ratio:5.2f} {1e6 * o.error:7.0f}")
+                sizes = f"{o.ratio:5.2f} {100 * o.beyond:6.3f} {1e6 * o.error:7.0f}"
+                write(f"{name} {speed:4.1f} m/s {fault:15s} {shares} {sizes}")
         write(f"{name} cold start: {survey.cold_start(case, 5 * bodies)}")
 
 

@@ -6,9 +6,9 @@ from functools import cache
 from designs.hall_position import config as hall
 from designs.hall_position.calibrated import corrections, stages
 from designs.hall_position.calibrated.stages import UnitCalibration
-from designs.hall_position.four import config, estimator, metres, trust
-from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels
+from designs.hall_position.protected import config, estimator, metres, trust
+from designs.hall_position.protected.parameters import Tuning
 from models.hall_two_waves import PlanarArray
 from synth.block import Block
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.unit import Unit
-from designs.hall_position.four import config
+from designs.hall_position.protected import config
 from models.hall_motions import Numbers
 from synth.block import Exprs
 from synth.blocks import lookup_table, residual_map

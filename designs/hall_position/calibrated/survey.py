@@ -16,9 +16,9 @@ import numpy as np
 from designs.hall_position.calibrated import estimator, stages
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.estimator import GAIN_DRIFT
-from designs.hall_position.four import config, trust
-from designs.hall_position.four.parameters import Tuning
-from designs.hall_position.four.trust import ColdStart, Samples, World
+from designs.hall_position.protected import config, trust
+from designs.hall_position.protected.parameters import Tuning
+from designs.hall_position.protected.trust import ColdStart, Samples, World
 from models.hall_motions import Numbers, Pose
 from synth.execute import build, host
 from synth.simulate import stanford
@@ -60,7 +60,7 @@ def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[i
         V[:, list(refused)] = np.nan
         return np.asarray(V)
 
-    return World(read)
+    return World(read, len(stages.LETTERS))
 
 
 @cache

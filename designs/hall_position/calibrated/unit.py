@@ -10,9 +10,9 @@ from itertools import product
 
 import numpy as np
 
-from designs.hall_position.four import config, trust
 from designs.hall_position.glsdc import channels
-from models import built_matrix, hall_bench
+from designs.hall_position.protected import config, trust
+from models import built_matrix
 from models.built_matrix import Mounting
 from models.hall_bench import Bench
 from models.hall_motions import Numbers
@@ -37,7 +37,7 @@ class Unit:
 
     def read(self, poses: Numbers) -> Numbers:
         """Return the voltages (N, 4, 2) at poses (N, 3), without noise."""
-        return np.asarray(hall_bench.static_voltages(self.bench, poses).reshape(-1, 4, 2))
+        return trust.static_voltages(self.bench, np.ascontiguousarray(poses, np.float64))
 
 
 @cache

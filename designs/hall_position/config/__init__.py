@@ -1,33 +1,28 @@
-"""Configuration of the shipped estimators: two sensors as published, three where the worst deviation is least.
+"""Configuration of the published estimator, of two sensors.
 
 The field is that of the fabricated matrix at the sensors' height, from the blocks' remanences, times the chain's V/T.
 """
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from math import degrees
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator, tracking
 from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_array, hall_two_waves
-from models.hall_array import Pair
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
 from synth.declaration import Controller
 from synth.emit.c import digits
-from synth.errors import DesignError
 from synth.signals import signal_names
 from synth.stage import Sensor
 from synth.timing import Discrete
 
-NAME, THREE = "hall_position", "hall_position_three"
+NAME = "hall_position"
 TIME = Discrete(1 / 800)
 UNPROTECTED = (
     "two sensors have no fault protection. A failed sensor may leave no residual, and an estimate may be valid and "
@@ -39,22 +34,14 @@ START = (
     "At init the body is within half a pitch of the counted origin along X and Y, and within {yaw:g} degrees of yaw "
     "0. It rests until the first valid sample. A lost position lock needs init."
 )
-LAYOUT = 5  # degrees of yaw to either side, for which the layout of three sensors is optimised
-PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
-    {NAME: PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
-)  # in pitches
+PLACES = PUBLISHED[:2]  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # digits kept of the field, which makes it the same on every machine
 
 
-def array(name: str = NAME) -> Array:
-    """Return the array of the estimator of a name: positions, field in V and noise.
-
-    Raises DesignError for an unknown name.
-    """
-    if name not in tuple(PLACES):
-        raise DesignError(f"'{name}' is not one of the shipped estimators: give one of {', '.join(PLACES)}")
-    planar_array = Stage().array(PLACES[name])
+def array() -> Array:
+    """Return the array of the estimator: positions, field in V and noise."""
+    planar_array = Stage().array(PLACES)
     return replace(
         planar_array,
         alpha=digits.significant(planar_array.alpha, DIGITS),
@@ -62,9 +49,9 @@ def array(name: str = NAME) -> Array:
     )
 
 
-def controller(name: str = NAME) -> Controller:
-    """Return the guarded estimator of a name; raise DesignError for an unknown one."""
-    planar_array = array(name)
+def controller() -> Controller:
+    """Return the guarded estimator."""
+    planar_array = array()
     volts = channels.voltages(len(planar_array.positions))
     body = hall_array.plant(*hall_two_waves.model(planar_array), volts, TUNING.pitches * planar_array.pitch)
     interface = stage.interface(
@@ -74,30 +61,29 @@ def controller(name: str = NAME) -> Controller:
         bad_samples=channels.BAD_SAMPLES,
         reason=estimator.REASON,
     )
-    return stage.controller(name, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
+    return stage.controller(NAME, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 
 
-def preconditions(name: str) -> str:
-    """Return where the body must be at init, for an estimator of a name."""
-    window = TUNING.yaw_window if len(PLACES[name]) > 2 else tracking.valid_yaw_limit(array(name), TUNING)
-    return START.format(yaw=degrees(window))
+def preconditions() -> str:
+    """Return where the body must be at init."""
+    return START.format(yaw=degrees(tracking.valid_yaw_limit(TUNING)))
 
 
-def block(name: str = NAME) -> Block:
-    """Return the guarded estimator of a name as a Block."""
-    return controller(name).block
+def block() -> Block:
+    """Return the guarded estimator as a Block."""
+    return controller().block
 
 
-def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
-    """Return the content of gains.json for an estimator: model, sensors, tuning, and sources of the numbers."""
-    planar_array = array(name)
+def gains(scalar: type[np.floating]) -> dict[str, Any]:
+    """Return the content of gains.json: model, sensors, tuning, and sources of the numbers."""
+    planar_array = array()
     return {
         "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
         "alpha_V": planar_array.alpha,
         "beta_V": planar_array.beta,
         "pitch_m": planar_array.pitch,
         "deviation_V": planar_array.deviation,
-        "positions_pitches": [list(place) for place in PLACES[name]],
+        "positions_pitches": [list(place) for place in PLACES],
         "period_s": TIME.period_s,
         "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
         "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},

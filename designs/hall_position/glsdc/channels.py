@@ -1,16 +1,14 @@
-"""Inputs and outputs of the estimators: guarded voltages, excluded sensors, residuals, pose and flags."""
+"""Inputs and outputs of the estimators: guarded voltages, residuals, pose and flags."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import reduce
 from math import pi
 from string import ascii_lowercase
 
 import casadi as ca
 
-from synth.block import Block, Exprs
+from synth.block import Block
 from synth.blocks import safety
-from synth.blocks.glsdc import Vector
 from synth.composition import compose
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -61,11 +59,9 @@ def voltages(sensors: int) -> tuple[Signal, ...]:
     )
 
 
-def estimator_inputs(sensors: int, redundant: bool) -> list[Signal]:
-    """Return the inputs: held voltages, and which of them are refused if a sensor is redundant, else ``complete``."""
-    inputs = voltages(sensors)
-    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "voltage refused in this sample") for s in inputs]
-    return [*(replace(s, name=f"{s.name}_held") for s in inputs), *(faults if redundant else [COMPLETE])]
+def estimator_inputs(sensors: int) -> list[Signal]:
+    """Return the inputs: held voltages, and ``complete``."""
+    return [*(replace(s, name=f"{s.name}_held") for s in voltages(sensors)), COMPLETE]
 
 
 def with_guard(name: str, time: Discrete, sensors: int, block: Block, reason: str = "") -> Block:
@@ -78,17 +74,11 @@ def with_guard(name: str, time: Discrete, sensors: int, block: Block, reason: st
     return compose(name, [guard, block], inputs=signal_names(inputs), outputs=signal_names(block.outputs))
 
 
-def refused_sensors(sensors: int, u: Exprs) -> list[ca.SX]:
-    """Return for each sensor whether one of its voltages is refused."""
-    return [ca.logic_or(u[f"fault_V_{k}x"], u[f"fault_V_{k}y"]) for k in ascii_lowercase[:sensors]]
+def freedom(sensors: int, unknowns: int) -> int:
+    """Return the degrees of freedom: voltages less unknowns."""
+    return 2 * sensors - unknowns
 
 
-def freedom(sensors: int, unknowns: int, excluded: Vector | None) -> ca.SX:
-    """Return the degrees of freedom: voltages less unknowns. Any number of excluded sensors counts as one."""
-    beyond = 2 * sensors - unknowns
-    return ca.SX(beyond) if excluded is None else ca.if_else(reduce(ca.logic_or, excluded), beyond - 2, beyond)
-
-
-def residual(squares: ca.SX, freedom: ca.SX) -> ca.SX:
+def residual(squares: ca.SX, freedom: int) -> ca.SX:
     """Return the root mean square of squared residuals, V."""
     return ca.sqrt(ROOT_REGULARISATION + squares / freedom)

@@ -7,8 +7,8 @@ The damping is a prior on the predicted pose. At singular points two sensors do 
 estimate follows the prediction in one direction and is flagged `damped`.
 
 An estimate is `valid` if it has converged, is not damped, has no residual fault, and passes the innovation gate. All
-voltages must be accepted; with more than two sensors, those of the sensors in use. Its position must be unambiguous,
-and position lock must have been held since it was acquired. Pitches are counted from the one that `init` assumes. A
+voltages must be accepted. Its position must be unambiguous, and position lock must have been held since it was
+acquired. Pitches are counted from the one that `init` assumes. A
 body that leaves the counted pitches or the yaw limit loses position lock, and nothing is valid until `init`. The
 voltages do not change when the body turns by 90 degrees about a strong block: the yaw is known up to a quarter turn and
 is tracked from the last one.
@@ -55,33 +55,33 @@ def guarded_estimator(
 
 
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
-    """Return the Block from held voltages, ``complete`` or, if redundant, ``fault_V_ax`` .. to X, Y and yaw."""
-    problem, redundant = planar.problem(array, tuning), tracking.is_redundant(array)
+    """Return the Block from held voltages and ``complete`` to X, Y and yaw."""
+    problem = planar.problem(array, tuning)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
-        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, problem)
-        solution, predicted = planar.solve(problem, u, prediction, k, excluded, named)
+        prediction = tracking.predict(x, problem)
+        solution, predicted = planar.solve(problem, u, prediction, k, named)
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
         yaw_variance = _yaw_variance(normal, problem)
         weight = _prior_weight(normal, yaw_variance, problem)
-        integrity = tracking.check_integrity(problem, solution, yaw, weight, excluded, u, x)
+        integrity = tracking.check_integrity(problem, solution, yaw, weight, u, x)
         after = tracking.advance(solution, integrity, prediction, x, problem)
         lever = _lever(predicted.turns[-1], after.yaw_change, array)
         known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
-        accepted = after.inside if redundant else ca.logic_and(after.inside, u["complete"])
-        freedom = channels.freedom(len(array.positions), 3, excluded)
+        accepted = ca.logic_and(after.inside, u["complete"])
+        freedom = channels.freedom(len(array.positions), 3)
         output = _position(after.pose, lever, array) | _deviations(normal, yaw_variance, lever, problem)
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
-        output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
+        output |= {"lock_lost": x["lock_lost"]}
         return Step(output, after.next, named, predicted.certified)
 
     return build(
         "estimator",
         time,
         law,
-        inputs=channels.estimator_inputs(len(array.positions), redundant),
+        inputs=channels.estimator_inputs(len(array.positions)),
         outputs=_outputs(array, tuning),
         states=tracking.states(problem),
         constants=planar.field_constants(array),
@@ -91,8 +91,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
 
 def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
-    outputs = channels.outputs(("X", "Y", "yaw"), far, MAX_DEVIATION, FLAGS)
-    return [*outputs, tracking.excluded_sensor_number(array)] if tracking.is_redundant(array) else outputs
+    return channels.outputs(("X", "Y", "yaw"), far, MAX_DEVIATION, FLAGS)
 
 
 def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray) -> Phasor:

@@ -1,4 +1,4 @@
-"""Tuning of the GLSDC estimators of (X, Y, yaw) and of six degrees of freedom."""
+"""Tuning of the GLSDC estimator of (X, Y, yaw)."""
 
 from dataclasses import dataclass
 from math import inf, pi, radians
@@ -39,29 +39,3 @@ class Tuning:
         numeric.check_fields(self)
         if not 0 <= numeric.number("velocity_gain", self.velocity_gain) <= 1:
             raise ModelError(f"velocity_gain is {self.velocity_gain}: it must be at least 0 and at most 1")
-
-
-@dataclass(frozen=True)
-class SpatialTuning:
-    """Tuning of the estimator of six degrees of freedom, with the terms of `Tuning`.
-
-    Above the fabricated matrix, waves outside the model leave residuals of up to 0.093 V with four sensors: increase
-    `residual_limit` there.
-
-    Raises ModelError for a value out of its range.
-    """
-
-    corrections: int = between(1, 4, 20)  # a sample, all with the Jacobian at the predicted pose
-    damping: float = between(0, 1e-4, 1)  # of alpha^2
-    max_phase_step: float = between(0, 0.5, 1)  # rad of phase
-    velocity_gain: float = between(0, 0.5, 1)  # of a correction
-    convergence_sigma: float = between(0, 0.1, 1)  # standard deviations
-    max_prior_weight: float = between(0, 0.15, 6)  # parameters that the prior decides, at most
-    innovation_gate_sigma: float = between(0, 3.0, inf)  # standard deviations of the innovation
-    residual_limit: float = between(0, 0.02, inf)  # V rms
-    gap: float = between(0, 1e-3, 0.002)  # m from the height within which Z is valid
-    tilt: float = between(0, 0.02, 0.05)  # rad within which roll and pitch are valid
-    pitches: int = between(1, 8, 1000)
-
-    def __post_init__(self) -> None:
-        numeric.check_fields(self)

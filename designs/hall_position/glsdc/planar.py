@@ -23,7 +23,7 @@ from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray
 from synth.block import Constant, Exprs
 from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_solution
-from synth.blocks.glsdc import NamedExpressions, Solution, Vector
+from synth.blocks.glsdc import NamedExpressions, Solution
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_linearisation import Prediction
 from synth.blocks.glsdc_model import Measurement, Phase, Turned, Unknown
@@ -36,17 +36,13 @@ POSE = ("phase_x", "phase_y", "yaw")
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The model about the sensors' centre with its `damping` in V^2, and how the cost is minimised.
-
-    Innovations of healthy sensors are within `innovation_bound` V rms.
-    """
+    """The model about the sensors' centre with its `damping` in V^2, and how the cost is minimised."""
 
     array: PlanarArray
     tuning: Tuning
     model: Model
     iteration: Iteration
     damping: float
-    innovation_bound: float
 
 
 def problem(array: PlanarArray, tuning: Tuning) -> Problem:
@@ -60,29 +56,24 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     ]
     volts = channels.voltages(len(array.positions))
     model = glsdc_jacobian.model(
-        in_body_axes(partial(field, len(array.positions), array.c, weighted=True), len(array.positions)),
+        in_body_axes(partial(field, len(array.positions), array.c), len(array.positions)),
         array.deviation**2 * np.eye(len(volts)),
         volts,
         (),
         unknowns,
         phases(array.arms, pi + half, half, turn),
-        [*field_constants(array), *(Constant(n, 1.0, "1", "1 for a sensor in use") for n in _weights(array))],
+        field_constants(array),
     )
     iteration = Iteration(
         tuning.iterations, descent_check=True, convergence=tuning.convergence_sigma, scale=tuning.scale
     )
-    bound = hypot(tuning.residual_limit, tuning.innovation_gate_sigma * prior * array.alpha)
-    return Problem(array, tuning, model, iteration, tuning.damping * array.alpha**2, bound)
+    return Problem(array, tuning, model, iteration, tuning.damping * array.alpha**2)
 
 
-def solve(
-    of: Problem, u: Exprs, pose: Exprs, k: Exprs, excluded: Vector | None, named: NamedExpressions
-) -> tuple[Solution[Normal], Prediction]:
-    """Return the solution of a sample from a predicted pose, without the sensors that are `excluded`."""
+def solve(of: Problem, u: Exprs, pose: Exprs, k: Exprs, named: NamedExpressions) -> tuple[Solution[Normal], Prediction]:
+    """Return the solution of a sample from a predicted pose."""
     measured = [u[f"{s.name}_held"] for s in of.model.channels]
-    used = [1 - each for each in excluded] if excluded is not None else [ca.SX(1)] * len(of.array.positions)
-    measured = [used[n // 2] * volts for n, volts in enumerate(measured)]
-    constants = ca.vertcat(*(k[c.name] for c in field_constants(of.array)), *used)
+    constants = ca.vertcat(*(k[c.name] for c in field_constants(of.array)))
     prediction = glsdc_linearisation.predict(of.model, [pose[n] for n in POSE], measured, constants, named)
     sample = glsdc_solution.Problem(of.model, prediction, [ca.SX(0)] * len(POSE), None)
     return glsdc_solution.solve(sample, of.iteration), prediction
@@ -93,11 +84,6 @@ def field_constants(array: PlanarArray) -> list[Constant]:
     coefficients = {1: array.alpha + 5 * array.beta, 3: -20 * array.beta, 5: 16 * array.beta}
     about = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
     return [Constant(f"field_{n}", v, "V", about) for n, v in coefficients.items()]
-
-
-def _weights(array: PlanarArray) -> list[str]:
-    """Return the names of the weights of the sensors, 1 for one in use; the others have no voltage in no field."""
-    return [f"weight_{letter}" for letter in ascii_lowercase[: len(array.positions)]]
 
 
 def phases(arms: Sequence[Pair], largest: float, step: float, turn: float) -> list[Phase]:
@@ -125,17 +111,13 @@ def in_body_axes(of: Measurement, sensors: int) -> Turned:
     return Turned(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])
 
 
-def field(sensors: int, c: float, q: Exprs, k: Exprs, amplitude: str = "", weighted: bool = False) -> Exprs:
-    """Return the voltages of the sensors, V, in the axes of the field; `amplitude` is the name of its unknown.
-
-    If they are `weighted`, the field of each sensor is multiplied by its weight.
-    """
+def field(sensors: int, c: float, q: Exprs, k: Exprs, amplitude: str = "") -> Exprs:
+    """Return the voltages of the sensors, V, in the axes of the field; `amplitude` is the name of its unknown."""
     of = {}
+    f1, f3, f5 = (k[f"field_{n}"] for n in (1, 3, 5))
     for letter in ascii_lowercase[:sensors]:
-        weight = k[f"weight_{letter}"] if weighted else ca.SX(1)
-        f1, f3, f5 = (weight * k[f"field_{n}"] for n in (1, 3, 5))
         for axis in AXES:
             p = q[f"sin_{letter}{axis}"]
             value = p * (f1 + p**2 * (f3 + p**2 * f5))
-            of[f"V_{letter}{axis}"] = q[amplitude] * value if amplitude else weight * c + value
+            of[f"V_{letter}{axis}"] = q[amplitude] * value if amplitude else c + value
     return of

@@ -1,55 +1,43 @@
-"""Integrity monitor and tracker of (X, Y, yaw): prediction, gates, exclusion of failed sensors, ambiguity, restarts.
+"""Integrity monitor and tracker of (X, Y, yaw): prediction, gates, ambiguity, restarts.
 
 Prediction: the body moves as in the last sample, motion <- motion + velocity_gain * correction; for the yaw, which is
 damped more, the gain is smaller by yaw_damping_ratio.
 
 Residual fault: the residuals exceed `residual_limit`; or the innovation exceeds its gate with the ambiguity resolved;
-or a search ends outside the yaw window. While tracking, the correction is then discarded. At the SUSPECT-th
-consecutive fault, with more than two sensors, the sensor with the largest innovation is excluded permanently. For
-this the voltages must be inconsistent: no other pose may fit all of them. The innovations of the others must be
-within the bounds of model and motion, and CONTRAST times smaller in square. After PATIENCE faults position lock is
-lost. The position is then searched as after `init`, until a sample converges without a fault: corrections are not
-gated, and every PATIENCE samples start elsewhere in the pitch, at the last good yaw.
+or a search ends outside the yaw window. While tracking, the correction is then discarded. After PATIENCE faults
+position lock is lost. The position is then searched as after `init`, until a sample converges without a fault:
+corrections are not gated, and every PATIENCE samples start elsewhere in the pitch, at the last good yaw.
 
 Ambiguity: at singular points of two sensors, curves of equal voltages cross, and a body that passes one may be tracked
 on the wrong curve until the residuals show it. The ambiguity is therefore resolved only where no other pose in a window
-of yaws has the same voltages, and remains resolved until a sample is damped. More than two sensors are unambiguous
-in the whole window. Two are where the prior decides little, which is far from the singular points. The two that remain
-of three sensors never resolve the ambiguity, because they need not be such a pair.
+of yaws has the same voltages, and remains resolved until a sample is damped. That is where the prior decides little,
+which is far from the singular points.
 """
 
 from dataclasses import dataclass
-from functools import reduce
 from math import pi, sqrt
-from operator import add
 
 import casadi as ca
 
 from designs.hall_position.glsdc import channels, restarts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import AXES, POSE, Problem
-from models.hall_two_waves import PlanarArray
 from synth.block import Exprs, State
-from synth.blocks.glsdc import Solution, Vector
+from synth.blocks.glsdc import Solution
 from synth.blocks.glsdc_solution import Normal
 from synth.signals import Signal
 
 MOTION = ("motion_x", "motion_y", "motion_yaw")
-SUSPECT = 2  # samples
-CONTRAST = 25  # of squared residuals
-INCONSISTENT = 4.0  # standard deviations, rms of the residuals: above, the voltages are inconsistent
-REDUNDANCY_FACTOR = 4  # of the ambiguity threshold, with more than two sensors
 
 
 @dataclass(frozen=True, eq=False)
 class Integrity:
-    """Flags of a sample: residual fault, voltages inconsistent with each other, damped, or `good` without any of these.
+    """Flags of a sample: residual fault, damped, or `good` without any of these.
 
     `unambiguous`: besides, no other pose in the yaw window has the same voltages.
     """
 
     residual_fault: ca.SX
-    inconsistent: ca.SX
     damped: ca.SX
     good: ca.SX
     unambiguous: ca.SX
@@ -86,8 +74,6 @@ def states(problem: Problem) -> list[State]:
     counts = [restarts.RESIDUAL_FAULTS, restarts.SEARCHING]
     counts += [Signal("ambiguity_resolved", "1", 0, 1, "no other position has the same voltages")]
     counts += [Signal("acquired", "1", 0, 1, "position lock has been acquired since init"), restarts.LOCK_LOST]
-    if is_redundant(problem.array):
-        counts += [excluded_sensor_number(problem.array)]
     return restarts.states(reals, counts)
 
 
@@ -96,29 +82,9 @@ def predict(x: Exprs, problem: Problem) -> Exprs:
     return {n: x[n] + x[m] if problem.tuning.velocity_gain else x[n] for n, m in zip(POSE, MOTION, strict=True)}
 
 
-def is_redundant(array: PlanarArray) -> bool:
-    """Return whether one sensor can be excluded."""
-    return len(array.positions) > 2
-
-
-def excluded_sensor_number(array: PlanarArray) -> Signal:
-    """Return the signal with the number of the excluded sensor, 0 for none."""
-    return Signal(
-        "excluded_sensor", "1", 0, len(array.positions), "number of the sensor excluded as failed, 0 for none"
-    )
-
-
-def excluded_sensors(array: PlanarArray, u: Exprs, x: Exprs) -> Vector | None:
-    """Return for each sensor whether it is excluded: as failed, or in this sample because a voltage is refused."""
-    if not is_redundant(array):
-        return None
-    refused = channels.refused_sensors(len(array.positions), u)
-    return [ca.logic_or(each, x["excluded_sensor"] == n) for n, each in enumerate(refused, 1)]
-
-
-def valid_yaw_limit(array: PlanarArray, tuning: Tuning) -> float:
-    """Return the largest absolute yaw of a valid estimate, rad; with two sensors, half the yaw window at most."""
-    return tuning.yaw_limit if is_redundant(array) else min(tuning.yaw_limit, tuning.yaw_window / 2)
+def valid_yaw_limit(tuning: Tuning) -> float:
+    """Return the largest absolute yaw of a valid estimate, rad, half the yaw window at most."""
+    return min(tuning.yaw_limit, tuning.yaw_window / 2)
 
 
 def in_yaw_window(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
@@ -130,36 +96,24 @@ def in_yaw_window(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
 
 
 def check_integrity(
-    problem: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, excluded: Vector | None, u: Exprs, x: Exprs
+    problem: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, u: Exprs, x: Exprs
 ) -> Integrity:
     """Return the integrity flags of a sample that ends at a yaw; the prior decides damping * `weight` parameters."""
     array, tuning, last = problem.array, problem.tuning, solution.last
-    freedom = channels.freedom(len(array.positions), 3, excluded)
+    freedom = channels.freedom(len(array.positions), 3)
     damped = weight > tuning.max_prior_weight / problem.damping
     gate = tuning.innovation_gate_sigma * array.deviation / sqrt(problem.damping)  # rad
-    growing_gate = ca.SX(gate) if excluded is None else gate + gate * x["residual_faults"]
-    gate_exceeded = last.at[0] ** 2 + last.at[1] ** 2 + array.radius**2 * last.at[2] ** 2 > growing_gate**2
+    gate_exceeded = last.at[0] ** 2 + last.at[1] ** 2 + array.radius**2 * last.at[2] ** 2 > gate**2
     residuals_large = last.squares > freedom * tuning.residual_limit**2
     in_window = in_yaw_window(yaw, x, tuning)
     lost = ca.if_else(x["ambiguity_resolved"], gate_exceeded, ca.logic_and(x["searching"], ca.logic_not(in_window)))
     fault = ca.logic_or(residuals_large, lost)
     good = ca.logic_and(solution.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(fault, gate_exceeded))))
-    unambiguous = ca.logic_and(good, _is_unambiguous(excluded, in_window, weight, x, problem))
-    unambiguous = ca.logic_and(unambiguous, u["complete"]) if excluded is None else unambiguous
-    inconsistent = last.squares > freedom * min(tuning.residual_limit, INCONSISTENT * array.deviation) ** 2
-    return Integrity(fault, inconsistent, damped, good, unambiguous)
-
-
-def _is_unambiguous(excluded: Vector | None, in_window: ca.SX, weight: ca.SX, x: Exprs, problem: Problem) -> ca.SX:
-    """Return whether no other pose has the same voltages, from the first sample after the one that ended the search.
-
-    With two sensors the yaw must be in the window. A moving body exceeds the gate until its motion has been estimated.
-    """
-    tracking, threshold = ca.logic_not(x["searching"]), problem.tuning.ambiguity_threshold / problem.damping
-    if excluded is None:
-        return ca.logic_and(ca.logic_and(in_window, tracking), weight <= threshold)
-    enough = ca.logic_and(reduce(add, excluded) < len(excluded) - 2, weight <= REDUNDANCY_FACTOR * threshold)
-    return ca.logic_and(enough, tracking)
+    # Not before a sample after the search: a moving body exceeds the gate until its motion has been estimated.
+    tracking, threshold = ca.logic_not(x["searching"]), tuning.ambiguity_threshold / problem.damping
+    unique = ca.logic_and(ca.logic_and(in_window, tracking), weight <= threshold)
+    unambiguous = ca.logic_and(ca.logic_and(good, unique), u["complete"])
+    return Integrity(fault, damped, good, unambiguous)
 
 
 def advance(
@@ -169,7 +123,7 @@ def advance(
     fault, tuning = integrity.residual_fault, problem.tuning
     by = restarts.gate_correction(fault, POSE, solution.at, x)
     pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
-    limit, counted = valid_yaw_limit(problem.array, tuning), ca.SX(1)
+    limit, counted = valid_yaw_limit(tuning), ca.SX(1)
     for a in AXES:
         moved = prediction[f"phase_{a}"] + by[f"phase_{a}"]
         phase, turns = restarts.wrap(moved)
@@ -177,7 +131,7 @@ def advance(
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
     size = ca.fabs(pose["yaw"])
     inside = ca.logic_and(counted, size <= limit)
-    next, restart = _search(solution, integrity, x, problem)
+    next, restart = _search(solution, integrity, x)
     unambiguous = ca.logic_and(integrity.unambiguous, inside)
     resolved = ca.logic_or(unambiguous, ca.logic_and(x["ambiguity_resolved"], ca.logic_not(integrity.damped)))
     faultless = ca.logic_not(fault)
@@ -200,30 +154,11 @@ def advance(
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 
-def _search(
-    solution: Solution[Normal], integrity: Integrity, x: Exprs, problem: Problem
-) -> tuple[dict[str, ca.SX], ca.SX]:
+def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample restarts elsewhere."""
     fault = integrity.residual_fault
     restart, faults = restarts.count_faults(fault, x)
     next = {"residual_faults": faults}
-    if is_redundant(problem.array):
-        largest, is_single = _largest_innovation(solution.first.residuals, problem)
-        resolved = ca.logic_and(x["ambiguity_resolved"], x["residual_faults"] >= SUSPECT - 1)
-        failed = ca.logic_and(ca.logic_and(fault, integrity.inconsistent), ca.logic_and(resolved, is_single))
-        next["excluded_sensor"] = ca.if_else(restart, 0, ca.if_else(failed, largest, x["excluded_sensor"]))
     ended = ca.logic_and(solution.converged, ca.logic_not(fault))
     next["searching"] = ca.if_else(restart, 1, ca.if_else(ended, 0, x["searching"]))
     return next, restart
-
-
-def _largest_innovation(residuals: Vector, problem: Problem) -> tuple[ca.SX, ca.SX]:
-    """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
-    n, pairs = len(residuals) // 2, zip(residuals[::2], residuals[1::2], strict=True)
-    squares = [a**2 + b**2 for a, b in pairs]
-    largest, number, others = squares[0], ca.SX(1), ca.SX(0)
-    for k, square in enumerate(squares[1:], 2):
-        number = ca.if_else(square > largest, k, number)
-        largest, others = ca.fmax(square, largest), others + ca.fmin(square, largest)
-    agree = others <= 2 * (n - 1) * problem.innovation_bound**2
-    return number, ca.logic_and(agree, CONTRAST * others <= largest)

@@ -1,7 +1,7 @@
 """Planar controller with the estimate as its position source: X, Y and yaw close the loop.
 
     V_ax .. V_cy -->[ guard ]-->[ estimator ]--> X, Y, yaw -->[ error_map ]-->[ hall_source ]--> x_raw, y_raw, phi_raw
-                       |             |-- valid, lock_lost, excluded_sensor -----^   |   within, known, suspects
+                       |             |-- valid, lock_lost ----------------------^   |   within, known, suspects
                        '<------------------------- suspected, suspect_V_.. ----------'
 
 The rest is the planar controller: regulators, allocation, commutation, safe output. The estimator is a `PoseSource`:
@@ -15,16 +15,15 @@ invalid estimate out of the loop:
                     m <- m + VELOCITY_GAIN (estimate - prediction)
     invalid         the position is the prediction, the last position plus the motion
 
-After MAX_INVALID consecutive invalid samples all Hall voltages are suspects. Of three sensors, both voltages of an
-excluded one become suspects at once: two have no protection. Without one of four the estimate is valid as long as its
-protection levels allow. While there are suspects no sample is complete, and the guard latches BAD_SAMPLES later.
+After MAX_INVALID consecutive invalid samples all Hall voltages are suspects. Without one of four sensors the estimate
+is valid as long as its protection levels allow. While there are suspects no sample is complete, and the guard latches
+BAD_SAMPLES later.
 
 The choice of PLACES: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from string import ascii_lowercase
 from typing import Protocol
 
 import casadi as ca
@@ -55,7 +54,6 @@ MAX_MOTION = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 
 ESTIMATE = {"x": "X", "y": "Y", "phi": "yaw"}
 PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
 MAP_INPUTS = [Signal(name, unit, -10, 10) for name, unit in (("X", "m"), ("Y", "m"), ("yaw", "rad"))]
-UNPROTECTED = 3  # sensors of which none may be excluded
 FLAGS = tuple(Signal(n, "1", 0, 1, about) for n, about in (("valid", ""), ("lock_lost", "nothing is valid until init")))
 START_RANGE = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.MAX_RAW_YAW}  # m, rad
 KNOWN = Signal("known", "1", 0, 1, "an estimate before this one was valid")
@@ -132,11 +130,9 @@ def position_blocks(source: PoseSource, time: Discrete) -> list[Block]:
     return [*source.blocks(time), _source(time, source.suffix, source.sensors)]
 
 
-def _source(time: Discrete, suffix: str, sensors: int = UNPROTECTED) -> Block:
+def _source(time: Discrete, suffix: str, sensors: int = 3) -> Block:
     """Return ``hall_source``, which reads estimates whose names end in `suffix`."""
     estimate = {axis: replace(sensing.RAW[axis], name=f"{ESTIMATE[axis]}{suffix}") for axis in HORIZONTAL}
-    excluded = [Signal("excluded_sensor", "1", 0, sensors, "number of the excluded sensor")]
-    excluded = excluded if sensors <= UNPROTECTED else []
     suspects = {f"suspect_{s.name}": s for s in planar_stage.hall_signals(sensors)}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -157,26 +153,25 @@ def _source(time: Discrete, suffix: str, sensors: int = UNPROTECTED) -> Block:
         for signal, axis in zip(sensing.WITHIN, "xy", strict=True):
             whole = ca.floor(output[f"{axis}_raw"] / PITCH + (FLOOR_OFFSET + 0.5)) - FLOOR_OFFSET
             output[signal.name] = clip(output[f"{axis}_raw"] - PITCH * whole, signal)
-        failed = {n: _sensor_fails(x, ascii_lowercase.index(s.name[2]) + 1, sensors) for n, s in suspects.items()}
-        output |= failed | {sensing.SUSPECTED.name: x["failed"] > 0}
-        return Step(output, next | _failures(u, x, good, sensors))
+        output |= dict.fromkeys((*suspects, sensing.SUSPECTED.name), x["failed"])
+        return Step(output, next | _failures(x, good))
 
     references = [vertical.REFERENCES[axis] for axis in HORIZONTAL]
     return build(
         "hall_source",
         time,
         law,
-        inputs=[*estimate.values(), *FLAGS, *excluded, *references],
+        inputs=[*estimate.values(), *FLAGS, *references],
         outputs=[
             *(*sensing.RAW.values(), *sensing.WITHIN, KNOWN, sensing.SUSPECTED),
             *(Signal(n, "1", 0, 1, f"{s.name} contradicts the others") for n, s in suspects.items()),
         ],
-        states=_states(sensors),
+        states=_states(),
         tag="predict while invalid, count to the latch",
     )
 
 
-def _states(sensors: int) -> list[State]:
+def _states() -> list[State]:
     reals = [replace(sensing.RAW[axis], name=axis, about="position of the last sample") for axis in HORIZONTAL]
     reals += [
         Signal(f"motion_{a}", sensing.RAW[a].unit, -MAX_MOTION[a], MAX_MOTION[a], "predicted motion per sample")
@@ -184,28 +179,18 @@ def _states(sensors: int) -> list[State]:
     ]
     counts = [replace(KNOWN, about="an estimate has been valid")]
     counts += [Signal("invalid", "1", 0, MAX_INVALID, "consecutive invalid samples")]
-    counts += [Signal("failed", "1", 0, sensors + 1, "number of the failed sensor, the last for all of them")]
+    counts += [Signal("failed", "1", 0, 1, "the estimate has been invalid for too long")]
     return [*(State(s, 0.0) for s in reals), *(State(s, 0, True) for s in counts)]
 
 
-def _failures(u: Exprs, x: Exprs, good: ca.SX, sensors: int) -> dict[str, ca.SX]:
-    """Return the next counts: invalid samples once the position is known, and the failed sensor, permanently.
-
-    The number after the last sensor's is that of all sensors.
-    """
+def _failures(x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
+    """Return the next counts: invalid samples once the position is known, and whether they were too many, for ever."""
     too_long = x["invalid"] >= MAX_INVALID
     counted = ca.if_else(too_long, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
-    failed_sensor = ca.if_else(too_long, sensors + 1, 0)
-    for n in range(1, sensors + 1) if sensors <= UNPROTECTED else ():
-        failed_sensor = ca.if_else(u["excluded_sensor"] >= n, n, failed_sensor)
     return {
         "invalid": ca.if_else(good, 0, counted),
-        "failed": ca.if_else(x["failed"], x["failed"], ca.if_else(x["known"], failed_sensor, 0)),
+        "failed": ca.logic_or(x["failed"], ca.logic_and(x["known"], too_long)),
     }
-
-
-def _sensor_fails(x: Exprs, number: int, sensors: int) -> ca.SX:
-    return ca.logic_or(x["failed"] == number, x["failed"] == sensors + 1)
 
 
 def gate_currents(law: Sequence[Block], time: Discrete) -> list[Block]:

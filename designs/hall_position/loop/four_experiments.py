@@ -11,7 +11,7 @@ The fields are those that the shipped estimator does not know (`four_sensors`). 
     first valid         within 120 samples
 
 The rms error over the deviation is shown only: its bar is for many units and places. The estimate without calibration
-is, bit for bit, that of the shipped C. `failures` are those of `four.trust` in a steady motion, of each sensor, at
+is, bit for bit, that of the shipped C. `failures` are those of `protected.trust` in a steady motion, of each sensor, at
 STARTING_PLACES places. Fewer than 0.2 % of the AFTER samples after them are valid and wrong. After a failure the loop
 may latch. Up to the latch the platen is at most 0.5 mm from where it is without the failure, except after EXCURSIONS of
 the failures: docs/decisions/hall_position_loop.md.
@@ -24,11 +24,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from designs.hall_position.four import config, trust
 from designs.hall_position.loop import experiments, four_sensors, sources
 from designs.hall_position.loop.experiments import SPEED
 from designs.hall_position.loop.four_sensors import AXES
 from designs.hall_position.loop.stage_loop import TIME, Loop
+from designs.hall_position.protected import config, trust
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times

@@ -1,7 +1,7 @@
 """Position source of four sensors with protection levels: `hall_position_four` as it ships, or with a calibration.
 
 The stage is a unit of `calibrated.unit`, whose matrix and sensors have tolerances that the shipped estimator does not
-know; the field's amplitude is lower by that of `four.trust`. A calibration (`calibrated.stages`) knows the unit.
+know; the field's amplitude is lower by that of `protected.trust`. A calibration (`calibrated.stages`) knows the unit.
 
 A loop needs an estimate at every place that it crosses. Within the yaws of the stage the protection levels of the
 calibrated unit are at most 0.61 mm and 25 mrad, which POSITION_LIMIT and YAW_LIMIT allow. While a sensor is
@@ -19,9 +19,9 @@ from designs.hall_position.calibrated import stages
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.unit import Unit
-from designs.hall_position.four import config, estimator, trust
 from designs.hall_position.loop import stage_loop
 from designs.hall_position.loop.stage_loop import Loop
+from designs.hall_position.protected import config, estimator, trust
 from synth.block import Block, Exprs, Step, build
 from synth.signals import Signal
 from synth.timing import Discrete

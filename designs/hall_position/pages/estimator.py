@@ -4,23 +4,25 @@ from collections.abc import Mapping
 from math import degrees, pi
 
 from designs.hall_position import config
+from designs.hall_position.protected import config as protected
 from models import hall_chain
 from models.hall_chain import Chain
+from models.hall_two_waves import PlanarArray
 from synth.report.captions import Content, Rows
 
 
 def blocks(meaning: Mapping[str, str]) -> dict[str, Content]:
     """Return the tuning with the meaning of each number, the sensors, and the chain."""
     tuning = vars(config.TUNING)
+    arrays = {config.NAME: config.array()} | {name: protected.array(name) for name in protected.PLACES}
     return {
         "estimator.tuning": [(name, float(tuning[name]), about) for name, about in meaning.items()],
-        "estimator.arrays": [_array(name) for name in config.PLACES],
+        "estimator.arrays": [_array(name, array) for name, array in arrays.items()],
         "estimator.chain": _chain(),
     }
 
 
-def _array(name: str) -> tuple[str | float, ...]:
-    array = config.array(name)
+def _array(name: str, array: PlanarArray) -> tuple[str | float, ...]:
     places = ", ".join(f"({x / array.pitch:.3f}, {y / array.pitch:.3f})".replace("-", "−") for x, y in array.positions)
     return name, len(array.positions), places, array.alpha, array.beta, 1e3 * array.deviation
 

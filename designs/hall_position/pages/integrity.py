@@ -1,7 +1,8 @@
-"""Integrity of four sensors in the report: stages of the calibration, faults over fields, Stanford diagram."""
+"""Integrity of three and four sensors in the report: calibration, faults over fields, Stanford diagram."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from string import ascii_uppercase
 
 import numpy as np
@@ -9,13 +10,14 @@ from matplotlib.figure import Figure
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import config, trust
-from designs.hall_position.four.trust import Samples
+from designs.hall_position.protected import config, trust
+from designs.hall_position.protected.parameters import Tuning
+from designs.hall_position.protected.trust import Samples
 from synth.report import charts, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
 
-SEED = survey.SEEDS[0]
+SEED = survey.SEEDS[-1]  # of a unit on which nothing was chosen
 UNITS = {"fabricated": Case("fabricated", 0), "as built": Case("built", SEED)}
 BODIES, SHOWN = 400, 6000  # of each case; samples in the diagram
 SPEEDS = (0.0, trust.SPEED)
@@ -57,11 +59,13 @@ def fault_rows() -> Rows:
     for name, calibration, R, runner in _runners():
         by_fault = {f: [runner(f, speed).outcome() for speed in SPEEDS] for f in trust.FAULTS}
         none = by_fault.pop("none")
+        at_rest = runner("none", 0.0)
+        level = 1e3 * float(np.median(at_rest.levels[at_rest.valid][:, :2]))
         worst = max(by_fault, key=lambda f: max(o.wrong for o in by_fault[f]))
         ratios = "-".join(f"{v:.2f}" for v in sorted(o.ratio for o in none))
         wrong = 100 * max(o.wrong for o in by_fault[worst])
         rows.append(
-            (name, calibration, 1e3 * R, 100 * min(o.valid for o in none), ratios, worst if wrong else "", wrong)
+            (name, calibration, 1e3 * R, 100 * min(o.valid for o in none), level, ratios, worst if wrong else "", wrong)
         )
     return rows
 
@@ -72,11 +76,21 @@ def _runners() -> list[tuple[str, str, float, Runner]]:
     for name, case in UNITS.items():
         runners.append((name, "none", config.USUAL.model_error, _runner_without(case.field)))
         runners += [_runner_with(name, stage, replace(case, stage=stage)) for stage in stages.STAGES[2:]]
-    return runners
+    three = partial(_runner_without, name=config.THREE)
+    return [
+        *runners,
+        ("as built, three sensors", "none", config.USUAL.model_error, three("built")),
+        (
+            "model and 4 mV, three sensors",
+            "assumed",
+            config.CALIBRATED.model_error,
+            three("calibrated", config.CALIBRATED),
+        ),
+    ]
 
 
-def _runner_without(field: str) -> Runner:
-    return lambda fault, speed: trust.samples(config.USUAL, field, fault, BODIES, speed)
+def _runner_without(field: str, tuning: Tuning = config.USUAL, name: str = config.NAME) -> Runner:
+    return lambda fault, speed: trust.run(tuning, field, fault, BODIES, speed, name=name)
 
 
 def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:

@@ -14,13 +14,14 @@ vertical axes also change the voltages; the lag of the filters on this path is n
 
 import numpy as np
 
-from designs.hall_position import config
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from designs.planar_6dof.loops import PHASES, SENSED, LoopParts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
+from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Sensors
 from models.planar_allocation import AXES, HORIZONTAL
 from synth.analyse import linearisation, loop, operating_points
@@ -38,7 +39,7 @@ SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 def section(points: int = PLACES) -> page.Section:
     """Return the loops with the estimator, with the sensing by sections for comparison."""
-    source = Source(config.array(config.THREE))
+    source = Source(Stage().array(layouts.LAYOUTS[5]))
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = open_loop(source, block, {})

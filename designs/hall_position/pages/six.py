@@ -6,9 +6,9 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.accuracy.layouts import LAYOUTS
-from designs.hall_position.glsdc.parameters import SpatialTuning
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors
+from designs.hall_position.protected import spatial
 from models import hall_accuracy, hall_array, hall_two_waves
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import SpatialArray
@@ -29,7 +29,7 @@ def blocks(stage: Stage) -> dict[str, Content]:
     return {
         "six.places": drawings.layouts({f"{n} sensors": places for n, places in layouts.SPATIAL.items()}),
         "six.determinants": [_signs(stage, name, places) for name, places in three.items()],
-        "six.tuning": [(name, float(value)) for name, value in vars(SpatialTuning()).items()],
+        "six.tuning": [(name, float(value)) for name, value in vars(spatial.Tuning()).items()],
     }
 
 

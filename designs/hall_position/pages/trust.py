@@ -18,7 +18,7 @@ from synth.report.figures import COLOURS
 from synth.report.maps import Map
 from synth.simulate.ensemble import Scores
 
-NAMES = {config.NAME: "two sensors", config.THREE: "three sensors"}
+NAMES = {config.NAME: "two sensors"}
 RADIUS_POINTS = 24  # along a pitch, in the map of the capture radius
 BODIES, SAMPLES = 4000, 60  # in the basins: random starts, and samples of each
 YAW = np.radians(2)  # largest yaw of a start, to either side
@@ -30,14 +30,14 @@ FAILURE_POINTS, FAILURE_BODIES = 32, 150  # along a pitch of a map of failures; 
 CASES = {"at rest": 0.0, "moving": 0.1}  # fraction of the limits of speed and acceleration
 MAPPED_FAILURE = "one axis"
 ERROR_RANGE = (1.0, 1e3)  # um, of the maps
-SHARES = ("residual_exceeded", "flagged", "isolated", "valid")
+SHARES = ("residual_exceeded", "flagged", "valid")
 
 EstimatorConfigs = Mapping[str, EstimatorConfig]
 
 
 def estimators() -> dict[str, EstimatorConfig]:
-    """Return the shipped estimators, by name."""
-    return {name: EstimatorConfig(config.array(name)) for name in NAMES}
+    """Return the estimator without protection levels, by name."""
+    return {name: EstimatorConfig(config.array()) for name in NAMES}
 
 
 def blocks(configs: EstimatorConfigs) -> dict[str, Content]:

@@ -10,7 +10,7 @@ period T, the wave number w, and the amplitude alpha and the noise deviation of 
 
 At 800 Hz with the shipped tuning, the speed limit is 3.23 m/s along each axis. The acceleration limit in the plane is
 77.9 m/s^2. RESERVED_FRACTION of it is left to the noise and to the yaw, which moves the sensors by their rms arm, and
-39.0 m/s^2 remain. At the full 77.9 m/s^2 with three sensors, one body in fifty loses position lock in 1500 samples.
+39.0 m/s^2 remain.
 """
 
 from dataclasses import dataclass, replace
@@ -70,7 +70,7 @@ def limits(config: EstimatorConfig) -> Limits:
     max_innovation = tuning.innovation_gate_sigma * array.deviation / (array.alpha * sqrt(tuning.damping))
     speed = tuning.max_phase_step / 2 / (array.wave_number * T)
     acceleration = (1 - RESERVED_FRACTION) * tuning.velocity_gain * max_innovation / (array.wave_number * T**2)
-    return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(array, tuning))
+    return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(tuning))
 
 
 def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:

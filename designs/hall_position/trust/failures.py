@@ -5,7 +5,7 @@
     stuck        one keeps its value                          weak         both are a tenth smaller
     none         no failure, for comparison
 
-An invalid sample, an excluded sensor or a fault bit flags a failure: at once where the residual exceeds its limit,
+An invalid sample or a fault bit flags a failure: at once where the residual exceeds its limit,
 which is a residual fault. Where a failure changes the voltages little, or they are consistent with a position nearby,
 nothing is flagged. The error is then bounded by `Tuning.residual_limit` over the least slope. A sensor that is stuck
 while the body is at rest is not detected, and does no harm before the body moves.
@@ -61,15 +61,14 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
 class FailureResponse:
     """Shares of bodies with a failed sensor, and the errors of their estimates.
 
-    Shares: `residual_exceeded` its limit, failure `flagged`, failed sensor `isolated` (excluded by number), position
-    `lock_lost`, estimate `valid` at the end, ever `misleading` (valid with an error above 10 standard deviations).
+    Shares: `residual_exceeded` its limit, failure `flagged`, position `lock_lost`, estimate `valid` at the end, ever
+    `misleading` (valid with an error above 10 standard deviations).
     `delay`: largest number of samples from the exceeded residual to the flag, AFTER without a flag. `rms_error_sigma`:
     rms error of the valid estimates in standard deviations; `max_valid_error`: the largest, m.
     """
 
     residual_exceeded: float
     flagged: float
-    isolated: float
     lock_lost: float
     delay: int
     valid: float
@@ -90,7 +89,7 @@ def run_failure(
         at = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng)
     else:
         at = motions.course_at_rest(motions.random_poses(config.array, bodies, motions.YAW, rng))
-    return _outcome(config, _run(config, failure, sensor, at, rng), sensor)
+    return _outcome(config, _run(config, failure, sensor, at, rng))
 
 
 def undetected_error(config: EstimatorConfig, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
@@ -127,23 +126,19 @@ def _run(config: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np
 
 def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
     """Return for each body whether the sample flags a failure."""
-    excluded = batch.outputs.get("excluded_sensor", np.zeros(len(batch.states))) > 0
-    return np.asarray((batch.outputs["valid"] == 0) | excluded | (batch.faults > 0))
+    return np.asarray((batch.outputs["valid"] == 0) | (batch.faults > 0))
 
 
-def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> FailureResponse:
+def _outcome(config: EstimatorConfig, samples: Samples) -> FailureResponse:
     batches, each = zip(*samples, strict=True)
     scores, state = ensemble.stack(each), batches[-1].states
     flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
     exceeding = _first_sample(np.array([batch.outputs["residual"] > config.tuning.residual_limit for batch in batches]))
     exceeded, valid = exceeding < AFTER, scores.valid
-    name = "estimator_excluded_sensor"
-    excluded = state[name] if name in (state.dtype.names or ()) else np.zeros(exceeding.size)
     rms = np.sqrt((scores.deviations**2).mean(axis=1))
     return FailureResponse(
         residual_exceeded=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
-        isolated=float((excluded == sensor).mean()),
         lock_lost=float((state["estimator_lock_lost"] > 0).mean()),
         delay=int((flag - exceeding)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),

@@ -4,9 +4,8 @@ The body is at rest and the estimate starts elsewhere, in tracking but with the 
 sample the corrections converge to the true position, to another minimum with large residuals, or to another position
 with the same voltages. After more samples the estimator has searched. No estimate may be valid at a wrong position.
 
-From `init` on the search starts at the points of a sequence that fills the pitch, with PATIENCE samples at each. Three
-sensors are unambiguous everywhere. Two locate a body at rest, but are unambiguous in a part of the pitch only; a moving
-body reaches such a part.
+From `init` on the search starts at the points of a sequence that fills the pitch, with PATIENCE samples at each. Two
+sensors locate a body at rest, but are unambiguous in a part of the pitch only; a moving body reaches such a part.
 """
 
 from dataclasses import dataclass

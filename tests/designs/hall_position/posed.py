@@ -1,4 +1,4 @@
-"""The estimator of six degrees of freedom over known motions: voltages in closed form, the emitted C, the reference."""
+"""The estimator of six degrees of freedom over known motions: voltages in closed form, and the emitted C."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.glsdc import channels, six_estimator
-from designs.hall_position.glsdc.parameters import SpatialTuning as Tuning
-from designs.hall_position.reference_glsdc import Setup
+from designs.hall_position.glsdc import channels
+from designs.hall_position.protected import spatial
+from designs.hall_position.protected.spatial import Tuning
 from models import hall_two_waves
 from models.hall_two_waves import SpatialArray as Array
 from synth.block import Block, unranged
@@ -16,7 +16,6 @@ from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.timing import Discrete
-from tests.designs.hall_position import reference_six
 
 TIME = Discrete(1 / 800)
 L = 0.0508
@@ -32,23 +31,14 @@ Columns = Mapping[str, Numbers]
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return unranged(six_estimator.guarded_estimator(array, TIME, tuning))
+    return unranged(spatial.guarded_estimator(array, TIME, tuning))
 
 
 @cache
-def emit_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.EmittedCode:
-    return write.emit(unranged(block(array, tuning)), scalar, error=six_estimator.SURROGATE_ERROR[scalar])
-
-
-@cache
-def compile_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
-    files = emit_c(array, tuning, scalar)
+def compile_c(array: Array, tuning: Tuning = USUAL) -> host.Controller:
+    """Return the C in double precision, with functions of libm."""
+    files = write.emit(block(array, tuning), np.float64, libm=True)
     return host.load(files.files, files.manifest)
-
-
-def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
-    """Return what the reference needs to know."""
-    return Setup(vars(array) | vars(tuning))
 
 
 def volts(array: Array, pose: Numbers) -> Numbers:
@@ -82,24 +72,16 @@ def wrap_angle(angle: Numbers) -> Numbers:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def known_state(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numbers]:
-    """Return the reference's state (N,) of bodies that are known to be, at rest, at poses (N, 6)."""
-    n, w = len(pose), array.wave_number
-    state = {name: np.repeat(v, n) for name, v in reference_six.initial_state(setup(array, tuning)).items()}
+def tracking_states(array: Array, pose: Numbers) -> host.Records:
+    """Return the C's state records of estimators that track bodies at rest at poses (N, 6)."""
+    states, w = np.repeat(compile_c(array).init()[np.newaxis], len(pose)), array.wave_number
     for i, axis in enumerate("xy"):
         count = np.round(pose[:, i] / array.pitch)
-        state |= {f"phase_{axis}": w * (pose[:, i] - count * array.pitch), f"count_{axis}": count}
-    state |= {"rise": w * (pose[:, 2] - array.height), "roll": pose[:, 3], "pitch": pose[:, 4]}
-    return state | {"yaw": wrap_angle(pose[:, 5]), "yaw_last_good": wrap_angle(pose[:, 5]), "searching": np.zeros(n)}
-
-
-def state_records(
-    array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
-) -> host.Records:
-    """Return the C's state records (N,) for states of the reference."""
-    states = np.repeat(compile_c(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
-    for name, v in state.items():
-        states[f"estimator_{name}"] = v
+        states[f"estimator_phase_{axis}"] = states[f"metres_last_{axis}"] = w * (pose[:, i] - count * array.pitch)
+        states[f"metres_pitch_{axis}"] = count
+    for i, name in enumerate(spatial.OUTPUTS[2:], 2):
+        states[f"estimator_{name}"] = pose[:, i]
+    states["estimator_start_number"], states["metres_counting"] = USUAL.starts, 1
     return states
 
 
@@ -108,14 +90,12 @@ def by_input(array: Array, V: Numbers) -> dict[str, Numbers]:
     return dict(zip((s.name for s in channels.voltages(len(array.positions))), V.reshape(len(V), -1).T, strict=True))
 
 
-def replay(
-    array: Array, pose: Numbers, V: Numbers, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
-) -> host.Columns:
-    """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N, 6)."""
-    state, samples = state_records(array, known_state(array, pose, tuning), tuning, scalar), []
+def replay(array: Array, states: host.Records, V: Numbers) -> host.Columns:
+    """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), from states (N,)."""
+    samples = []
     for now in V:
-        batch = compile_c(array, tuning, scalar).batch(state, by_input(array, now))
-        state = batch.states
+        batch = compile_c(array).batch(states, by_input(array, now))
+        states = batch.states
         samples.append(batch.outputs)
     return {name: np.array([f[name] for f in samples]) for name in samples[0]}
 
@@ -147,6 +127,6 @@ def places(n: int, seed: int, yaw: float = 0.09, gap: float = 4e-4, tilt: float 
 
 def errors(outputs: Columns, pose: Numbers) -> Numbers:
     """Return by how much the poses found are off (.., 6), m and rad."""
-    off = np.stack([outputs[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
+    off = np.stack([outputs[name] for name in spatial.OUTPUTS], axis=-1) - pose
     off[..., 5] = wrap_angle(off[..., 5])
     return off

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config, page, stimuli
-from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.protected import config as protected
 from synth import contents, testing, workspace
 from synth.check import Check
 from synth.emit import write
@@ -62,13 +62,13 @@ def test_defects_that_are_planted_are_found(design: Design) -> None:
     assert testing.undetected_defects(design.stage) == []
 
 
-@pytest.mark.parametrize("name", config.PLACES)
-def test_its_manifest_says_when_it_latches(name: str) -> None:
+@pytest.mark.parametrize(("name", "sensors"), [(config.NAME, 2), (protected.THREE, 3), (protected.NAME, 4)])
+def test_its_manifest_says_when_it_latches(name: str, sensors: int) -> None:
     _, manifest = committed_files(name)
     assert manifest["safety"]["bad_samples"] == 5 and manifest["safety"]["safe_output"] == {}
     assert manifest["design"] == name and manifest["period_s"] == 1 / 800
     latched = [f for f in manifest["faults"] if f.get("latched")]
-    assert len(manifest["faults"]) == 2 * len(config.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
+    assert len(manifest["faults"]) == 2 * sensors + 1 and [f["bit"] for f in latched] == [31]
 
 
 def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
@@ -76,7 +76,7 @@ def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
     words, fields = "two sensors have no fault protection", "hold for the field of the model only"
     first_lines = {
         (name, file): (GENERATED / name / file).read_text().splitlines()[0]
-        for name in (config.NAME, config.THREE, four.NAME)
+        for name in (config.NAME, *protected.PLACES)
         for file in (f"{name}.h", "manifest.json")
     }
     assert {name for (name, _), line in first_lines.items() if words in line} == {config.NAME}
@@ -88,7 +88,7 @@ def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
     assert page.ABOUT.startswith(f"{config.NAME}: {words}")
 
 
-@pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.5), (config.THREE, 5), (four.NAME, 10)])
+@pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.5), (protected.THREE, 10), (protected.NAME, 10)])
 def test_every_header_says_where_the_body_is_at_init(name: str, degrees: float) -> None:
     header = (GENERATED / name / f"{name}.h").read_text().replace("\n * ", " ")
     assert "within half a pitch of the counted origin" in header and "rests until the first valid sample" in header

@@ -53,14 +53,14 @@ def tables(section: Section) -> dict[str, Table]:
 
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    three, row = EmittedCode({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
-    others = {(id(three), six.optimised_layout(STAGE, 4)): (row,)}
-    monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
+    files, row = {"other": EmittedCode({}, {})}, Row("3 sensors", "gcc -O2", 600, 3795, 7225)
+    others = {(id(files), six.optimised_layout(STAGE, 4)): (row,)}
+    monkeypatch.setattr(costs, "measure", lambda files, four: others[id(files), four])
     monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     scope = rows.scope(STAGE, rows.published_rows())
     few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
-    html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
+    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
         "Fig. 3",
@@ -76,7 +76,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     ):
         assert text in html, text
     assert not re.search(r"\bnan\b|>no number<", html)
-    titles = [html.rindex(t) for t in ("Cost of two sensors", "Cost of three sensors", "SHA-256")]
+    titles = [html.rindex(t) for t in ("Cost of two sensors", "Cost of three and four sensors", "SHA-256")]
     assert titles == sorted(titles) and "3\u202f795" in html
 
 

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure as Drawing
 
-from designs.hall_position import config, page
+from designs.hall_position import page
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
 from models import hall_chain, planar_stage
+from models.hall_stage import Stage
 from synth.blocks import error_map, lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
@@ -84,7 +86,7 @@ def test_the_error_map_is_drawn_as_it_is() -> None:
 
 def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate follows within a sample: what differs is the filter's lag, and 1 % of the damping."""
-    plant, source = planar_stage.plant(), Source(config.array(config.THREE))
+    plant, source = planar_stage.plant(), Source(Stage().array(layouts.LAYOUTS[5]))
     law = lqg.law(plant)
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, law, source).rounded(np.float32)
     place = {"x": 4e-3, "y": -7e-3}

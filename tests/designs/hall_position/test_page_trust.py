@@ -96,7 +96,7 @@ def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None
     row = next(r for r in rows if r[1:3] == ("dead", "at rest"))
     assert len(rows) == 2 * len(failures.FAILURES)
     assert row[4] == pytest.approx(50 * sum(f.flagged for f in outcomes))
-    assert row[7] == max(f.delay for f in outcomes) and row[8] == pytest.approx(
+    assert row[6] == max(f.delay for f in outcomes) and row[7] == pytest.approx(
         100 * max(f.misleading for f in outcomes)
     )
     assert sum("not flagged" in axes.get_title() for axes in trust._undetected_error_map(kind).axes) == 2
@@ -107,4 +107,4 @@ def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(trust, "FAILURE_BODIES", 20)
     monkeypatch.setattr(failures, "FAILURES", {"none": lambda now, before: now})
     rows = trust.failure_rows(TWO)
-    assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][6]) > 80
+    assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][5]) > 80

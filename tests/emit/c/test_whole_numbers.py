@@ -17,8 +17,8 @@ from tests.emit.passes.test_guards import F32
 # 0 and 1 say none and one; a bit of the fault word is a mask.
 BARE = re.compile(r"(?<![\w.])(?:[2-9]|\d{2,})u\b")
 DECLARATION = re.compile(r"static const uint32_t \w+ = \d+u; +/\* \S.*; .+ \*/|static const uint32_t \w+ = \d+u;$")
-# `estimator_residual_faults` and the numbers of two sensors, which name no threshold
-KNOWN = {"hall_position": 1, "hall_position_three": 3}
+# `estimator_residual_faults`, which names no threshold
+KNOWN = {"hall_position": 1}
 PATIENCE = Constant("patience", 3, "1", "samples until it gives up", ("left",))
 X, Y = Signal("x", "m", -1, 1), Signal("y", "m", -1, 1)
 

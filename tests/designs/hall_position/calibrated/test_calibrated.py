@@ -10,9 +10,9 @@ from designs.hall_position.calibrated import corrections, estimator, stages, sur
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.four import config, trust
-from designs.hall_position.four.trust import Samples
 from designs.hall_position.pages import integrity
+from designs.hall_position.protected import config, trust
+from designs.hall_position.protected.trust import Samples
 from synth.errors import ModelError
 
 SEED, OTHER, BODIES = 12, 13, 1500
@@ -116,8 +116,9 @@ def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(integrity, "UNITS", {"as built": CASE})
     monkeypatch.setattr(integrity, "BODIES", 40)
     blocks = integrity.blocks()
-    rows = {row[1]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
-    assert rows["none"][2] == 1e3 * config.USUAL.model_error and rows["none"][6] > rows["map"][6]
+    rows = {row[:2]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
+    bare, mapped = (rows["as built", stage] for stage in ("none", "map"))
+    assert bare[2] == 1e3 * config.USUAL.model_error and bare[7] > mapped[7] and bare[4] > mapped[4]
     assert [row[1] for row in blocks["integrity.stages"]] == list(stages.STAGES)  # type: ignore[union-attr,index,misc]
     assert len(blocks["integrity.subsets"]) == 16  # type: ignore[arg-type]
 

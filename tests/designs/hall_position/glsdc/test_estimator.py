@@ -142,9 +142,8 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     n, of = 5000, setup(array)
     pose, V = places(n, 6, np.pi), np.random.default_rng(6).uniform(-4.9, 4.9, (n, len(array.positions), 2))
     state = known_state(array, pose) | {"searching": np.ones(n)}
-    seen = np.zeros((n, len(array.positions), 2), bool)
-    (start, weights), problem = reference.predict(of, state, seen), reference.problem(of)
-    before = reference_glsdc.fit(problem, start, np.zeros((n, 3)), V, weights)
+    start, problem = reference.predict(of, state), reference.problem(of)
+    before = reference_glsdc.fit(problem, start, np.zeros((n, 3)), V)
     after = compile_c(array).batch(state_records(array, state), by_input(array, V))
     c, s, (x, y) = np.cos(after.outputs["yaw"]), np.sin(after.outputs["yaw"]), array.centre
     end = np.stack(
@@ -152,7 +151,7 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     )
     displacement = np.column_stack([end[:, :2] - start[:, :2], wrap_angle(end[:, 2] - start[:, 2])])
     displacement[:, :2] = (displacement[:, :2] + L / 2) % L - L / 2
-    cost = reference_glsdc.fit(problem, start, displacement, V, weights).cost
+    cost = reference_glsdc.fit(problem, start, displacement, V).cost
     assert (cost <= before.cost + 5 * reference_glsdc.SLACK * array.deviation**2).all()
     assert (cost < 0.9 * before.cost).mean() > 0.5
 

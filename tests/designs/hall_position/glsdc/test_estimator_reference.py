@@ -61,9 +61,7 @@ def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers],
     }
     state["ambiguity_resolved"] = rng.integers(0, 2, n) * (1 - state["searching"])
     state["acquired"] = np.maximum(state["ambiguity_resolved"], rng.integers(0, 2, n))
-    if k > 2:
-        state["excluded_sensor"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
-    start, _ = reference.predict(of, state, np.zeros((n, k, 2), bool))
+    start = reference.predict(of, state)
     size = rng.choice([1e-3, 0.05, 0.3], n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [W, W, 6]
     x, y, yaw = (start + size).T
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
@@ -171,9 +169,6 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
         ("SLACK", 1e6),
         ("ROUNDING", 0.1),
         ("PATIENCE", 4),
-        ("SUSPECT", 3),
-        ("CONTRAST", 1),
-        ("REDUNDANCY_FACTOR", 1),
         ("PLASTIC", 1.32),
     ],
 )

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
-from designs.hall_position.glsdc import channels, estimator, six_estimator
-from designs.hall_position.glsdc.parameters import SpatialTuning, Tuning
+from designs.hall_position.glsdc import channels, estimator
+from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.protected import config as protected
+from designs.hall_position.protected import spatial
 from models.hall_two_waves import PlanarArray as Array
 from models.hall_two_waves import SpatialArray
 from synth.errors import DesignError, ModelError, TimingError
@@ -74,7 +76,7 @@ def test_more_sensors_than_are_named_are_refused() -> None:
     assert len(channels.voltages(len(six(positions=many[:26]).positions))) == 52
 
 
-@pytest.mark.parametrize("of", [Tuning, SpatialTuning])
+@pytest.mark.parametrize("of", [Tuning, spatial.Tuning])
 def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
     for name in of.__dataclass_fields__:
         for value in INVALID:
@@ -82,7 +84,7 @@ def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
                 of(**{name: value})
 
 
-@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (SpatialTuning, "corrections")])
+@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (spatial.Tuning, "corrections")])
 def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
     for counted in (name, "pitches"):
         for value in (2.5, 2.0, 0, 1001):
@@ -94,15 +96,15 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
-    for module, sensors in ((estimator, two), (six_estimator, FOUR)):
-        with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            module.guarded_estimator(sensors, time)
+    with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
+        estimator.guarded_estimator(two, time)
+    with pytest.raises(TimingError, match=r"`time` of `glsdc_estimator.estimator` is .*: give a Discrete"):
+        spatial.guarded_estimator(FOUR, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 
 
-@pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
+@pytest.mark.parametrize("name", ["hall", "", None, ["hall_position_four"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for make in (config.array, config.block):
-        with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
-            make(name)
+    with pytest.raises(DesignError, match="give one of hall_position_four, hall_position_three"):
+        protected.array.__wrapped__(name)

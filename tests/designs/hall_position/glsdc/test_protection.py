@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, planar
 from models import hall_motions as motions
+from models.hall_stage import Stage
 from synth.block import Block
 from synth.blocks import glsdc_estimator
 from synth.blocks.glsdc_integrity import Integrity
@@ -18,7 +20,7 @@ from synth.emit import write
 from synth.execute import host
 from synth.signals import Signal
 
-ARRAY, COUNT, SAMPLES, RISK = config.array(config.THREE), 3, 4000, 1e-2
+ARRAY, COUNT, SAMPLES, RISK = Stage().array(layouts.LAYOUTS[5]), 3, 4000, 1e-2
 LIMITS = dict.fromkeys(planar.POSE, 0.1)  # rad
 
 

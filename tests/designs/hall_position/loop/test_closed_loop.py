@@ -36,7 +36,7 @@ def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Col
     text = source.files["hall_source.c"]
     assert old in text
     inputs: Columns = {"X": SPEED * k, "Y": -SPEED * k, "yaw": np.full(N, 2e-3), "valid": k >= FIRST}
-    inputs |= {"excluded_sensor": np.zeros(N), "lock_lost": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
+    inputs |= {"lock_lost": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
     inputs |= {"y_ref_held": np.full(N, -0.01), "phi_ref_held": np.zeros(N)}
     inputs |= changed or {}
     controller = host.load({**source.files, "hall_source.c": text.replace(old, new)}, source.manifest)
@@ -94,15 +94,6 @@ def test_consecutive_invalid_samples_raise_the_suspicion_and_a_valid_one_resets_
 
 def test_a_search_at_the_beginning_is_no_failure() -> None:
     assert not answers({"valid": np.zeros(N)})["suspected"].any()
-
-
-@pytest.mark.parametrize(("number", "letter"), [(1, "a"), (2, "b"), (3, "c")])
-def test_an_excluded_sensor_is_suspected(number: int, letter: str) -> None:
-    k = np.arange(N)
-    outputs = answers({"excluded_sensor": np.where(k >= 40, number, 0)})
-    assert np.argmax(outputs["suspected"]) == 41
-    named = {name for name in planar_stage.HALL if outputs[f"suspect_{name}"][-1]}
-    assert named == {f"V_{letter}x", f"V_{letter}y"}
 
 
 def test_an_estimate_without_position_lock_is_not_used() -> None:

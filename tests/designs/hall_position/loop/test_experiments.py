@@ -9,12 +9,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import config
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
 from designs.hall_position.loop.stage_loop import Loop
 from designs.hall_position.pages import loops as page_loops
 from designs.planar_6dof import lqg
 from models import hall_sections, planar_stage
+from models.hall_stage import Stage
 from synth.analyse.loop import sampled
 from synth.execute import cross, host
 from synth.fault import BRAKING_BIT
@@ -91,7 +92,7 @@ def test_a_position_that_is_not_held_in_dropouts_is_detected(old: str, new: str,
 
 
 def test_the_response_to_a_wrong_sample_is_that_of_the_linear_loop() -> None:
-    source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
+    source, plant = closed_loop.Source(Stage().array(layouts.LAYOUTS[5])), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = page_loops.open_loop(source, block, {})
     T = lqg.TIME.period_s

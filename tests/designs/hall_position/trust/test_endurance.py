@@ -13,31 +13,24 @@ from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.execute import host
 
-TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, config.THREE))
+TWO = EstimatorConfig(config.array())
 BODIES, SAMPLES = 2000, 250
 
 
 def test_the_limits_follow_from_the_largest_step_and_the_innovation_gate() -> None:
-    limits = endurance.limits(THREE)
+    limits = endurance.limits(TWO)
     assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
     assert limits.acceleration == pytest.approx(38.96, rel=1e-3)
-    calm = replace(THREE, tuning=Tuning(innovation_gate_sigma=1.5, max_phase_step=0.5))
+    calm = replace(TWO, tuning=Tuning(innovation_gate_sigma=1.5, max_phase_step=0.5))
     assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
     assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
 
 
-def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
-    """Half a million samples here: ten million take 20 seconds."""
-    run = endurance.run(THREE, BODIES, SAMPLES, endurance.limits(THREE))
-    assert run.samples == BODIES * SAMPLES and run.valid_share == 1.0
-    assert run.lock_lost_share == run.misleading == 0 and run.max_error == run.max_valid_error < 25e-6
-
-
 @pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 3.0)])
 def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleration: float) -> None:
-    limits = endurance.limits(THREE)
+    limits = endurance.limits(TWO)
     beyond = Limits(speed * limits.speed, acceleration * limits.acceleration)
-    run = endurance.run(THREE, BODIES, SAMPLES, beyond)
+    run = endurance.run(TWO, BODIES, SAMPLES, beyond)
     assert run.lock_lost_share > 0.1 and run.misleading == 0
 
 

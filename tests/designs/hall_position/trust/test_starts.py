@@ -14,24 +14,14 @@ from models.hall_motions import Pose
 from synth.errors import ModelError
 from synth.execute import host
 
-TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, config.THREE))
+TWO = EstimatorConfig(config.array())
 YAW = np.radians(4.5)  # within the five degrees that a search assumes
 BODIES = 10_000
 YAWS = np.radians([-4.5, -2.0, 0.0, 2.0, 4.5])
 
 
 def grid(points: int, yaws: np.ndarray = YAWS) -> Pose:
-    return Pose(*hall_two_waves.poses(THREE.array.pitch, points, yaws))
-
-
-def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the_truth() -> None:
-    """In a sample those whose yaw is off by up to 2.5 degrees, as it is held to the expected one; later all."""
-    basin = starts.basin(THREE, BODIES, YAW)
-    near, small = basin.displacement < THREE.array.pitch / 15.9, basin.yaw < np.radians(2.6)
-    assert basin.misleading == 0 and basin.samples == 60 * BODIES
-    assert (basin.first[np.ix_(near, small)] == 1).all() and (basin.last == 1).all()
-    # A sample corrects no more than half the reach, 4 mm, along each axis.
-    assert not basin.first[basin.displacement > 0.2 * THREE.array.pitch].any()
+    return Pose(*hall_two_waves.poses(TWO.array.pitch, points, yaws))
 
 
 def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
@@ -41,17 +31,13 @@ def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
 
 def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
     loose = EstimatorConfig(TWO.array, Tuning(yaw_damping_ratio=1.0))
-    three, two, other = (starts.capture_radius(kind, 16) for kind in (THREE, TWO, loose))
-    assert three.shape == (16, 16) and three.min() > 3e-3 and two.min() > 3e-3
+    two, other = (starts.capture_radius(kind, 16) for kind in (TWO, loose))
+    assert two.shape == (16, 16) and two.min() > 3e-3
     # Near singular places the nearest start leads to the other way out, but for the yaw that is held.
     assert 0.01 < (other < 1e-3).mean() < 0.3 and np.median(other) > 3e-3
-    assert (other <= three.max()).all()
 
 
-@pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
-def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(
-    kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = estimator_ensemble.step
 
     def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
@@ -59,39 +45,31 @@ def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(estimator_ensemble, "step", careless)
-    assert starts.basin(kind, 1000, YAW).misleading > 10
+    assert starts.basin(TWO, 1000, YAW).misleading > 10
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])
 def test_no_bodies_samples_or_points_are_refused(number: Any) -> None:
     with pytest.raises(ModelError, match="number of bodies is"):
-        starts.basin(THREE, number, YAW, 1)
+        starts.basin(TWO, number, YAW, 1)
     with pytest.raises(ModelError, match="number of samples is"):
-        starts.basin(THREE, 1, YAW, number)
+        starts.basin(TWO, 1, YAW, number)
     with pytest.raises(ModelError, match="number of points is"):
-        starts.capture_radius(THREE, number)
+        starts.capture_radius(TWO, number)
 
 
 @pytest.mark.parametrize("yaw", [float("nan"), None, "1"])
 def test_a_yaw_that_is_none_is_refused(yaw: Any) -> None:
     with pytest.raises(ModelError, match="the yaw is"):
-        starts.basin(THREE, 1, yaw, 1)
+        starts.basin(TWO, 1, yaw, 1)
     with pytest.raises(ModelError, match=r"the yaw is -0.1 rad"):
-        starts.basin(THREE, 1, -0.1, 1)
+        starts.basin(TWO, 1, -0.1, 1)
 
 
 @pytest.mark.filterwarnings("error")
 def test_where_no_start_was_drawn_there_is_no_share() -> None:
-    basin = starts.basin(THREE, 4, YAW, 1)
+    basin = starts.basin(TWO, 4, YAW, 1)
     assert np.isnan(basin.first).sum() >= basin.first.size - 4 and np.isfinite(basin.first).any()
-
-
-def test_three_sensors_find_every_place_within_forty_samples() -> None:
-    """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
-    scores = starts.cold_start(THREE, grid(24), 60)
-    took = scores.first_valid
-    assert took.all() and not scores.is_wrong.any() and took.max() <= 40 and np.median(took) < 10
-    assert scores.is_correct[-1].all() and took.shape == (24 * 24 * 5,)
 
 
 def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_everywhere_in_motion() -> None:
@@ -102,19 +80,15 @@ def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_e
     assert in_motion > 0.9 and not moving.is_wrong.any()
 
 
-@pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
-def test_a_body_that_moves_is_found(kind: EstimatorConfig) -> None:
-    """Its place is not certain before its motion is known, nor is a sound sensor left out as the motion is not."""
+def test_a_body_that_moves_is_found() -> None:
+    """Its place is not certain before its motion is known."""
     speeds, pose = (0.15, 0.2, 0.25, 0.3), grid(24)
     for seed, speed in enumerate(speeds):
-        scores = starts.cold_start(kind, pose, 120, speed, seed)
-        assert not scores.is_wrong.any() and scores.is_correct[-1].mean() >= (0.999 if kind is THREE else 0.95)
+        scores = starts.cold_start(TWO, pose, 120, speed, seed)
+        assert not scores.is_wrong.any() and scores.is_correct[-1].mean() >= 0.95
 
 
-@pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
-def test_a_search_that_ends_wherever_it_converges_is_seen(
-    kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_search_that_ends_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = estimator_ensemble.step
 
     def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
@@ -122,16 +96,16 @@ def test_a_search_that_ends_wherever_it_converges_is_seen(
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(estimator_ensemble, "step", careless)
-    assert starts.cold_start(kind, grid(24), 40).is_wrong.any()
+    assert starts.cold_start(TWO, grid(24), 40).is_wrong.any()
 
 
 def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
     """By 40 degrees: what is found is a quarter turn off, or nothing."""
-    scores = starts.cold_start(THREE, grid(12, np.radians([-40.0, 40.0])), 60)
+    scores = starts.cold_start(TWO, grid(12, np.radians([-40.0, 40.0])), 60)
     assert not scores.valid.any() and not scores.is_wrong.any()
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])
 def test_a_cold_start_of_no_samples_is_refused(number: Any) -> None:
     with pytest.raises(ModelError, match="number of samples is"):
-        starts.cold_start(THREE, grid(1), number)
+        starts.cold_start(TWO, grid(1), number)

@@ -8,10 +8,10 @@ from functools import partial
 from math import pi
 from string import ascii_lowercase
 
-from designs.hall_position.four import metres
-from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels, planar
-from models.hall_two_waves import PlanarArray
+from designs.hall_position.protected import metres
+from designs.hall_position.protected.parameters import Tuning
+from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block
 from synth.blocks import glsdc_estimator, glsdc_model, safety, screening
 from synth.blocks.glsdc_integrity import Integrity
@@ -51,7 +51,7 @@ def with_guard(name: str, array: PlanarArray, time: Discrete, located: Sequence[
     volts = channels.voltages(len(array.positions))
     inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
     guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
-    lengths = [s.name for s in located[-1].outputs if s.unit == "m"]
+    lengths = [s.name for block in located for s in block.outputs if s.unit == "m"]
     return compose(name, [guard, *located], inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
 
 
@@ -76,7 +76,7 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block
     )
 
 
-def groups(array: PlanarArray) -> list[list[str]]:
+def groups(array: PlanarArray | SpatialArray) -> list[list[str]]:
     """Return the names of the voltages by sensor: they fail together."""
     return [[f"V_{letter}x", f"V_{letter}y"] for letter in ascii_lowercase[: len(array.positions)]]
 
@@ -94,17 +94,16 @@ def search(tuning: Tuning) -> Search:
     return Search(tuning.starts, {"phase_x": along, "phase_y": along, "yaw": turn}, tuning.patience, tuning.dwell)
 
 
-def _unknowns(tuning: Tuning) -> list[Unknown]:
-    phases = [
-        Unknown(
-            Signal(f"phase_{a}", "rad", -pi, pi),
-            tuning.largest_phase,
-            tuning.phase_step,
-            periodic=True,
-            velocity_gain=tuning.velocity_gain,
-        )
+def phase_unknowns(largest: float, step: float, velocity_gain: float) -> list[Unknown]:
+    """Return w X and w Y within a turn, by largest deviation, largest correction and gain of the predicted motion."""
+    return [
+        Unknown(Signal(f"phase_{a}", "rad", -pi, pi), largest, step, periodic=True, velocity_gain=velocity_gain)
         for a in "xy"
     ]
+
+
+def _unknowns(tuning: Tuning) -> list[Unknown]:
+    phases = phase_unknowns(tuning.largest_phase, tuning.phase_step, tuning.velocity_gain)
     turn, spread = tuning.yaw_range, tuning.amplitude_range
     yaw = Unknown(
         Signal("yaw", "rad", -turn, turn),

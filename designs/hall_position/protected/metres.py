@@ -8,7 +8,7 @@ from math import pi
 
 import casadi as ca
 
-from models.hall_two_waves import PlanarArray
+from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -19,7 +19,7 @@ PREFIXES = ("deviation", "protection")
 VALID = Signal("valid", "1", 0, 1, "converged, tracked, passes its test, within its protection levels and pitches")
 
 
-def metres(array: PlanarArray, time: Discrete, pitches: int, phases: Block) -> Block:
+def metres(array: PlanarArray | SpatialArray, time: Discrete, pitches: int, phases: Block) -> Block:
     """Return the Block from phases, deviations and protection levels to m; it counts `pitches` to either side."""
     by_name = {s.name: s for s in phases.outputs}
     rounded = (1 - ROUNDING) * array.wave_number

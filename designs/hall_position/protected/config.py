@@ -1,20 +1,22 @@
-"""Configuration of the estimator of four sensors, at places with small protection levels.
+"""Configuration of the estimators with protection levels, of three and of four sensors.
 
-The places have the least 97 % quantile, over the pitch and yaws within 10 degrees, of the levels in X, Y and the yaw
-(over 40 rad/m) that a search of 20,000 random layouts and 250 perturbations of each of the five best has reached.
+The places of four sensors have the least 97 % quantile, over the pitch and yaws within 10 degrees, of the levels in X,
+Y and the yaw (over 40 rad/m) that a search of 20,000 random layouts and 250 perturbations of each of the five best has
+reached. Those of three sensors have the largest share of poses with levels within the calibrated limits.
 """
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from designs.hall_position import config
-from designs.hall_position.four import estimator
-from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc import channels
+from designs.hall_position.protected import estimator
+from designs.hall_position.protected.parameters import Tuning
 from models import hall_motions as motions
 from models.hall_array import Pair
 from models.hall_motions import Numbers, Pose
@@ -22,9 +24,15 @@ from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
 from synth.emit.c import digits
+from synth.errors import DesignError
 
-NAME = "hall_position_four"
-PLACES: tuple[Pair, ...] = ((0.046, -0.072), (-0.178, -0.277), (-0.399, -0.478), (0.259, 0.122))  # pitches
+NAME, THREE = "hall_position_four", "hall_position_three"
+PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
+    {
+        NAME: ((0.046, -0.072), (-0.178, -0.277), (-0.399, -0.478), (0.259, 0.122)),
+        THREE: ((-0.438, -0.199), (-0.067, 0.185), (0.292, -0.226)),
+    }
+)  # pitches
 USUAL = Tuning()
 # Residual of a voltage after a calibration with an error map, and limits in proportion to it.
 CALIBRATED = Tuning(model_error=5e-3, position_limit=5e-4, yaw_limit=0.022)
@@ -39,29 +47,31 @@ REFUSED, DEAD, FROZEN = slice(300, 304), slice(450, 550), slice(700, 760)  # sam
 
 
 @cache
-def array() -> Array:
-    """Return the array: positions, field in V and noise."""
-    made = Stage().array(PLACES)
+def array(name: str = NAME) -> Array:
+    """Return the array of an estimator: positions, field in V and noise; raise DesignError for an unknown name."""
+    if name not in tuple(PLACES):
+        raise DesignError(f"'{name}' has no protection levels: give one of {', '.join(PLACES)}")
+    made = Stage().array(PLACES[name])
     alpha, beta = (digits.significant(v, config.DIGITS) for v in (made.alpha, made.beta))
     return replace(made, alpha=alpha, beta=beta)
 
 
 @cache
-def block(tuning: Tuning = USUAL) -> Block:
-    """Return the guarded estimator."""
-    return estimator.guarded_estimator(NAME, array(), config.TIME, tuning)
+def block(tuning: Tuning = USUAL, name: str = NAME) -> Block:
+    """Return the guarded estimator; raise DesignError for an unknown name."""
+    return estimator.guarded_estimator(name, array(name), config.TIME, tuning)
 
 
-def gains(scalar: type[np.floating]) -> dict[str, Any]:
+def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
     """Return the content of gains.json."""
-    of = array()
+    of = array(name)
     return {
         "model": "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
         "alpha_V": of.alpha,
         "beta_V": of.beta,
         "pitch_m": of.pitch,
         "deviation_V": of.deviation,
-        "positions_pitches": [list(place) for place in PLACES],
+        "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": config.TIME.period_s,
         "method": "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
         "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(USUAL).items()},
@@ -69,16 +79,16 @@ def gains(scalar: type[np.floating]) -> dict[str, Any]:
     }
 
 
-def vectors(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
+def vectors(inputs: Mapping[str, Any], outputs: Mapping[str, Any], name: str = NAME) -> dict[str, Numbers]:
     """Return the inputs of the test vectors, in the scalar type of the `inputs` of two sensors.
 
-    The body rests and then moves; a voltage is out of range, a sensor is dead, and a converter freezes.
+    The body rests and then moves; a voltage is out of range, a sensor is dead, and the last converter freezes.
     """
     scalar = inputs["V_ax"].dtype.type
     progress = np.clip((np.arange(VECTORS) - REST) / (VECTORS - REST), 0, 1)
     along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
     pose = Pose(*(start + by * along for start, by in zip(START, DISPLACEMENT, strict=True)))
-    V = motions.noisy(array(), pose, SEED)
+    V = motions.noisy(array(name), pose, SEED)
     V[REFUSED, 0, 1], V[DEAD, 2] = 9.0, 0.0
-    V[FROZEN, 3, 0] = V[FROZEN.start, 3, 0]
+    V[FROZEN, -1, 0] = V[FROZEN.start, -1, 0]
     return motions.by_input(V.astype(scalar))

@@ -1,4 +1,4 @@
-"""Reference of the guarded estimator of four sensors in plain NumPy; N bodies advance one sample at a time.
+"""Reference of the guarded estimators with protection levels in plain NumPy; N bodies advance one sample at a time.
 
     e = R(yaw) V - a B,   N = H'H + P,   d <- d + N^-1 (H'e - P (o + d)),   a the amplitude, P its prior
 
@@ -16,7 +16,7 @@ from math import hypot, pi
 import numpy as np
 from scipy import optimize, stats
 
-from designs.hall_position import reference_four_track, reference_guard
+from designs.hall_position import reference_guard, reference_track
 from designs.hall_position.reference_glsdc import Array, Columns, Setup, wrap
 
 UNKNOWNS = ("phase_x", "phase_y", "yaw", "amplitude")
@@ -37,7 +37,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Hypotheses:
-    """Of all voltages: step, variances (N, 4) and cost; by sensor: moves, added variances (N, 4, 4), costs (N, 4)."""
+    """Of all voltages: step, variances (N, 4) and cost; by sensor (N, sensors, ..): moves, added variances, costs."""
 
     step: Array
     variances: Array
@@ -73,15 +73,20 @@ def prior(setup: Setup) -> Array:
 
 
 @cache
-def thresholds(false_alarm: float, risk: float) -> tuple[float, float, float, float]:
-    """Return T, L, k and T_1 of five degrees of freedom, three without a sensor."""
-    test = float(stats.chi2.isf(false_alarm, 5))
-    noncentrality = optimize.brentq(lambda v: stats.ncx2.cdf(test, 5, v) - risk, 1e-9, 1e4)
-    return test, float(noncentrality), float(stats.norm.isf(risk / 4)), float(stats.chi2.isf(risk / 2, 3))
+def thresholds(freedom: int, false_alarm: float, risk: float) -> tuple[float, float, float, float]:
+    """Return T, L, k and T_1 of some degrees of freedom, two fewer without a sensor."""
+    test = float(stats.chi2.isf(false_alarm, freedom))
+    noncentrality = optimize.brentq(lambda v: stats.ncx2.cdf(test, freedom, v) - risk, 1e-9, 1e4)
+    return test, float(noncentrality), float(stats.norm.isf(risk / 4)), float(stats.chi2.isf(risk / 2, freedom - 2))
+
+
+def limits_of(setup: Setup) -> tuple[float, float, float, float]:
+    """Return the thresholds of an estimator: its voltages and a prior, less four unknowns."""
+    return thresholds(2 * len(setup.positions) + 1 - 4, setup.false_alarm, setup.risk)
 
 
 def linearise(setup: Setup, q: Array, V: Array) -> tuple[Array, Array]:
-    """Return residuals (N, 8) and rows (N, 8, 4) at unknowns (N, 4), of voltages (N, 4, 2)."""
+    """Return residuals (N, m) and rows (N, m, 4) at unknowns (N, 4), of voltages (N, m / 2, 2)."""
     c, s, a = np.cos(q[:, 2]), np.sin(q[:, 2]), q[:, 3]
     e, H, zero = [], [], np.zeros(len(q))
     for k, place in enumerate(setup.positions):
@@ -104,7 +109,7 @@ def _slope(setup: Setup, phase: Array) -> Array:
 
 
 def fit(setup: Setup, start: Array, V: Array, used: Array) -> Fit:
-    """Return the fit from a prediction (N, 4); `used` (N, 8) is 0 for the voltages that are left out."""
+    """Return the fit from a prediction (N, 4); `used` (N, m) is 0 for the voltages that are left out."""
     low, high, steps = ranges(setup)
     P, o, at = prior(setup), start - [0, 0, 0, 1.0], np.zeros_like(start)
     e, rows = linearise(setup, start, V)
@@ -140,7 +145,7 @@ def hypotheses(setup: Setup, start: Array, V: Array) -> Hypotheses:
     step = np.einsum("nij,nj->ni", K, gradient)
     cost = np.maximum((e**2).sum(axis=1) + (P * o**2).sum(axis=1) - np.einsum("ni,ni->n", gradient, step), 0)
     u, moves, added, costs, detectable = e - np.einsum("nki,ni->nk", H, step), [], [], [], np.ones(len(e), bool)
-    for k in range(4):
+    for k in range(len(setup.positions)):
         pair = slice(2 * k, 2 * k + 2)
         X = K @ np.swapaxes(H[:, pair], 1, 2)
         S = np.eye(2) - H[:, pair] @ X
@@ -169,7 +174,7 @@ def hypotheses(setup: Setup, start: Array, V: Array) -> Hypotheses:
 
 def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
     """Return the protection levels (N, 3) of both phases and the yaw."""
-    _, noncentrality, k, limit = thresholds(setup.false_alarm, setup.risk)
+    _, noncentrality, k, limit = limits_of(setup)
     s, three = scale(setup), slice(0, 3)
     detected = s * np.sqrt(noncentrality * of.added.max(axis=1)) + k * fitted.deviations
     passing = (of.costs <= limit * s**2 + ROUNDING * of.cost[:, None])[:, :, None]
@@ -190,16 +195,16 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     """Return next states, outputs and fault words (N,), states by their names in the C."""
     held, refused = reference_guard.hold_voltages(setup, states, inputs)
     next, word = reference_guard.advance(setup, states, held, refused)
-    screened, rejected, counts = reference_four_track.screen(setup, states, held, refused)
+    screened, rejected, counts = reference_track.screen(setup, states, held, refused)
     x = reference_guard.estimator_states(states)
     excluded = np.where(rejected > 0, rejected, x["excluded"])
     start = np.stack([x[n] for n in UNKNOWNS], axis=1)
     start[:, :3] += np.stack([x[f"motion_{n}"] for n in UNKNOWNS[:3]], axis=1)
     start[:, :2] = wrap(start[:, :2])[0]
     start[:, 2] = np.clip(start[:, 2], -setup.yaw_range, setup.yaw_range)
-    used = np.repeat(excluded[:, None] != np.arange(1, 5), 2, axis=1).astype(float)
+    used = np.repeat(excluded[:, None] != np.arange(1, len(setup.positions) + 1), 2, axis=1).astype(float)
     fitted, of = fit(setup, start, held, used), hypotheses(setup, start, held)
-    test, _, _, limit = thresholds(setup.false_alarm, setup.risk)
+    test, _, _, limit = limits_of(setup)
     s = scale(setup)
     level = levels(setup, of, fitted, excluded)
     accepted = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
@@ -209,10 +214,10 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     pose[:, :2] = wrap(pose[:, :2])[0]
     low, high, _ = ranges(setup)
     pose[:, 2:] = np.clip(pose[:, 2:], low[2:], high[2:])
-    sample = reference_four_track.Sample(start, pose, fitted.at, fitted.converged, accepted, best)
-    after, tracking, lost = reference_four_track.advance(setup, x, sample)
+    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, best)
+    after, tracking, lost = reference_track.advance(setup, x, sample)
     valid = fitted.converged & accepted & within & tracking & ~lost
-    position, after_metres = reference_four_track.metres(setup, states, pose, tracking)
+    position, after_metres = reference_track.metres(setup, states, pose, tracking)
     valid &= (np.abs(np.stack([after_metres[f"metres_pitch_{a}"] for a in "xy"])) <= setup.pitches).all(axis=0)
     output = position | {"yaw": pose[:, 2], "amplitude": pose[:, 3], "protection_yaw": level[:, 2]}
     for i, axis in enumerate("XY"):

@@ -1,4 +1,4 @@
-"""How often an estimate of four sensors is valid, and valid and wrong, over fields and faults that it does not know.
+"""How often an estimate of three or four sensors is valid, and valid and wrong, over unknown fields and faults.
 
     own         the field of the model                     calibrated   the same, and RESIDUAL V rms in each voltage
     fabricated  the finite matrix of fabricated blocks     built        the same with remanence +-2 %, tilt +-1 deg and
@@ -11,14 +11,14 @@ samples a voltage, or both of a sensor, fails. `wrong` is an error above 0.5 mm 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from designs.hall_position.config import TIME
-from designs.hall_position.four import config
-from designs.hall_position.four.parameters import Tuning
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from designs.hall_position.protected import config
+from designs.hall_position.protected.parameters import Tuning
 from models import built_matrix, hall_bench
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
@@ -26,7 +26,7 @@ from synth.errors import ModelError
 from synth.execute import build, host
 from synth.statespace import Array
 
-WRONG, WRONG_YAW = 5e-4, 0.02  # m, rad
+WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
 FIELDS = ("own", "calibrated", "fabricated", "built")
 RESIDUAL = 4e-3  # V rms
 AMPLITUDE, GAIN, ANGLE, PLACE = 0.1, 0.01, np.radians(1), 1e-4  # relative, relative, rad, m
@@ -34,6 +34,7 @@ REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
 BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
 MARGIN = 1e-3  # m, of cold starts to the edge of the pitch
+KEPT = 64  # sets of voltages, of a few runs over the same poses
 Fault = Callable[[Numbers, Numbers, int | Numbers], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
 
 
@@ -59,21 +60,24 @@ FAULTS: Mapping[str, Fault] = {
 class Outcome:
     """Shares of samples that are `valid`, and that are valid and `wrong`, and of bodies that were ever so.
 
-    `ratio` is the rms error over the deviation, of valid positions; `error` the largest of these, m.
+    Of valid positions `ratio` is the rms error over the deviation, `beyond` the share of errors above SIGMAS
+    deviations, and `error` the largest error, m.
     """
 
     valid: float
     wrong: float
     wrong_bodies: float
     ratio: float
+    beyond: float
     error: float
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Bodies (N,) in a field: how to read the voltages (N, 4, 2) at their poses."""
+    """Bodies (N,) in a field: how to read the voltages (N, sensors, 2) at their poses."""
 
     read: Callable[[Pose], Numbers]
+    sensors: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,63 +97,80 @@ class Samples:
     def outcome(self) -> Outcome:
         """Return the shares of the samples and of the bodies."""
         wrong = self.valid & ((self.error > WRONG) | (np.abs(self.errors[..., 2]) > WRONG_YAW))
-        squares = ((self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2).mean(axis=-1)
+        squares = (self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2
         return Outcome(
             valid=float(self.valid.mean()),
             wrong=float(wrong.mean()),
             wrong_bodies=float(wrong.any(axis=0).mean()),
             ratio=float(np.sqrt(squares.mean())) if squares.size else 0.0,
+            beyond=float((squares > SIGMAS**2).mean()) if squares.size else 0.0,
             error=float(self.error[self.valid].max(initial=0.0)),
         )
 
 
 @cache
-def compile_estimator(tuning: Tuning) -> host.Controller:
+def compile_estimator(tuning: Tuning, name: str = config.NAME) -> host.Controller:
     """Return the estimator's C in single precision."""
-    return build.compile_block(config.block(tuning), np.float32, error=SURROGATE_ERROR[np.float32])
+    return build.compile_block(config.block(tuning, name), np.float32, error=SURROGATE_ERROR[np.float32])
 
 
-def world(field: str, bodies: int, rng: np.random.Generator) -> World:
-    """Return bodies in a field; raise ModelError for an unknown one."""
+def world(field: str, bodies: int, rng: np.random.Generator, name: str = config.NAME) -> World:
+    """Return bodies in a field with the sensors of an estimator; raise ModelError for an unknown field."""
     if field not in FIELDS:
         raise ModelError(f"'{field}' is not a known field: give one of {', '.join(FIELDS)}")
-    array, scale = config.array(), 1 + AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
+    array, scale = config.array(name), 1 + AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
+    sensors = len(array.positions)
     if field in ("own", "calibrated"):
-        residual = (RESIDUAL if field == "calibrated" else 0.0) * rng.standard_normal((bodies, 4, 2))
-        return World(lambda pose: scale * motions.volts(array, pose) + residual)
+        residual = (RESIDUAL if field == "calibrated" else 0.0) * rng.standard_normal((bodies, sensors, 2))
+        return World(lambda pose: scale * motions.volts(array, pose) + residual, sensors)
     seeds = SEEDS if field == "built" else 1
-    scale = scale * (1 + (GAIN if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, 4, 2)))
-    turn = (ANGLE if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, 4))
-    benches = [_bench(field, seed) for seed in range(seeds)]
+    scale = scale * (1 + (GAIN if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, sensors, 2)))
+    turn = (ANGLE if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, sensors))
+    benches = [_bench(field, seed, name) for seed in range(seeds)]
 
     def read(pose: Pose) -> Numbers:
-        poses, V = np.column_stack([pose.X, pose.Y, pose.yaw]), np.zeros((bodies, 4, 2))
+        poses, V = np.column_stack([pose.X, pose.Y, pose.yaw]), np.zeros((bodies, sensors, 2))
         for k, bench in enumerate(benches):
-            V[k::seeds] = hall_bench.static_voltages(bench, poses[k::seeds]).reshape(-1, 4, 2)
+            V[k::seeds] = static_voltages(bench, np.ascontiguousarray(poses[k::seeds]))
         c, s = np.cos(turn), np.sin(turn)
         return scale * np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
 
-    return World(read)
+    return World(read, sensors)
+
+
+def static_voltages(bench: hall_bench.Bench, poses: Numbers) -> Numbers:
+    """Return the voltages (N, sensors, 2) at poses (N, 3), without noise; the last ones serve other faults, too."""
+    return _static_voltages(bench, poses.tobytes()).copy()
+
+
+@lru_cache(KEPT)
+def _static_voltages(bench: hall_bench.Bench, poses: bytes) -> Numbers:
+    at = np.frombuffer(poses).reshape(-1, 3)
+    return np.asarray(hall_bench.static_voltages(bench, at).reshape(len(at), -1, 2))
 
 
 @cache
-def _bench(field: str, seed: int) -> hall_bench.Bench:
-    places, rng = np.array(config.array().positions), np.random.default_rng(seed)
+def _bench(field: str, seed: int, name: str) -> hall_bench.Bench:
+    places, rng = np.array(config.array(name).positions), np.random.default_rng(seed)
     if field == "built":
         places = places + PLACE * rng.uniform(-1, 1, places.shape)
         return hall_bench.Bench(tuple(map(tuple, places)), built_matrix.Tolerances(seed=seed))
     return hall_bench.Bench(tuple(map(tuple, places)), built_matrix.Tolerances(0.0, 0.0, 0.0))
 
 
-def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Outcome:
-    """Simulate a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
-    return samples(tuning, field, fault, bodies, speed, seed).outcome()
-
-
-def samples(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Samples:
+def run(
+    tuning: Tuning,
+    field: str,
+    fault: str,
+    bodies: int,
+    speed: float = 0.0,
+    seed: int = 0,
+    name: str = config.NAME,
+) -> Samples:
     """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
     rng = np.random.default_rng(seed)
-    return simulate(compile_estimator(tuning), tuning, world(field, bodies, rng), fault, bodies, speed, rng)
+    of = world(field, bodies, rng, name)
+    return simulate(compile_estimator(tuning, name), tuning, of, fault, bodies, speed, rng)
 
 
 def simulate(
@@ -160,19 +181,24 @@ def simulate(
     bodies: int,
     speed: float,
     rng: np.random.Generator,
+    yaw: float = YAW,
 ) -> Samples:
-    """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown fault."""
+    """Return the samples after a fault of bodies that are tracked; raise ModelError for an unknown fault.
+
+    Yaws are up to `yaw` to either side, rad.
+    """
     if fault not in FAULTS:
         raise ModelError(f"'{fault}' is not a known fault: give one of {', '.join(FAULTS)}")
-    heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(4, size=bodies)
-    start, other = (_draw(REACH, bodies, rng) for _ in range(2))
+    heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(of.sensors, size=bodies)
+    start, other = (_draw(REACH, bodies, rng, yaw) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
-        V = (of.read(pose) if rest is None else rest) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
+        V = of.read(pose) if rest is None else rest
+        V = V + config.array().deviation * rng.standard_normal(V.shape)
         if k >= BEFORE:
             pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
             failed = FAULTS[fault](pair, before, k - BEFORE)
@@ -184,9 +210,9 @@ def simulate(
     return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
-def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
+def _draw(reach: float, bodies: int, rng: np.random.Generator, yaw: float = YAW) -> Pose:
     X, Y = rng.uniform(-reach, reach, (2, bodies))
-    return Pose(X, Y, rng.uniform(-YAW, YAW, bodies))
+    return Pose(X, Y, rng.uniform(-yaw, yaw, bodies))
 
 
 def _tracking_states(
@@ -230,11 +256,13 @@ class ColdStart:
     wrong: int
 
 
-def cold_start(tuning: Tuning, field: str, bodies: int, samples: int = 120, seed: int = 1) -> ColdStart:
+def cold_start(
+    tuning: Tuning, field: str, bodies: int, samples: int = 120, seed: int = 1, name: str = config.NAME
+) -> ColdStart:
     """Return the result from init of bodies at rest anywhere in the pitch, less MARGIN; wrong is a pitch or more."""
     rng = np.random.default_rng(seed)
     pose = _draw(config.array().pitch / 2 - MARGIN, bodies, rng)
-    return start_from_init(compile_estimator(tuning), world(field, bodies, rng), pose, samples, rng)
+    return start_from_init(compile_estimator(tuning, name), world(field, bodies, rng, name), pose, samples, rng)
 
 
 def start_from_init(

@@ -1,9 +1,11 @@
-"""Verification of the C of four sensors against a NumPy reference, CasADi, CasADi's own C, and in single precision.
+"""Verification of the C of three and of four sensors against NumPy, CasADi, CasADi's own C, and single precision.
 
 The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
 same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
 rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
-does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred.
+does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred, of up to a
+thousand with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a fault, in
+which rounding is absolute, and its relative error as l^2: above its limit a level is compared so.
 """
 
 from collections.abc import Callable
@@ -13,9 +15,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import reference_four
-from designs.hall_position.four import config, stimuli
+from designs.hall_position import reference_protected
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.protected import config, stimuli
 from designs.hall_position.reference_glsdc import Setup
 from synth.check import Check
 from synth.simulate import ensemble
@@ -26,7 +28,9 @@ from synth.verify.suite import Witnesses
 
 FULL_BODIES, QUICK_BODIES = 120, 12
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
-COST_FLOOR = 100.0  # of chi_square
+COST_FLOORS = {config.NAME: 100.0, config.THREE: 1000.0}  # of chi_square
+USUAL = config.USUAL
+LIMITS = {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit}
 DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
 NEAR = 1e-7  # relative change of the voltages
@@ -44,21 +48,28 @@ class Steps:
     inputs: Columns
 
 
-def setup() -> Setup:
+def setup(name: str = config.NAME) -> Setup:
     """Return the numbers of the reference."""
-    array = config.array()
+    array = config.array(name)
     return Setup(vars(array) | vars(config.USUAL) | {"wave_number": array.wave_number})
 
 
-def witnesses() -> Witnesses:
-    """Return the witnesses of the estimator."""
-    return suite.witnesses(config.block(), partial(reference_four.step, setup()), estimator.SURROGATE_ERROR)
+def witnesses(name: str = config.NAME) -> Witnesses:
+    """Return the witnesses of an estimator."""
+    step = partial(reference_protected.step, setup(name))
+    return suite.witnesses(config.block(name=name), step, estimator.SURROGATE_ERROR)
 
 
 def verify(progress: Callable[[str], None], whole: bool) -> tuple[list[Agreement], list[Check]]:
-    """Compare all witnesses over many bodies, or over few."""
-    progress(f"{config.NAME}: witnesses")
-    return compare(witnesses(), FULL_BODIES if whole else QUICK_BODIES, progress)
+    """Compare all witnesses of each estimator over many bodies, or over few."""
+    agreements: list[Agreement] = []
+    checks: list[Check] = []
+    for name in config.PLACES:
+        progress(f"{name}: witnesses")
+        some_agreements, some = compare(witnesses(name), FULL_BODIES if whole else QUICK_BODIES, progress)
+        agreements += some_agreements
+        checks += some
+    return agreements, checks
 
 
 def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tuple[list[Agreement], list[Check]]:
@@ -78,25 +89,30 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
         c64 = suite.select(of.by_name["c64"](steps.states, steps.inputs), clear)
         for name in suite.WITNESS_NAMES:
             stepped = suite.select(of.by_name[name](steps.states, steps.inputs), clear)
-            one = agree.compare(steps.what, (name, _scaled(stepped)), ("c64", _scaled(c64)), FLOOR, of.block)
+            pair = (name, _scaled(of, stepped, c64)), ("c64", _scaled(of, c64, c64))
+            one = agree.compare(steps.what, *pair, FLOOR, of.block)
             agreements.append(one)
             checks += suite.exact_checks([one], f"max({FLOOR:g}, |y|)")
         checks += _single_checks(of, steps)
     return agreements, checks
 
 
-def _scaled(of: StepResults) -> StepResults:
-    """Return results with chi-square over its floor."""
-    return replace(of, outputs={**of.outputs, "chi_square": of.outputs["chi_square"] / COST_FLOOR})
+def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
+    """Return results, chi-square over its floor, and levels over the square by which those of c64 exceed a limit."""
+    scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
+    for axis, limit in LIMITS.items():
+        excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
+        scaled[f"protection_{axis}"] = stepped.outputs[f"protection_{axis}"] / excess**2
+    return replace(stepped, outputs={**stepped.outputs, **scaled})
 
 
 def steps_along(of: Witnesses, bodies: int) -> Steps:
     """Return the consecutive steps of the C in double precision from init."""
-    inputs = stimuli.inputs(bodies)
+    inputs = stimuli.inputs(bodies, name=of.block.name)
     batches = list(ensemble.replay(of.c64, inputs))
     before = np.concatenate([ensemble.initial_states(of.c64, bodies), *(batch.states for batch in batches[:-1])])
     states = {s.name: before[s.name] for s in of.block.states}
-    return Steps(f"{config.NAME}, motions", states, {n: v.ravel() for n, v in inputs.items()})
+    return Steps(f"{of.block.name}, motions", states, {n: v.ravel() for n, v in inputs.items()})
 
 
 def perturbed_steps(of: Witnesses, along: Steps) -> Steps:
@@ -110,7 +126,7 @@ def perturbed_steps(of: Witnesses, along: Steps) -> Steps:
     for name in COUNTERS:
         full = f"estimator_{name}"
         states[full] = rng.integers(0, int(bounds[full].high) + 1, len(states[full]))
-    return Steps(f"{config.NAME}, perturbed steps", states, along.inputs)
+    return Steps(f"{of.block.name}, perturbed steps", states, along.inputs)
 
 
 def near_decision(of: Witnesses, steps: Steps) -> NDArray[np.bool_]:

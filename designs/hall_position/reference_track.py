@@ -1,4 +1,4 @@
-"""Reference of screening, sweep of starts, track and count of pitches of four sensors, in plain NumPy."""
+"""Reference of screening, sweep of starts, track and count of pitches, in plain NumPy."""
 
 from dataclasses import dataclass
 from math import pi
@@ -27,15 +27,16 @@ class Sample:
 def screen(setup: Setup, states: Columns, held: Array, refused: Array) -> tuple[Array, Array, dict[str, Array]]:
     """Return whether one sensor is faulty at most, its number or 0, and the next states."""
     names, flat = reference_guard.channels(setup), held.reshape(len(held), -1)
+    numbers = np.arange(1, len(setup.positions) + 1)
     last = np.stack([np.asarray(states[f"screen_last_{n}"], dtype=np.float64) for n in names], axis=1)
-    repeats = np.stack([np.asarray(states[f"screen_repeats_{k}"], dtype=np.int64) for k in range(1, 5)], axis=1)
-    same = (flat == last).reshape(-1, 4, 2).any(axis=2)
+    repeats = np.stack([np.asarray(states[f"screen_repeats_{k}"], dtype=np.int64) for k in numbers], axis=1)
+    same = (held == last.reshape(held.shape)).any(axis=2)
     counts = np.where(same, np.minimum(repeats + 1, setup.repeats), 0)
-    faulty = refused.reshape(-1, 4, 2).any(axis=2) | (counts >= setup.repeats)
+    faulty = refused.any(axis=2) | (counts >= setup.repeats)
     single = faulty.sum(axis=1) <= 1
     next = {f"screen_last_{n}": v for n, v in zip(names, flat.T, strict=True)}
     next |= {f"screen_repeats_{k}": v for k, v in enumerate(counts.T, 1)}
-    return single, np.where(single, faulty @ np.arange(1, 5), 0), next
+    return single, np.where(single, faulty @ numbers, 0), next
 
 
 def increments(setup: Setup) -> Array:

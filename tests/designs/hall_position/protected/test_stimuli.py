@@ -1,0 +1,82 @@
+"""The stimuli reach every decision of the C with protection levels, but for limits that no pose and voltage comes near.
+
+What is measured is the committed C.
+"""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from designs.hall_position import reference_protected as reference
+from designs.hall_position import verification_protected as verification
+from designs.hall_position.protected import config, stimuli
+from synth.emit.write import EmittedCode
+from synth.execute import cross, host
+from synth.verify import baselines, meter, steps
+from synth.verify.meter import Build
+
+GENERATED = Path(__file__).parents[4] / "generated_c"
+GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
+ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))  # as in test_stimuli of two sensors
+THIN, POSES, MOST = 400, 20_000, 34  # steps of a sequence; poses; decisions that are not seen both ways
+UNREACHED = {
+    "information in the dynamic range": r"factors_2|passes = ",
+    "amplitude resolved": r"deviation_amplitude|variances_4",
+    "chi-square below 1e9": r"float chi_square = ",
+    "least pivots of the solution": r"(terms|diagonal)_\w+ = 1\.0f / \w+_max\(",
+    "least pivots of a hypothesis": r"gains?\w* = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable",
+    "sums of squares, below 0 by rounding only": r"_part\w* = \w+_max\(0\.0f, |(full|chi).* = \w+_max\(",
+}
+
+
+def committed(name: str) -> EmittedCode:
+    folder = GENERATED / name
+    files = {p.name: p.read_text() for p in folder.glob("*.[ch]")}
+    return EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
+
+
+def missing_decisions(emitted: EmittedCode) -> tuple[int, list[str]]:
+    """Return the number of decisions, and those that the stimuli do not take both ways."""
+    sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest))
+    every = steps.concatenate("all", [s if "ends" in s.name else steps.thinned(s, THIN) for s in sequences])
+    candidate = baselines.emitted_c(emitted)
+    coverage = meter.coverage(candidate, meter.run(candidate, every, ONCE), ONCE)
+    return coverage.decisions, list(coverage.missing)
+
+
+@GCC
+@pytest.mark.parametrize("name", config.PLACES)
+def test_every_decision_is_seen_both_ways_or_is_out_of_reach(name: str) -> None:
+    decisions, missing = missing_decisions(committed(name))
+    assert decisions > 150 and len(missing) <= MOST
+    assert [line for line in missing if not re.search("|".join(UNREACHED.values()), line)] == []
+
+
+@GCC
+def test_a_decision_that_nothing_takes_is_detected() -> None:
+    """The planted defect: a branch on a value that no step has."""
+    emitted, name = committed(config.THREE), f"{config.THREE}.c"
+    planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
+    files = {**emitted.files, name: emitted.files[name].replace("    return faults;", planted)}
+    _, missing = missing_decisions(EmittedCode(files, emitted.manifest))
+    assert [line for line in missing if "1.2345678f" in line]
+
+
+@pytest.mark.parametrize("name", config.PLACES)
+def test_what_no_stimulus_reaches_is_far_from_any_pose_and_voltage(name: str) -> None:
+    """Information is at most 1 % of its limit, the amplitude's variance 10 %, its pivot 10 times the least."""
+    setup, rng = verification.setup(name), np.random.default_rng(0)
+    low, high, _ = reference.ranges(setup)
+    volts = rng.uniform(-5, 5, (POSES, len(setup.positions), 2))
+    floors, prior = reference.floors(setup), reference.prior(setup)
+    _, H = reference.linearise(setup, rng.uniform(low, high, (POSES, 4)), volts)
+    for left_out in range(len(setup.positions) + 1):
+        used = np.repeat(np.arange(1, len(setup.positions) + 1) != left_out, 2)
+        N = np.swapaxes(H * used[None, :, None], 1, 2) @ H + np.diag(prior)
+        information = np.diagonal(N, axis1=1, axis2=2) / (reference.RANGE**2 * floors)
+        pivot = np.linalg.cholesky(N)[:, 3, 3] ** 2 / floors[3]
+        variance = np.linalg.inv(N)[:, 3, 3] * floors[3]
+        assert information.max() < 0.012 and pivot.min() > 10 and variance.max() < 0.1
