@@ -134,7 +134,7 @@ def _degree(task: _Task) -> float:
 def _fit(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit a function; the results are cached, because designs evaluate one function at many signals.
 
-    No name of a signal is passed on: only an EmitError would say it, and `replace_functions` keeps the function instead.
+    No name of a signal is passed on: only an EmitError would say it, which nobody sees.
     """
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, like=like)
 
