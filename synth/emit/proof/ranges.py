@@ -9,6 +9,7 @@ from them.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from math import inf
 
 import numpy as np
@@ -100,16 +101,15 @@ def enclose(
     known: Mapping[int, Interval],
     nodes: Iterable[int],
     proved: Mapping[int, Interval] | None = None,
-    deep: bool = True,
 ) -> dict[int, Interval]:
     """Return `known` with the intervals of `nodes`, computed in order from it; loads are not recomputed.
 
-    `proved` intervals narrow those of their nodes. Unless `deep`, arms are not recomputed under their conditions.
+    `proved` intervals narrow those of their nodes. Arms are recomputed under their conditions, but not those in arms.
 
     Raises EmitError for an operation without an enclosure.
     """
     with np.errstate(all="ignore"):
-        return _enclose(s, arithmetic, dict(known), nodes, proved or {}, deep)
+        return _enclose(s, arithmetic, dict(known), nodes, proved or {})
 
 
 def _enclose(
@@ -118,10 +118,11 @@ def _enclose(
     R: dict[int, Interval],
     nodes: Iterable[int],
     proved: Mapping[int, Interval],
-    deep: bool,
+    outside: "_Arms | None" = None,
 ) -> dict[int, Interval]:
-    """Add the intervals of `nodes` to R and return it."""
-    arms = _Arms(s, arithmetic, R, deep, {}, {})
+    """Add the intervals of `nodes` to R and return it; inside an arm, `outside` are the arms of the whole program."""
+    changed = reduce(int.__or__, (1 << k for k in (*R, *nodes)), 0) if outside else 0
+    arms = _Arms(s, arithmetic, R, outside, changed, {}, {})
     for k in nodes:
         node = s.program.nodes[k]
         if node.op not in LOADS:
@@ -147,17 +148,21 @@ class _Arms:
     """The arms of choices in one pass in order over a program, in which no interval of R changes once it is known.
 
     Choices on one condition, and conditions on another one, therefore share what it narrows: `under` holds it by
-    (condition, holds), `narrowed` that of every condition in it.
+    (condition, holds), `narrowed` that of every condition in it. Inside an arm, where only the nodes of the bits
+    `changed` are not as `outside`, so do conditions that depend on none of these.
     """
 
     s: Structure
     arithmetic: Arithmetic
     R: dict[int, Interval]
-    deep: bool
+    outside: "_Arms | None"
+    changed: int
     under: dict[Decided, tuple[dict[int, Interval], Mask]]
     narrowed: dict[Decided, Narrowing]
 
     def narrow_under(self, condition: int, holds: bool) -> tuple[dict[int, Interval], Mask]:
+        if self.outside and not self.s.ancestors[condition] & self.changed:
+            return self.outside.narrow_under(condition, holds)
         if (condition, holds) not in self.under:
             self.under[condition, holds] = narrow_under(self.s, [(condition, holds)], self.R, self.narrowed)
         return self.under[condition, holds]
@@ -205,8 +210,8 @@ def _arm(arms: _Arms, k: int, position: int) -> tuple[Interval, Mask]:
     node, recomputed = args[position], s.recomputed[k, position]
     if node in narrowed:
         return narrowed[node], infeasible
-    if arms.deep and recomputed:
-        inside = _enclose(s, arithmetic, _Inside(narrowed, R), recomputed, {}, False)
+    if not arms.outside and recomputed:
+        inside = _enclose(s, arithmetic, _Inside(narrowed, R), recomputed, {}, arms)
         return intersection(inside[node], R[node]), infeasible
     return R[node], infeasible
 
