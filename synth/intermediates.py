@@ -136,11 +136,19 @@ def _item_of_call(frame: FrameType) -> str:
 
 def _running(frame: FrameType) -> list[tuple[str, ...]]:
     """Return the targets of the loops and comprehensions around the call that a frame waits for."""
-    line, end_line, column, end_column = [*frame.f_code.co_positions()][frame.f_lasti // 2]
+    repetitions = _repetitions(frame.f_code)
+    if not repetitions:
+        return []
+    line, end_line, column, end_column = _positions(frame.f_code)[frame.f_lasti // 2]
     if line is None or end_line is None or column is None or end_column is None:
         return []
     call = (line, column), (end_line, end_column)
-    return [r.targets for r in _repetitions(frame.f_code) if r.first <= call[0] and call[1] <= r.last]
+    return [r.targets for r in repetitions if r.first <= call[0] and call[1] <= r.last]
+
+
+@cache
+def _positions(code: CodeType) -> tuple[tuple[int | None, ...], ...]:
+    return tuple(code.co_positions())
 
 
 def _after_item(name: str, item: str) -> str:

@@ -86,8 +86,11 @@ def _line(error: Exception) -> str:
 
 def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX]) -> None:
     """Raise SignalError, naming `what` and the expression, that computes with NaN; ca.if_else may select NaN."""
+    symbols = list(symbols)
+    if not _has_nan(list(exprs.values()), symbols):  # most of what they compute is shared
+        return
     for name, expr in exprs.items():
-        if _has_nan(expr, list(symbols)):
+        if _has_nan([expr], symbols):
             raise SignalError(
                 f"{what} computes '{name}' with NaN, the result of a function of Python's math for a symbol: use "
                 "CasADi's, like ca.sin(u) for math.sin(u)"
@@ -106,8 +109,9 @@ def foreign_symbols(expr: ca.SX, symbols: Iterable[ca.SX]) -> list[ca.SX]:
     return [v for v in ca.symvar(expr) if v.element_hash() not in known]
 
 
-def _has_nan(expr: ca.SX, symbols: Sequence[ca.SX]) -> bool:
-    f = ca.Function("f", list(symbols), [ca.SX(expr)], {"allow_free": True})
+def _has_nan(exprs: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> bool:
+    """Return whether one of the expressions computes with NaN."""
+    f = ca.Function("f", list(symbols), [ca.SX(e) for e in exprs], {"allow_free": True})
     unset: set[int] = set()  # registers that hold NaN; only a selection by ca.if_else may read them
     for k in range(f.n_instructions()):
         operation, used, made = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)

@@ -40,7 +40,7 @@ def digest(function: Callable[..., Any] | type, data: bool = False) -> str:
     Raises ContentError where its source is not in a file, or where a function of the slice has been replaced.
     """
     entry = _entry(function)
-    lines = [_digest(entry, data), *_live(entry.root, _places(entry))]
+    lines = [_digest(entry, data), *_live(entry)]
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
@@ -60,14 +60,41 @@ def _digest(entry: "_Entry", data: bool) -> str:
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
-def _live(root: Path, places: frozenset[Place]) -> Iterator[str]:
-    """Yield the present numbers and texts of places: a program, or a test, may set them after the import."""
-    for module, name in sorted(places):
-        value = getattr(sys.modules.get(module), name, None) if name not in (WHOLE, BARE) else None
-        if inspect.isfunction(value) or isinstance(value, type):
-            _require_original(root, (module, name), value)
-        elif (plain := _plain(value)) is not None:
-            yield f"{module} {name} {plain}"
+def _live(entry: "_Entry") -> Iterator[str]:
+    """Yield the present numbers and texts of a slice: a program, or a test, may set them after the import."""
+    root, last_seen = entry.root, _last_seen(entry.root)
+    for place in _named(entry):
+        value = getattr(sys.modules.get(place[0]), place[1], None)
+        seen, line = last_seen.get(place, _NEVER)
+        if value is not seen:
+            line = _line(root, place, value)
+            if not isinstance(value, dict | list | tuple | set):  # what is in these may change
+                last_seen[place] = value, line
+        if line:
+            yield line
+
+
+_NEVER = (object(), "")
+
+
+@functools.cache
+def _last_seen(root: Path) -> dict[Place, tuple[Any, str]]:
+    """Return by place its value at the last look, and the line of that: one dictionary for a folder."""
+    return {}
+
+
+@functools.cache
+def _named(entry: "_Entry") -> tuple[Place, ...]:
+    return tuple(sorted(place for place in _places(entry) if place[1] not in (WHOLE, BARE)))
+
+
+def _line(root: Path, place: Place, value: Any) -> str:
+    """Return the line of a number or a text at a place, "" for another value."""
+    if inspect.isfunction(value) or isinstance(value, type):
+        _require_original(root, place, value)
+        return ""
+    plain = _plain(value)
+    return "" if plain is None else f"{place[0]} {place[1]} {plain}"
 
 
 def _require_original(root: Path, place: Place, value: Any) -> None:
@@ -156,30 +183,29 @@ def _resolve(file: str) -> Path | None:
 
 def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]:
     """Return the places that can be reached from the start of a slice."""
-    waiting = [each for each in start if not isinstance(each, Statement)]
-    module = waiting[0][0]
-    waiting += [place for each in start if isinstance(each, Statement) for place in _named_places(root, module, each)]
+    waiting = {each for each in start if not isinstance(each, Statement)}
+    module = next(each for each in start if not isinstance(each, Statement))[0]
+    waiting |= {place for each in start if isinstance(each, Statement) for place in _named_places(root, module, each)}
     places: set[Place] = set()
     while waiting:
         place = waiting.pop()
-        if place not in places:
-            places.add(place)
-            waiting += _next(root, place)
+        places.add(place)
+        waiting |= _next(root, place) - places
     return frozenset(places)
 
 
 @functools.cache
-def _next(root: Path, place: Place) -> tuple[Place, ...]:
+def _next(root: Path, place: Place) -> frozenset[Place]:
     """Return the places that the statements at a place name, and those that the import of its module runs."""
     name = place[0]
     module = sources.module(root, name)
     if module is None:
-        return ()
+        return frozenset()
     imported = [(t, BARE) for target in module.imports.values() for t in _targets(target)]
     imported += [(target[:-2], WHOLE) for target in module.imports.values() if target.endswith(".*")]
     packages = [(".".join(name.split(".")[:k]), BARE) for k in range(1, name.count(".") + 1)]
     reached = [p for s in _at(root, place) for p in _named_places(root, name, s)]
-    return tuple(dict.fromkeys([(name, BARE), *imported, *packages, *reached]))
+    return frozenset([(name, BARE), *imported, *packages, *reached])
 
 
 def _targets(target: str) -> tuple[str, ...]:

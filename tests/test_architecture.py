@@ -7,6 +7,7 @@ imports lead around a cycle of folders.
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -76,9 +77,13 @@ NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
 REFERENCES = ("synth", "reference")  # of the toolkit's Blocks: NumPy and mpmath alone
 
 
-def imports(path: Path, text: str) -> Iterator[tuple[str, ...]]:
-    """Yield every module that a file may load, as its dotted parts; `from a import b` may load a.b."""
-    package = path.parent.parts
+@cache
+def imports(path: Path, text: str) -> tuple[tuple[str, ...], ...]:
+    """Return every module that a file may load, as its dotted parts; `from a import b` may load a.b."""
+    return tuple(_imports(path.parent.parts, text))
+
+
+def _imports(package: tuple[str, ...], text: str) -> Iterator[tuple[str, ...]]:
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             yield from (tuple(alias.name.split(".")) for alias in node.names)

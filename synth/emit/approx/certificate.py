@@ -18,6 +18,7 @@ float64   |p - f| <= |p - x^m G| + |x^m G - f| + rounding, in ball arithmetic on
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import flint
@@ -152,27 +153,40 @@ def _chunk_error(p: Polynomial, g: Enclosure, x: Scalars) -> float:
 
     For the reference r with |r - f| <= d |f|, |r| <= |f| / (1 - d), so |p - f| / |f| <= (|p - r| / |r| + d) / (1 - d).
     """
-    r, d = reference_values(g, x)
+    r, d = reference_values(g, x, _places_in_chunk(float(x[0]) > 0) if len(x) == CHUNK_SIZE else None)
     largest = []
     for multiply_add in (polynomial.multiply_then_add, polynomial.fused_multiply_add):
-        largest.append(np.max(np.abs((polynomial.run(p, x, multiply_add) - r) / r)))
+        error = polynomial.run(p, x, multiply_add) - r
+        error /= r
+        largest.append(np.max(np.abs(error, out=error)))
     return (float(np.max(largest)) + d) / (1 - d)
 
 
-def reference_values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], float]:
+@cache
+def _places_in_chunk(rising: bool) -> NDArray[np.float64]:
+    """Return (x - middle) / half for the floats of a whole chunk: evenly spaced, they have one exponent."""
+    steps = np.arange(CHUNK_SIZE) - (CHUNK_SIZE - 1) / 2
+    return (steps if rising else -steps) / steps[-1]
+
+
+def reference_values(
+    g: Enclosure, x: Scalars, w: NDArray[np.float64] | None = None
+) -> tuple[NDArray[np.float64], float]:
     """Return f in double at sorted floats x, none of them 0, and a bound d of the relative error that holds for all.
 
-    d also covers the rounding errors of the caller, who computes (p - f) / f in double.
+    `w` is (x - middle) / half where it is known. d also covers the rounding errors of the caller, who computes
+    (p - f) / f in double.
     """
-    double_x = x.astype(np.float64)
-    middle = float(double_x[0] + double_x[-1]) / 2
-    half = max(abs(float(double_x[-1]) - middle), abs(middle) * 2.0**-30)
+    first, last = float(x[0]), float(x[-1])
+    middle = (first + last) / 2
+    half = max(abs(last - middle), abs(middle) * 2.0**-30)
+    w = (x.astype(np.float64) - middle) / half if w is None else w
     b = g.expansion(flint.arb(middle), flint.arb(half))
     c = [float(v) for v in b]
     allowance = 2.0**-44 * abs(c[0])  # for the sum of the coefficients that are cut off
     while len(c) > 1 and abs(c[-1]) < allowance:
         allowance -= abs(c.pop())
-    w, value = (double_x - middle) / half, np.full(len(x), c[-1])
+    value = np.full(len(x), c[-1])
     for coefficient in c[-2::-1]:
         value *= w
         value += coefficient
@@ -181,4 +195,4 @@ def reference_values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], flo
     # caller's difference and quotient, which need three.
     error += flint.arb(2) ** -52 * (2 * len(c) + 4) * one_norm(b)
     least = flint.arb(float(np.min(np.abs(value)))) - error
-    return value * double_x if g.power else value, _upper_quotient(error, least)
+    return value * x if g.power else value, _upper_quotient(error, least)

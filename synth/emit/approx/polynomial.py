@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from synth.emit.approx.enclosure import Parity, one_norm
 
 Scalars = NDArray[np.floating]
-MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
+MultiplyAdd = Callable[[Scalars, Scalars | np.floating, np.floating], Scalars]
 
 
 @dataclass(frozen=True)
@@ -66,28 +66,31 @@ def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
     t = x - p.scalar(p.centre) if p.centre else x
     t = t * p.scalar(p.scale) if p.scale != 1 else t
     v = t if p.parity == "none" else t * t
-    q = np.full_like(x, c[-1])
+    q = c[-1] if len(c) > 1 else np.full_like(x, c[-1])
     for term in c[-2::-1]:
         q = multiply_add(v, q, term) if term else v * q
     return t * q if p.parity == "odd" else q
 
 
-def multiply_then_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+def multiply_then_add(a: Scalars, b: Scalars | np.floating, c: np.floating) -> Scalars:
     """Return c + a b, with the product rounded before the sum."""
-    return c + a * b
+    total: Scalars = a * b
+    total += c
+    return total
 
 
-def fused_multiply_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+def fused_multiply_add(a: Scalars, b: Scalars | np.floating, c: np.floating) -> Scalars:
     """Return c + a b in float32, rounded once.
 
     The product is exact in double. Rounding the sum to double may produce a false tie between two floats; the double is
     then moved off the tie before it is rounded to float32 (correction of double rounding).
     """
-    product = a.astype(np.float64) * b
-    total = product + np.float64(c)
+    total = a.astype(np.float64)
+    total *= b
+    total += np.float64(c)
     tie = (total.view(np.int64) & 0x1FFFFFFF) == 0x10000000
     if tie.any():
-        a_b, s = product[tie], total[tie]
+        a_b, s = a[tie].astype(np.float64) * np.broadcast_to(b, a.shape)[tie], total[tie]
         c_in_s = s - a_b
         error = (a_b - (s - c_in_s)) + (np.float64(c) - c_in_s)  # of the sum: Knuth's TwoSum
         total[tie] = np.where(error == 0, s, np.nextafter(s, np.copysign(np.inf, error)))

@@ -82,20 +82,20 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
         names,
         next_only,
         stored,
-        {*_at_once(program, statements), *program.returns.values()},
+        {*_at_once(program, program.users(), statements), *program.returns.values()},
     )
 
 
-def _at_once(p: Program, block: Sequence[Statement]) -> set[int]:
+def _at_once(p: Program, users: Sequence[Sequence[int]], block: Sequence[Statement]) -> set[int]:
     """Return the nodes that a sum goes on with, or that are assigned or stored, before the next branch.
 
     Behind a branch a compiler would hold the operands for longer than the result.
     """
-    users, near, computed = p.users(), set[int](), set[int]()
+    near, computed = set[int](), set[int]()
     for s in block:
         if isinstance(s, Branch):
             computed.clear()
-            near |= _at_once(p, s.then) | _at_once(p, s.other)
+            near |= _at_once(p, users, s.then) | _at_once(p, users, s.other)
         elif isinstance(s, Let):
             first = p.nodes[s.node].args[:1] if p.nodes[s.node].op in SUMS else ()
             near |= {a for a in first if a in computed and p.nodes[a].op in SUMS and len(users[a]) == 1}

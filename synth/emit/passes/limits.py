@@ -10,7 +10,7 @@ from synth.emit.operations import LIBM
 from synth.emit.passes import fold
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges
-from synth.emit.proof.ranges import SELECTIONS
+from synth.emit.proof.graph import SELECTIONS
 
 
 def without_idle(program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating]) -> Program:

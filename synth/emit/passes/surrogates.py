@@ -58,9 +58,7 @@ def replace_functions(
     for f in univariate.find(program, node_ranges):
         key = univariate.key(program, node_ranges, f.root, f.variable)
         tasks = {
-            k: _Task(
-                key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error, names.get(f.root, "function")
-            )
+            k: _Task(key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error)
             for k, reciprocal in _candidate_variables(program, users, node_ranges, f).items()
         }
         with suppress(EmitError):
@@ -109,7 +107,6 @@ class _Task:
     high: float
     scalar: type[np.floating]
     error: float | None
-    what: str
 
 
 def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
@@ -127,7 +124,7 @@ def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
 def _degree(task: _Task) -> float:
     """Estimate the degree that a polynomial needs; infinity if none suffices."""
     try:
-        return surrogate.least_degree(_function(task), task.low, task.high, task.scalar, task.error, task.what)
+        return surrogate.least_degree(_function(task), task.low, task.high, task.scalar, task.error)
     except EmitError:
         return math.inf
 
@@ -135,8 +132,11 @@ def _degree(task: _Task) -> float:
 @functools.cache
 @cache.cached
 def _fit(task: _Task, like: Polynomial | None) -> Polynomial:
-    """Fit a function; the results are cached, because designs evaluate one function at many signals."""
-    return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)
+    """Fit a function; the results are cached, because designs evaluate one function at many signals.
+
+    No name of a signal is passed on: only an EmitError would say it, which nobody sees.
+    """
+    return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, like=like)
 
 
 def _function(task: _Task) -> Analytic:

@@ -21,6 +21,7 @@ from synth.emit.operations import LOGICAL
 from synth.emit.proof.interval import Array, Interval, hull, intersection
 
 Narrowing = dict[int, Interval]
+Decided = tuple[int, bool]  # a condition, and whether it holds
 
 
 def narrowable_nodes(nodes: Sequence[Node], condition: int) -> frozenset[int]:
@@ -48,17 +49,37 @@ def _is_sum_of_squares(nodes: Sequence[Node], k: int) -> bool:
 
 
 def narrow(
-    nodes: Sequence[Node], whole: frozenset[int], condition: int, holds: bool, R: Mapping[int, Interval]
+    nodes: Sequence[Node],
+    whole: frozenset[int],
+    condition: int,
+    holds: bool,
+    R: Mapping[int, Interval],
+    known: dict[Decided, Narrowing] | None = None,
 ) -> Narrowing:
     """Return narrower intervals of nodes where the condition holds, or fails; R maps each node to its interval.
 
     `whole` are the nodes with whole values only. An empty interval means that the condition cannot hold, or fail.
+    `known` holds, and gets, the results for one R.
     """
+    known = {} if known is None else known
+    if (condition, holds) not in known:
+        known[condition, holds] = _narrow(nodes, whole, condition, holds, R, known)
+    return known[condition, holds]
+
+
+def _narrow(
+    nodes: Sequence[Node],
+    whole: frozenset[int],
+    condition: int,
+    holds: bool,
+    R: Mapping[int, Interval],
+    known: dict[Decided, Narrowing],
+) -> Narrowing:
     node = nodes[condition]
     if node.op == "not":
-        narrowed = narrow(nodes, whole, node.args[0], not holds, R)
+        narrowed = dict(narrow(nodes, whole, node.args[0], not holds, R, known))
     elif node.op in ("and", "or"):
-        first, second = (narrow(nodes, whole, a, holds, R) for a in node.args)
+        first, second = (narrow(nodes, whole, a, holds, R, known) for a in node.args)
         narrowed = intersect((first, second)) if (node.op == "and") == holds else _hulls(first, second)
     elif node.op in LOGICAL:
         narrowed = _narrow_comparison(nodes, whole, node, holds, R)

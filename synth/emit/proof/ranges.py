@@ -7,7 +7,7 @@ contains both results. In the arms of a choice the condition narrows the values 
 from them.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import reduce
 from math import inf
@@ -17,8 +17,9 @@ import numpy as np
 from synth.block import Block
 from synth.emit.c.layout import layout
 from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
 from synth.emit.proof import conditions, libm
+from synth.emit.proof.conditions import Decided, Narrowing
+from synth.emit.proof.graph import LOADS, SELECTIONS, Structure, structure
 from synth.emit.proof.interval import (
     Interval,
     Mask,
@@ -31,14 +32,6 @@ from synth.emit.proof.interval import (
     unrounded,
 )
 from synth.errors import EmitError
-
-SELECTIONS = frozenset({"choose", "when"})
-LOADS = frozenset({"input", "state", "constant"})
-_PRODUCTS = frozenset({"mul", "sq", "twice", "polynomial"})
-# Operations that pass an unrounded product on to a sum.
-_PASSING = frozenset({"neg", "choose", "when", "min", "max", "clamp", "within"})
-_KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
-_SMALL = 40  # largest number of nodes of an arm that are recomputed under its condition
 
 
 @dataclass(frozen=True)
@@ -62,22 +55,6 @@ class Arithmetic:
     scalar: type[np.floating]
     ulps: int = libm.ULPS
     contracted: bool = True
-
-
-@dataclass(frozen=True, eq=False)
-class Structure:
-    """A program with properties of its graph.
-
-    Bit j of `ancestors[k]` means that node k is node j or depends on it. `products` may enter a sum unrounded. `whole`
-    are the nodes with whole values only. `recomputed` maps (selection, position of an arm) to the nodes that are
-    recomputed under the condition; the last one is the arm itself.
-    """
-
-    program: Program
-    ancestors: tuple[int, ...]
-    products: frozenset[int]
-    whole: frozenset[int]
-    recomputed: Mapping[tuple[int, int], tuple[int, ...]]
 
 
 def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
@@ -118,80 +95,77 @@ def loads(program: Program, bounds: Mapping[str, Range], scalar: type[np.floatin
     return intervals
 
 
-def structure(program: Program) -> Structure:
-    """Return the properties of a program's graph that the analysis needs."""
-    nodes = program.nodes
-    ancestors: list[int] = []
-    products: set[int] = set()
-    whole: set[int] = set()
-    for k, node in enumerate(nodes):
-        ancestors.append(reduce(int.__or__, (ancestors[a] for a in node.args), 1 << k))
-        if _may_stay_unrounded(nodes, node) or (node.op in _PASSING and not products.isdisjoint(node.args)):
-            products.add(k)
-        if _is_whole(program, node, whole):
-            whole.add(k)
-    recomputed = {}
-    for k, node in enumerate(nodes):
-        if node.op in SELECTIONS:
-            narrowed = conditions.narrowable_nodes(nodes, node.args[0])
-            for position, arm in enumerate(node.args[1:], 1):
-                recomputed[k, position] = nodes_between(ancestors, narrowed, (arm,))
-    return Structure(program, tuple(ancestors), frozenset(products), frozenset(whole), recomputed)
-
-
-def _may_stay_unrounded(nodes: Sequence[Node], node: Node) -> bool:
-    """Return whether a compiler may leave a value unrounded inside a sum; a division may become a multiplication."""
-    return node.op in _PRODUCTS or (node.op == "div" and nodes[node.args[1]].op in ("literal", "constant"))
-
-
-def _is_whole(program: Program, node: Node, whole: set[int]) -> bool:
-    """Return whether a value is whole, as are floating-point sums and products of whole numbers, and floors."""
-    if node.op == "literal":
-        return float(node.value).is_integer()
-    if node.op in SELECTIONS:
-        return whole.issuperset(node.args[1:])
-    preserved = node.op in LOGICAL or node.op == "floor" or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
-    return preserved or (node.op == "state" and node.name in program.integers)
-
-
-def nodes_between(ancestors: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
-    """Return the nodes on the paths from `sources`, which are excluded, to `ends`, in order."""
-    ancestors, sources = list(ancestors), set(sources)
-    mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (ancestors[k] for k in ends), 0)
-    first = min(sources, default=0)
-    reached >>= first
-    nodes = []
-    while reached:  # bit by bit: few of the program's nodes are reached
-        k = first + (reached & -reached).bit_length() - 1
-        reached &= reached - 1
-        if ancestors[k] & mask and k not in sources:
-            nodes.append(k)
-    return tuple(nodes)
-
-
 def enclose(
     s: Structure,
     arithmetic: Arithmetic,
     known: Mapping[int, Interval],
     nodes: Iterable[int],
     proved: Mapping[int, Interval] | None = None,
-    deep: bool = True,
 ) -> dict[int, Interval]:
     """Return `known` with the intervals of `nodes`, computed in order from it; loads are not recomputed.
 
-    `proved` intervals narrow those of their nodes. Unless `deep`, arms are not recomputed under their conditions.
+    `proved` intervals narrow those of their nodes. Arms are recomputed under their conditions, but not those in arms.
 
     Raises EmitError for an operation without an enclosure.
     """
-    R, proved = dict(known), proved or {}
     with np.errstate(all="ignore"):
-        for k in nodes:
-            node = s.program.nodes[k]
-            if node.op not in LOADS:
-                a = _select(s, arithmetic, k, R, deep) if node.op in SELECTIONS else _transfer(s, arithmetic, node, R)
-                a = Interval(np.ceil(a.low), np.floor(a.high), a.nan) if k in s.whole else a
-                R[k] = intersection(a, proved[k]) if k in proved else a
+        return _enclose(s, arithmetic, dict(known), nodes, proved or {})
+
+
+def _enclose(
+    s: Structure,
+    arithmetic: Arithmetic,
+    R: dict[int, Interval],
+    nodes: Iterable[int],
+    proved: Mapping[int, Interval],
+    outside: "_Arms | None" = None,
+) -> dict[int, Interval]:
+    """Add the intervals of `nodes` to R and return it; inside an arm, `outside` are the arms of the whole program."""
+    changed = reduce(int.__or__, (1 << k for k in (*R, *nodes)), 0) if outside else 0
+    arms = _Arms(s, arithmetic, R, outside, changed, {}, {})
+    for k in nodes:
+        node = s.program.nodes[k]
+        if node.op not in LOADS:
+            a = _select(arms, k) if node.op in SELECTIONS else _transfer(s, arithmetic, node, R)
+            a = Interval(np.ceil(a.low), np.floor(a.high), a.nan) if k in s.whole else a
+            R[k] = intersection(a, proved[k]) if k in proved else a
     return R
+
+
+class _Inside(dict[int, Interval]):
+    """Intervals inside an arm, over those outside it."""
+
+    def __init__(self, narrowed: Mapping[int, Interval], outside: Mapping[int, Interval]) -> None:
+        super().__init__(narrowed)
+        self.outside = outside
+
+    def __missing__(self, k: int) -> Interval:
+        return self.outside[k]
+
+
+@dataclass(frozen=True, eq=False)
+class _Arms:
+    """The arms of choices in one pass in order over a program, in which no interval of R changes once it is known.
+
+    Choices on one condition, and conditions on another one, therefore share what it narrows: `under` holds it by
+    (condition, holds), `narrowed` that of every condition in it. Inside an arm, where only the nodes of the bits
+    `changed` are not as `outside`, so do conditions that depend on none of these.
+    """
+
+    s: Structure
+    arithmetic: Arithmetic
+    R: dict[int, Interval]
+    outside: "_Arms | None"
+    changed: int
+    under: dict[Decided, tuple[dict[int, Interval], Mask]]
+    narrowed: dict[Decided, Narrowing]
+
+    def narrow_under(self, condition: int, holds: bool) -> tuple[dict[int, Interval], Mask]:
+        if self.outside and not self.s.ancestors[condition] & self.changed:
+            return self.outside.narrow_under(condition, holds)
+        if (condition, holds) not in self.under:
+            self.under[condition, holds] = narrow_under(self.s, [(condition, holds)], self.R, self.narrowed)
+        return self.under[condition, holds]
 
 
 def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, Interval]) -> Interval:
@@ -214,10 +188,10 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     return libm.transfer(node.op, args, arithmetic.ulps)
 
 
-def _select(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interval], deep: bool) -> Interval:
+def _select(arms: _Arms, k: int) -> Interval:
     """Return the hull of the arms that can be taken, each under its condition."""
-    condition = truth(R[s.program.nodes[k].args[0]])
-    (then, never_then), (other, never_other) = (_arm(s, arithmetic, k, position, R, deep) for position in (1, 2))
+    condition = truth(arms.R[arms.s.program.nodes[k].args[0]])
+    (then, never_then), (other, never_other) = (_arm(arms, k, position) for position in (1, 2))
     may_then, may_other = (condition.high > 0) & ~never_then, (condition.low < 1) & ~never_other
     neither = ~(may_then | may_other)
     may_then, may_other = may_then | neither, may_other | neither
@@ -226,34 +200,41 @@ def _select(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interv
     return Interval(low, high, (may_then & then.nan) | (may_other & other.nan))
 
 
-def _arm(
-    s: Structure, arithmetic: Arithmetic, k: int, position: int, R: Mapping[int, Interval], deep: bool
-) -> tuple[Interval, Mask]:
+def _arm(arms: _Arms, k: int, position: int) -> tuple[Interval, Mask]:
     """Return the interval of an arm where it is taken, and where it cannot be taken; a gate's other arm is 0."""
+    s, arithmetic, R = arms.s, arms.arithmetic, arms.R
     args = s.program.nodes[k].args
-    narrowed, infeasible = narrow_under(s, [(args[0], position == 1)], R)
+    narrowed, infeasible = arms.narrow_under(args[0], position == 1)
     if position == len(args):
         return point(0, arithmetic.scalar), infeasible
     node, recomputed = args[position], s.recomputed[k, position]
     if node in narrowed:
         return narrowed[node], infeasible
-    if deep and 0 < len(recomputed) <= _SMALL:
-        inside = enclose(s, arithmetic, {**R, **narrowed}, recomputed, deep=False)
+    if not arms.outside and recomputed:
+        inside = _enclose(s, arithmetic, _Inside(narrowed, R), recomputed, {}, arms)
         return intersection(inside[node], R[node]), infeasible
     return R[node], infeasible
 
 
 def narrow_under(
-    s: Structure, decided: Iterable[tuple[int, bool]], R: Mapping[int, Interval]
+    s: Structure,
+    decided: Iterable[Decided],
+    R: Mapping[int, Interval],
+    known: dict[Decided, Narrowing] | None = None,
 ) -> tuple[dict[int, Interval], Mask]:
-    """Return the intervals narrowed by all (condition, holds), and where these contradict each other."""
+    """Return the intervals narrowed by all (condition, holds), and where these contradict each other.
+
+    `known` holds, and gets, what conditions narrow; it is valid for one R.
+    """
     p = s.program
-    narrowed = conditions.intersect(conditions.narrow(p.nodes, s.whole, c, holds, R) for c, holds in decided)
-    infeasible = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
-    feasible = {}
+    known = {} if known is None else known
+    narrowed = conditions.intersect(conditions.narrow(p.nodes, s.whole, c, holds, R, known) for c, holds in decided)
+    infeasible, feasible = np.array([False]), dict(narrowed)
     for k, a in narrowed.items():
         empty = a.low > a.high
-        feasible[k] = Interval(np.where(empty, R[k].low, a.low), np.where(empty, R[k].high, a.high), a.nan)
+        infeasible = infeasible | (empty & ~a.nan)
+        if empty.any():
+            feasible[k] = Interval(np.where(empty, R[k].low, a.low), np.where(empty, R[k].high, a.high), a.nan)
     return feasible, infeasible
 
 

@@ -18,18 +18,9 @@ from synth.emit.c.layout import layout
 from synth.emit.lower import Program
 from synth.emit.operations import LOGICAL
 from synth.emit.proof import bisection, obligations
+from synth.emit.proof.graph import LOADS, SELECTIONS, Structure, nodes_between, structure
 from synth.emit.proof.interval import Array, Interval, interval
-from synth.emit.proof.ranges import (
-    LOADS,
-    SELECTIONS,
-    Arithmetic,
-    Range,
-    Structure,
-    enclose,
-    narrow_under,
-    nodes_between,
-    structure,
-)
+from synth.emit.proof.ranges import Arithmetic, Range, enclose, narrow_under
 from synth.errors import EmitError
 
 _LIMITING = SELECTIONS | {"min", "max", "clamp", "within"}
@@ -145,7 +136,7 @@ def _prove(
 ) -> dict[int, Interval]:
     """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
     narrowed, infeasible = narrow_under(s, claim.guards, R)
-    inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
+    inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s, narrowed, [claim.k]))
     if infeasible.any() or _holds(s, claim, inside):
         return {}
     cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
@@ -172,7 +163,7 @@ def _judge(
     """Return the function that judges cells of the leaves `cut`."""
     args, obligation = s.program.nodes[claim.k].args, claim.obligation
     ends = [*claim.watched, *(c for c, _ in claim.guards)]
-    cone = nodes_between(s.ancestors, cut, ends)
+    cone = nodes_between(s, cut, ends)
     cone = cone if claim.k in cone or claim.k in cut else (*cone, claim.k)
     pointwise = replace(arithmetic, ulps=0, contracted=False)
 
@@ -182,7 +173,7 @@ def _judge(
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
         narrowed, infeasible = narrow_under(s, claim.guards, inside)
         if narrowed:
-            inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
+            inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
             result, sides = inside[claim.k], [inside[a] for a in args]
             holds, fails = obligation.holds(result, sides) | infeasible, obligation.fails(result, sides) & ~infeasible
