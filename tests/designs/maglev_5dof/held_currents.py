@@ -13,6 +13,7 @@ The largest distance to the stops over all s is a bound of every law that follow
     python -m tests.designs.maglev_5dof.held_currents        the table of docs/decisions/maglev_landing.md
 """
 
+import sys
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi
@@ -102,7 +103,7 @@ class Machine:
         return float(min(y.min() - low, high - y.max())), float(theta)
 
     def _phase_currents(self, x: Array, i: Array) -> Array:
-        state, phases = dict(zip(STATES, x, strict=True)), []
+        state, phases = dict(zip(STATES, x, strict=True)), list[ca.SX]()
         for j, along in enumerate(maglev_phases.ALONG):
             angle = windings.electrical_angle(ca.SX(state[along]), ca.SX(self.plant.parameter("tau").value))
             phases += windings.phase_currents(ca.SX(i[j]), ca.SX(i[5 if along == "z" else 4]), angle).values()
@@ -164,4 +165,5 @@ if __name__ == "__main__":
         for missed, holds in rows.items():
             k = int(np.argmin([h.least for h in holds]))
             text.append(f"{missed}: {1e3 * holds[k].least:6.2f} at {PHASES[k]:.3f}")
-        print(f"plant {number:2}  least distance in mm or mrad after missed calls  {'   '.join(text)}", flush=True)
+        sys.stdout.write(f"plant {number:2}  least distance in mm after missed calls  {'   '.join(text)}\n")
+        sys.stdout.flush()

@@ -13,7 +13,7 @@ from synth import standard_tasks
 from synth.simulate import campaign
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
-from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Y, Machine, course, machine
+from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Machine, Y, course, machine
 
 WRONG_PLANTS = (1, 6)  # of the campaign: with stronger magnets, so the gap is less stable
 CLIMBING = (20.5 / 24, 21 / 24)  # phases of the course in which the platen approaches its upper stop
