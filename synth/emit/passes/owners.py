@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from synth.blocks import safety
 from synth.emit.lower import Program
-from synth.emit.passes.statements import Branch, Let, Statement, Store
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 
 _SILENT = ("call", "result", "bit")  # a function says what it does, and a bit of the word is set where it is known
 
@@ -47,6 +47,20 @@ class Owners:
             silent = self.p.nodes[s.node].op in _SILENT or current in self.all[s.node]
             return "" if silent else self.nearest[s.node] or self.guard
         return ""
+
+    def candidates(self, s: Statement) -> tuple[str, ...]:
+        """Return the Blocks in whose section a statement may stand, its owner first; () for any."""
+        if isinstance(s, Let) and self.p.nodes[s.node].op in ("call", "result"):
+            return (self.p.calls[self.p.nodes[s.node].name.split(".")[0]].block,)
+        if isinstance(s, Assign):
+            return self._of_node(s.node)
+        if isinstance(s, Let):
+            return self._of_node(s.node)
+        owner = self.of(s, "")
+        return (owner,) if owner else ()
+
+    def _of_node(self, k: int) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((self.nearest[k] or self.guard, *sorted(self.all[k]))))
 
     def together(self, branch: Branch) -> tuple[str, ...]:
         """Return the owners of a branch of which each has about two statements on a side, () for another branch."""

@@ -1,0 +1,156 @@
+"""Grouping: the statements of one level in an order that keeps those of a Block together as far as data flow allows.
+
+List scheduling: from what can be computed next, a statement of the present Block comes first, else the earliest one. A
+load stands before the first statement that reads it. What an outer level has computed is stored at the beginning.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from heapq import heapify, heappop, heappush
+
+from synth.emit.lower import Program
+from synth.emit.passes.owners import Owners
+from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
+
+_LOADS = ("input", "state")
+
+
+def grouped(p: Program, block: Sequence[Statement], owners: Owners) -> list[Statement]:
+    """Return the statements of a level in an order that keeps those of a Block together."""
+    return _Grouping(p, block, owners).statements()
+
+
+class _Grouping:
+    """What must precede each statement of a level, and those that are written so far."""
+
+    def __init__(self, p: Program, block: Sequence[Statement], owners: Owners) -> None:
+        self.p, self.block = p, block
+        self.made = {k: i for i, s in enumerate(block) for k in _made(s)}
+        self.before = [self._operands(s) for s in block]
+        for i, j in self._conflicts():
+            self.before[j].add(i)
+        self.loads = {i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op in _LOADS}
+        self.blocks = [owners.candidates(s) for s in block]
+        self.after: dict[int, list[int]] = defaultdict(list)
+        self.missing = [0] * len(block)
+        for j in range(len(block)):
+            needed = self._needed(j) if j not in self.loads else ()
+            self.missing[j] = len(needed)
+            for i in needed:
+                self.after[i].append(j)
+        self.of_block: dict[str, set[int]] = defaultdict(set)
+        for j, blocks in enumerate(self.blocks):
+            if j not in self.loads:
+                self.of_block[next(iter(blocks), "")].add(j)
+        self.done: dict[int, None] = {}
+
+    def statements(self) -> list[Statement]:
+        """Return the statements in their new order."""
+        ready = [j for j in range(len(self.block)) if j not in self.loads and not self.missing[j]]
+        stores = [j for j in ready if self._stores_outer(j)]
+        for j in stores:
+            ready += self._write(j)
+        of_block: dict[str, list[int]] = defaultdict(list)
+        for j in ready:
+            self._offer(j, of_block)
+        heapify(ready)
+        current = ""
+        while ready:
+            own = of_block[current]
+            while own and own[0] in self.done:
+                heappop(own)
+            while ready and ready[0] in self.done:
+                heappop(ready)
+            if not own and not ready:
+                break
+            if not own:
+                current = self._next_block(of_block, ready[0])
+            j = heappop(of_block[current] or ready)
+            for made in self._write(j):
+                heappush(ready, made)
+                self._offer(made, of_block)
+        self.done |= dict.fromkeys(range(len(self.block)))
+        return [self.block[j] for j in self.done]
+
+    def _next_block(self, of_block: Mapping[str, list[int]], first: int) -> str:
+        """Return the Block of the earliest statement whose Block can be completed, else that of the `first` one."""
+        starts = {block: min(left) for block, own in of_block.items() if (left := [j for j in own if j not in self.done])}
+        for block in sorted(starts, key=lambda block: starts[block]):
+            if self._can_complete(block, of_block[block]):
+                return block
+        return next(iter(self.blocks[first]), "")
+
+    def _can_complete(self, block: str, ready: Sequence[int]) -> bool:
+        """Tell whether all statements left of a Block can be computed without those of another one."""
+        left = self.of_block[block] - self.done.keys()
+        missing: dict[int, int] = {}
+        stack, reached = [j for j in ready if j not in self.done], set[int]()
+        while stack:
+            j = stack.pop()
+            reached.add(j)
+            for k in self.after[j]:
+                missing[k] = missing.get(k, self.missing[k]) - 1
+                if not missing[k] and block in self.blocks[k]:
+                    stack.append(k)
+        return left <= reached
+
+    def _offer(self, j: int, of_block: Mapping[str, list[int]]) -> None:
+        for block in self.blocks[j]:
+            heappush(of_block[block], j)
+
+    def _write(self, j: int) -> list[int]:
+        """Write a statement behind the loads that it reads, and return those that nothing else holds back."""
+        if j in self.done:
+            return []
+        self.done |= dict.fromkeys([*sorted(self._loads_before(j) - self.done.keys()), j])
+        for k in self.after[j]:
+            self.missing[k] -= 1
+        return [k for k in self.after[j] if not self.missing[k]]
+
+    def _operands(self, s: Statement) -> set[int]:
+        return {self.made[k] for k in reads(self.p, [s]) if k in self.made}
+
+    def _needed(self, j: int) -> set[int]:
+        """Return what is computed or stored before a statement and the loads that it reads."""
+        direct = self.before[j]
+        return {i for k in direct & self.loads for i in self.before[k]} | (direct - self.loads)
+
+    def _loads_before(self, j: int) -> set[int]:
+        return self.before[j] & self.loads
+
+    def _stores_outer(self, j: int) -> bool:
+        s = self.block[j]
+        return isinstance(s, Store) and s.struct == "state" and not self.before[j]
+
+    def _conflicts(self) -> Iterator[tuple[int, int]]:
+        """Yield the pairs of statements that load and store one state, in their order."""
+        last: dict[str, list[tuple[int, bool]]] = defaultdict(list)
+        for j, s in enumerate(self.block):
+            for state, stores in dict.fromkeys(_touched(self.p, [s])):
+                for i, stored in last[state]:
+                    if i != j and (stores or stored):
+                        yield i, j
+                last[state].append((j, stores))
+
+
+def _made(s: Statement) -> tuple[int, ...]:
+    return (s.node,) if isinstance(s, Let) else tuple(c for c, _ in s.choices) if isinstance(s, Branch) else ()
+
+
+def _touched(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
+    """Yield the states that statements load or store, and whether they store."""
+    for s in block:
+        if isinstance(s, Branch):
+            yield from _touched(p, (*s.then, *s.other))
+        elif isinstance(s, Store) and s.struct == "state":
+            yield s.name, True
+        elif isinstance(s, Let):
+            node = p.nodes[s.node]
+            if node.op == "state":
+                yield node.name, False
+            elif node.op == "guard" and node.name:
+                yield node.name, True
+            elif node.op == "call":
+                call = p.calls[node.name]
+                for state in (call.block, *call.states.values()):
+                    yield state, True
