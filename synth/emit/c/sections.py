@@ -7,16 +7,21 @@ function stand at the function.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 from synth.emit.c.lines import Line, opening, prose
 from synth.emit.lower import Program
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.statements import Branch, Statement
 
-FEWEST = 4  # statements that open a section where a Block has more of them elsewhere
+FEWEST = 3  # statements that open a section where a Block has more of them elsewhere
+MANY_COPIES = 6  # next states that were computed before and are stored together
+CALLS, STATES = "functions above", "next states of the sections above"
 _COMMENT = ("/*", "*")
+_COPY = re.compile(r"state->[\w.]+ = \w+;")
+_IDLE = re.compile(rf"{_COPY.pattern}|(float|double|bool|uint32_t) .*;|if .*")  # what computes nothing
 _WORD = re.compile(r"\b[A-Za-z_]\w*")
 
 
@@ -54,33 +59,47 @@ class Headings:
     A line of another section among those of a run has no run, where it is one of few.
     """
 
-    def __init__(self, p: Program, lines: Sequence[Line]) -> None:
-        called = {call.block for call in p.calls.values()}
-        self.equations = {prose(p.titles[part]): rows for part, rows in p.equations.items() if part not in called}
-        self.lines, self.explained = lines, {prose(p.titles[part]) for part in called if part in p.titles}
-        few = {k for k, run in self._runs(()).items() if run not in self.most and run.size[0] < FEWEST}
-        self.opens = {run.first: run for run in self._runs(few).values()}
+    def __init__(self, name: str, p: Program, lines: Sequence[Line]) -> None:
+        self.lines, self.equations = lines, {prose(p.titles[part]): rows for part, rows in p.equations.items()}
+        called = {prose(p.titles[call.block]) for call in p.calls.values()}
+        self.headings = [CALLS if line.tag in called else line.joint or line.tag for line in lines]
+        self.functions = {f"{name}_{c.routine.name}": c.routine.name for c in p.calls.values()}
+        few = {k for k, run in self._runs().items() if run not in self.most and run.size[0] < FEWEST}
+        copies = [k in few and _COPY.fullmatch(line.text.strip()) is not None for k, line in enumerate(lines)]
+        for copy, group in groupby(range(len(lines)), key=copies.__getitem__):
+            places = [*group]
+            heading = STATES if copy and len(places) >= MANY_COPIES else ""
+            for k in few.intersection(places):
+                self.headings[k] = heading
+        self.runs = self._runs()
+        self.opens = {run.first: run for run in self.runs.values()}
 
-    def _runs(self, without: Container[int]) -> dict[int, _Run]:
+    def _runs(self) -> dict[int, _Run]:
         """Return the run of each line that has one."""
         runs, levels = dict[int, _Run](), [_Run("", 0)]
-        for k, line in enumerate(self.lines):
+        for k, (line, heading) in enumerate(zip(self.lines, self.headings, strict=True)):
             text = line.text.strip()
             levels = levels[:-1] if text.startswith("}") else levels
-            heading = "" if k in without else line.joint or line.tag
-            if heading not in ("", levels[-1].heading) and not text.startswith("}"):
-                levels[-1] = _Run(heading, k)
             if heading and not text.startswith("}"):
+                if heading != levels[-1].heading:
+                    levels[-1] = _Run(heading, k)
                 runs[k] = levels[-1]
                 statements, rows = levels[-1].size
-                levels[-1].size = (statements + (not text.startswith(("state->", "}"))), rows + 1)
+                levels[-1].size = (statements + (_IDLE.fullmatch(text) is None), rows + 1)
             levels += levels[-1:] if text.endswith("{") else []
         largest: dict[str, _Run] = {}
         for run in runs.values():
-            if run.heading not in self.explained and run.size > largest.get(run.heading, _Run("", 0)).size:
+            if run.size > largest.get(run.heading, _Run("", 0)).size:
                 largest[run.heading] = run
         self.most = set(largest.values())
         return runs
+
+    def _title(self, run: _Run, opened: Collection[str]) -> str:
+        if run.heading == CALLS:
+            words = (word for k, of in self.runs.items() if of is run for word in _WORD.findall(self.lines[k].text))
+            names = dict.fromkeys(self.functions[word] for word in words if word in self.functions)
+            return f"{CALLS}: {', '.join(names)}"
+        return f"{run.heading} (continued)" if run.heading in opened and run.heading != STATES else run.heading
 
     def printed(self) -> list[Line]:
         """Return the lines with the comments that open the sections."""
@@ -88,7 +107,7 @@ class Headings:
         for k, line in enumerate(self.lines):
             run = self.opens.get(k)
             if run:
-                title = f"{run.heading} (continued)" if run.heading in opened else run.heading
+                title = self._title(run, opened)
                 opened.add(run.heading)
                 before, indent = printed[-1].text if printed else "", line.text[: -len(line.text.lstrip())]
                 printed += [] if before == "" or before.endswith("{") else [Line("")]
@@ -106,34 +125,25 @@ def with_constants(
     `constants` has by its name in C what declares a constant behind an indentation.
     """
     read: dict[str, list[int]] = {name: [] for name in constants}
-    scopes, scope = list[tuple[int, ...]](), tuple[int, ...]()
+    scopes, scope, opened, heads = list[tuple[int, ...]](), tuple[int, ...](), [-1], list[int]()
     for k, line in enumerate(lines):
         text = line.text.strip()
-        scope = scope[:-1] if text.startswith("}") else scope
+        if text.startswith("}"):
+            scope, opened = scope[:-1], opened[:-1]
         scopes.append(scope)
+        opened[-1] = k if text.startswith(_COMMENT) and text.endswith("*/") and "@ admit" not in text else opened[-1]
+        heads.append(opened[-1])
         for word in set(_WORD.findall(text)) & read.keys() if not text.startswith(_COMMENT) else ():
             read[word].append(k)
-        scope = (*scope, k) if text.endswith("{") else scope
-    ends = [k for k, line in enumerate(lines) if _ends_heading(line.text)]
+        if text.endswith("{"):
+            scope, opened = (*scope, k), [*opened, opened[-1]]
     at: dict[int, list[Line]] = defaultdict(list)
     for name, declare in constants.items():
-        k = _section_of(read[name], ends, scopes)
-        place, depth, tag = (-1, 0, "") if k is None else (k, len(scopes[k]), lines[k].tag)
-        at[place] += [Line(row, tag) for row in declare("    " * (depth + 1))]
+        place = {heads[k] for k in read[name] if lines[k].tag}
+        head = place.pop() if len(place) == 1 else -1
+        inside = scopes[head] if head >= 0 else ()
+        visible = all(scopes[k][: len(inside)] == inside for k in read[name])
+        head, inside = (head, inside) if visible else (-1, ())
+        tag = lines[head].tag if head >= 0 else ""
+        at[head] += [Line(row, tag) for row in declare("    " * (len(inside) + 1))]
     return at[-1], [row for k, line in enumerate(lines) for row in (line, *at[k])]
-
-
-def _ends_heading(text: str) -> bool:
-    return text.strip().startswith(_COMMENT) and text.endswith("*/") and "@ admit" not in text
-
-
-def _section_of(read: Sequence[int], ends: Sequence[int], scopes: Sequence[tuple[int, ...]]) -> int | None:
-    """Return the last line of the heading of the section that has all lines which read a constant."""
-    if not read:
-        return None
-    inside = scopes[read[0]]
-    for k in reversed([k for k in ends if k < read[0] and scopes[k] == inside[: len(scopes[k])]]):
-        after = (j for j in ends if j > k and scopes[j] == scopes[k][: len(scopes[j])])
-        if read[-1] < next(after, len(scopes)) and all(scopes[j][: len(scopes[k])] == scopes[k] for j in read):
-            return k
-    return None

@@ -6,12 +6,13 @@ load stands before the first statement that reads it. What an outer level has co
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from heapq import heapify, heappop, heappush
+from heapq import heappop, heappush
 
 from synth.emit.lower import Program
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
 
+FEWEST = 4  # statements of a Block that come before those of others
 _LOADS = ("input", "state")
 
 
@@ -30,7 +31,7 @@ class _Grouping:
         for i, j in self._conflicts():
             self.before[j].add(i)
         self.loads = {i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op in _LOADS}
-        self.blocks = [owners.candidates(s) for s in block]
+        self.blocks = [owners.main(s) for s in block]
         self.after: dict[int, list[int]] = defaultdict(list)
         self.missing = [0] * len(block)
         for j in range(len(block)):
@@ -39,69 +40,56 @@ class _Grouping:
             for i in needed:
                 self.after[i].append(j)
         self.of_block: dict[str, set[int]] = defaultdict(set)
-        for j, blocks in enumerate(self.blocks):
+        for j, owner in enumerate(self.blocks):
             if j not in self.loads:
-                self.of_block[next(iter(blocks), "")].add(j)
+                self.of_block[owner].add(j)
         self.done: dict[int, None] = {}
 
     def statements(self) -> list[Statement]:
         """Return the statements in their new order."""
         ready = [j for j in range(len(self.block)) if j not in self.loads and not self.missing[j]]
-        stores = [j for j in ready if self._stores_outer(j)]
-        for j in stores:
-            ready += self._write(j)
-        of_block: dict[str, list[int]] = defaultdict(list)
-        for j in ready:
-            self._offer(j, of_block)
-        heapify(ready)
-        current = ""
-        while ready:
-            own = of_block[current]
-            while own and own[0] in self.done:
-                heappop(own)
-            while ready and ready[0] in self.done:
-                heappop(ready)
-            if not own and not ready:
-                break
-            if not own:
-                current = self._next_block(of_block, ready[0])
-            j = heappop(of_block[current] or ready)
-            for made in self._write(j):
-                heappush(ready, made)
-                self._offer(made, of_block)
+        ready += [k for j in ready if self._stores_outer(j) for k in self._write(j)]
+        waiting: dict[str, list[int]] = defaultdict(list)
+        for j in sorted(set(ready) - self.done.keys()):
+            waiting[self.blocks[j]].append(j)
+        while waiting:
+            block = self._next_block(waiting)
+            own = waiting[block]
+            while own:
+                for k in self._write(heappop(own)):
+                    heappush(waiting[self.blocks[k]], k)
+            waiting = defaultdict(list, {name: left for name, left in waiting.items() if left})
         self.done |= dict.fromkeys(range(len(self.block)))
         return [self.block[j] for j in self.done]
 
-    def _next_block(self, of_block: Mapping[str, list[int]], first: int) -> str:
-        """Return the Block of the earliest statement whose Block can be completed, else that of the `first` one."""
-        starts = {block: min(left) for block, own in of_block.items() if (left := [j for j in own if j not in self.done])}
-        for block in sorted(starts, key=lambda block: starts[block]):
-            if self._can_complete(block, of_block[block]):
-                return block
-        return next(iter(self.blocks[first]), "")
+    def _next_block(self, waiting: Mapping[str, list[int]]) -> str:
+        """Return the Block of the earliest statement, or else one with some statements that can be completed first."""
+        first, *others = sorted(waiting, key=lambda block: waiting[block][0])
+        if self._can_complete(first, waiting[first]):
+            return first
+        some = (block for block in others if self._size(block) >= FEWEST)
+        return next((block for block in some if self._can_complete(block, waiting[block])), first)
+
+    def _size(self, block: str) -> int:
+        """Return the number of statements left of a Block, those in branches included."""
+        return sum(_count(self.block[j]) for j in self.of_block[block] if j not in self.done)
 
     def _can_complete(self, block: str, ready: Sequence[int]) -> bool:
         """Tell whether all statements left of a Block can be computed without those of another one."""
         left = self.of_block[block] - self.done.keys()
         missing: dict[int, int] = {}
-        stack, reached = [j for j in ready if j not in self.done], set[int]()
+        stack, reached = [*ready], set[int]()
         while stack:
             j = stack.pop()
             reached.add(j)
             for k in self.after[j]:
                 missing[k] = missing.get(k, self.missing[k]) - 1
-                if not missing[k] and block in self.blocks[k]:
+                if not missing[k] and self.blocks[k] == block:
                     stack.append(k)
         return left <= reached
 
-    def _offer(self, j: int, of_block: Mapping[str, list[int]]) -> None:
-        for block in self.blocks[j]:
-            heappush(of_block[block], j)
-
     def _write(self, j: int) -> list[int]:
         """Write a statement behind the loads that it reads, and return those that nothing else holds back."""
-        if j in self.done:
-            return []
         self.done |= dict.fromkeys([*sorted(self._loads_before(j) - self.done.keys()), j])
         for k in self.after[j]:
             self.missing[k] -= 1
@@ -135,6 +123,10 @@ class _Grouping:
 
 def _made(s: Statement) -> tuple[int, ...]:
     return (s.node,) if isinstance(s, Let) else tuple(c for c, _ in s.choices) if isinstance(s, Branch) else ()
+
+
+def _count(s: Statement) -> int:
+    return 1 + sum(map(_count, (*s.then, *s.other))) if isinstance(s, Branch) else 1
 
 
 def _touched(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:

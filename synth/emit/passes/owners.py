@@ -48,19 +48,14 @@ class Owners:
             return "" if silent else self.nearest[s.node] or self.guard
         return ""
 
-    def candidates(self, s: Statement) -> tuple[str, ...]:
-        """Return the Blocks in whose section a statement may stand, its owner first; () for any."""
-        if isinstance(s, Let) and self.p.nodes[s.node].op in ("call", "result"):
-            return (self.p.calls[self.p.nodes[s.node].name.split(".")[0]].block,)
-        if isinstance(s, Assign):
-            return self._of_node(s.node)
-        if isinstance(s, Let):
-            return self._of_node(s.node)
-        owner = self.of(s, "")
-        return (owner,) if owner else ()
-
-    def _of_node(self, k: int) -> tuple[str, ...]:
-        return tuple(dict.fromkeys((self.nearest[k] or self.guard, *sorted(self.all[k]))))
+    def main(self, s: Statement) -> str:
+        """Return the owner of a statement wherever it stands, "" for none."""
+        if isinstance(s, Let | Assign):
+            node = self.p.nodes[s.node]
+            if node.op in ("call", "result"):
+                return str(self.p.calls[node.name.split(".")[0]].block)
+            return self.nearest[s.node] or self.guard
+        return s.name if isinstance(s, Store) and s.name in self.p.titles else self.of(s, "")
 
     def together(self, branch: Branch) -> tuple[str, ...]:
         """Return the owners of a branch of which each has about two statements on a side, () for another branch."""
