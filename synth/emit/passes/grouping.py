@@ -72,7 +72,7 @@ class _Grouping:
 
     def _size(self, block: str) -> int:
         """Return the number of statements left of a Block, those in branches included."""
-        return sum(_count(self.block[j]) for j in self.of_block[block] if j not in self.done)
+        return sum(_count(self.p, self.block[j]) for j in self.of_block[block] if j not in self.done)
 
     def _can_complete(self, block: str, ready: Sequence[int]) -> bool:
         """Tell whether all statements left of a Block can be computed without those of another one."""
@@ -125,8 +125,11 @@ def _made(s: Statement) -> tuple[int, ...]:
     return (s.node,) if isinstance(s, Let) else tuple(c for c, _ in s.choices) if isinstance(s, Branch) else ()
 
 
-def _count(s: Statement) -> int:
-    return 1 + sum(map(_count, (*s.then, *s.other))) if isinstance(s, Branch) else 1
+def _count(p: Program, s: Statement) -> int:
+    """Return the number of statements in a statement; a call stands for those of its function."""
+    if isinstance(s, Branch):
+        return 1 + sum(_count(p, t) for t in (*s.then, *s.other))
+    return FEWEST if isinstance(s, Let) and p.nodes[s.node].op == "call" else 1
 
 
 def _touched(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
