@@ -3,11 +3,12 @@
     void     <name>_init(<name>_state_t *state);
     uint32_t <name>_step(<name>_state_t *state, const <name>_input_t *in, <name>_output_t *out);   fault bits
 
-The constants are local to the step, their only reader.
+The constants are local to the step, their only reader; one that a single section reads stands at its head.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from textwrap import wrap
 
 from synth.block import Block
@@ -17,6 +18,7 @@ from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
 from synth.emit.c.lines import Line, comment, prose
+from synth.emit.c.sections import with_constants
 from synth.emit.lower import Program
 from synth.emit.operations import LIBM
 from synth.emit.passes.guards import guard_function
@@ -48,7 +50,8 @@ def source(
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     head = diagnostics.definition_head(block, step_head(block.name), program)
-    step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
+    shared, body = with_constants(body, _constants(block, program, layout))
+    step = [*_init(block, layout), "", *head, "{", *(line.text for line in shared), *([""] if shared else [])]
     step += diagnostics.entry_statements(block, program)
     ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
     whole = diagnostics.join(body[:-1], [*map(Line, ending)])
@@ -154,20 +157,29 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     ]
 
 
-def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
-    numbers = ", ".join(literal(v, layout.scalar).c for v in values)
-    rows = wrap(numbers, 108, initial_indent=" " * 8, subsequent_indent=" " * 8, break_on_hyphens=False)
-    return [f"    static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, "    };"]
+def _table(name: str, values: Sequence[float], layout: Layout, indent: str) -> list[str]:
+    numbers, further = ", ".join(literal(v, layout.scalar).c for v in values), f"{indent}    "
+    rows = wrap(numbers, 112, initial_indent=further, subsequent_indent=further, break_on_hyphens=False)
+    return [f"{indent}static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, f"{indent}}};"]
 
 
-def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
+def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:
+    """Return by name in C what declares each constant of the step behind an indentation."""
     read = {n.name for n in program.nodes if n.op in ("constant", "literal")}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
-    rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
-    rows += routines.parameters(block, program, layout)
+    declared: dict[str, Callable[[str], Sequence[str]]] = {}
+    for c in block.constants:
+        if c.name in read:
+            declared[constant(c.name)] = partial(routines.number, constant(c.name), c, layout)
+    for name, text in routines.parameters(block, program, layout).items():
+        declared[name] = partial(_behind, text)
     for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
-        rows += _table(name, program.tables[name], layout)
-    return [*rows, ""] if rows else []
+        declared[constant(name)] = partial(_table, name, program.tables[name], layout)
+    return declared
+
+
+def _behind(text: str, indent: str) -> list[str]:
+    return [indent + text]
 
 
 def _init(block: Block, layout: Layout) -> list[str]:

@@ -12,6 +12,7 @@ import re
 from collections import ChainMap, Counter
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain, takewhile
 from textwrap import wrap
 
 from synth.blocks import safety
@@ -63,8 +64,23 @@ def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str,
     texts = {block: _Text(p, block, following[block], names, labels) for block in p.titles if block not in SILENT}
     for of in (ends, following):
         of[safety.GUARD] = {n: k for n, k in of.get(safety.GUARD, {}).items() if n in OF_GUARD}
-    rows = {block: _rows(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    shown = {block: _shown(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
+
+
+def _like_another(block: str, shown: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return that a Block's equations are those of an earlier one, where one word of the names makes the difference."""
+    for other in takewhile(lambda name: name != block, shown):
+        pairs = list(zip(other.split("_"), block.split("_"), strict=False))
+        words = [(a, b) for a, b in pairs if a != b]
+        if len(words) != 1 or other.count("_") != block.count("_") or not shown[block]:
+            continue
+        before, after = words[0]
+        word = re.compile(rf"(?<![A-Za-z0-9]){re.escape(before)}(?![A-Za-z0-9])")
+        if {word.sub(after, text) for text in shown[other]} == set(shown[block]):
+            return [f"as {other}, with {after} in place of {before}"]
+    return []
 
 
 def _variables(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[int, str]:
@@ -95,18 +111,19 @@ def _local(name: str, block: str) -> str:
     return name.removeprefix(f"{block}_")
 
 
-def _rows(equations: Sequence[Equation]) -> tuple[str, ...]:
-    """Return the lines of a section's equations, those of one form together."""
+def _shown(equations: Sequence[Equation]) -> list[str]:
+    """Return a section's equations, those of one form together."""
     forms: dict[str, list[Equation]] = {}
     for e in equations:
         forms.setdefault(e.form, []).append(e)
     shown = [group for group in forms.values() if group[0].is_hidden] or list(forms.values())[:1]
-    rows: list[str] = []
-    for first, *others in shown:
-        also = f"; likewise {', '.join(e.name for e in others)}" if others else ""
-        text = f"{first.name} = {first.text}{also}"
-        rows += wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False)
-    return tuple(rows)
+    others = [f"; likewise {', '.join(e.name for e in group[1:])}" if group[1:] else "" for group in shown]
+    return [f"{first.name} = {first.text}{also}" for (first, *_), also in zip(shown, others, strict=True)]
+
+
+def _wrapped(texts: Sequence[str]) -> tuple[str, ...]:
+    rows = (wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False) for text in texts)
+    return tuple(chain.from_iterable(rows))
 
 
 class _Text:

@@ -16,7 +16,7 @@ from synth.emit.c.expressions import Expressions, Text, admission, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.lines import Line, prose
 from synth.emit.c.locals import LOADS
-from synth.emit.c.sections import Sections
+from synth.emit.c.sections import Headings, Sections
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
 from synth.emit.passes.guards import guard_function
@@ -65,12 +65,12 @@ class _Printer:
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.block, self.watched, self.returned = block, diagnostics.NO_DIAGNOSTICS, dict[str, str]()
         self.printed, self.sections = list[Line](), Sections(program)
-        self.tag = self.shown = self.owner = self.joint = ""  # `joint` titles a branch of several short sections
+        self.tag = self.owner = self.joint = ""  # `joint` titles a branch of several short sections
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
     def routine(self, routine: Routine, title: str) -> list[Line]:
         """Return the lines of a routine's body."""
-        self.tag = self.shown = title
+        self.tag = title
         self._block(self.statements, 1)
         self.tag = ""
         texts = {r.name: self.c.as_kind(self.p.returns[r.name], r.kind).c for r in routine.results}
@@ -88,7 +88,7 @@ class _Printer:
         self.tag = ""
         idle = [p for p in ("in", "state") if not any(f"{p}->" in line.text for line in self.printed)]
         self.printed[:0] = [*(Line(f"    (void){pointer};") for pointer in idle), *([Line("")] if idle else [])]
-        self.printed.append(Line(""))
+        self.printed = [*Headings(self.block.name, self.p, self.printed).printed(), Line("")]
         self._put(f"return {'0u' if self.p.word is None else self.c.integer(self.p.word).c};", 1)
         return self.printed
 
@@ -182,15 +182,14 @@ class _Printer:
             self.c.text[c] = Text(name)
         condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
         owner = self.owner
-        before = self._with_title(depth)
-        sides = []
+        before, sides = self.printed, []
         for side in (s.then, s.other):
-            self.printed, self.tag, self.shown, self.owner = [], tag, self.joint or tag, owner
+            self.printed, self.tag, self.owner = [], tag, owner
             for bound in self.c.bounds_of_squares(s.condition) if side is s.then else ():
                 self._put(bound, depth + 1)
             self._block(side, depth + 1)
             sides.append(self.printed)
-        (then, other), self.printed, self.tag, self.shown, self.owner = sides, before, tag, self.joint or tag, owner
+        (then, other), self.printed, self.tag, self.owner = sides, before, tag, owner
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -211,11 +210,7 @@ class _Printer:
             return
         kind = "integer" if is_state and s.name in self.p.integers else "real"
         place = f"state->{self._path(s.name)}" if is_state else f"out->{s.name}"
-        shown, heading = self.shown, self.joint or self.tag
-        silent = is_state and heading in self.sections.opened  # the name of the state says which section it is of
-        self.shown = heading if silent else shown
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
-        self.shown = shown if silent else self.shown
 
     def _path(self, state: str) -> str:
         return self.p.paths.get(state, state)
@@ -265,7 +260,7 @@ class _Printer:
 
     def _put(self, text: str, depth: int) -> None:
         self._check_loads(text)
-        self._with_title(depth).append(Line("    " * depth + text, self.tag))
+        self.printed.append(Line("    " * depth + text, self.tag, self.joint))
 
     def _can_wait(self, node: Node) -> bool:
         return node.op == "state" and node.name not in self.late and node.name not in self.p.integers
@@ -279,18 +274,6 @@ class _Printer:
             owner = place.rsplit(".", 1)[0]
             if target == place or re.search(rf"&{re.escape(owner)}\b", text):
                 self.late.add(state)
-
-    def _with_title(self, depth: int) -> list[Line]:
-        """Return the lines printed so far, with the title of the section where it is a new one."""
-        heading = self.tag and (self.joint or self.tag)
-        if heading not in ("", self.shown):
-            opened = (
-                not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
-            )
-            self.printed += [] if opened else [Line("")]
-            self.printed += [Line("    " * depth + row, self.tag) for row in self.sections.open(heading)]
-        self.shown = heading
-        return self.printed
 
     def _new_name(self, k: int) -> str:
         node = self.p.nodes[k]

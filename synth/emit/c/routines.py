@@ -103,18 +103,18 @@ def _parameters(
     return [*rows, ""]
 
 
-def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
-    """Return the declarations of the numbers that the calls pass in a struct."""
+def parameters(block: Block, p: Program, layout: Layout) -> dict[str, str]:
+    """Return by name the declarations of the numbers that the calls pass in a struct."""
     constants = {c.name: c for c in block.constants}
-    rows = []
+    declared = {}
     for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
         values = [
             f".{name} = {_value(node, constants, layout.scalar)}"
             for name, node in zip(call.routine.parameters, call.numbers, strict=True)
         ]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
-        rows.append(f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};")
-    return rows
+        declared[call.parameters] = f"static const {kind} {call.parameters} = {{{', '.join(values)}}};"
+    return declared
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
@@ -143,14 +143,14 @@ def _common_constants(routine: Routine, constants: Mapping[str, Constant], layou
     return [*rows, ""] if rows else []
 
 
-def number(name: str, constant: Constant, layout: Layout) -> list[str]:
+def number(name: str, constant: Constant, layout: Layout, indent: str = "    ") -> list[str]:
     """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
     value = Text(f"{int(constant.value)}u") if constant.of else literal(constant.value, layout.scalar)
-    text = f"    static const {'uint32_t' if constant.of else layout.ctype} {name} = {value.c};"
+    text = f"{indent}static const {'uint32_t' if constant.of else layout.ctype} {name} = {value.c};"
     about = f"{constant.unit}; {prose(constant.source)}"
     rows = [f"{text.ljust(63)} /* {about} */", f"{text} /* {about} */"]
     fitting = [row for row in rows if len(row) <= WIDTH + 4]
-    return fitting[:1] or [*comment(about, " " * 4), text]
+    return fitting[:1] or [*comment(about, indent), text]
 
 
 def state_member(f: Member, types: Mapping[str, str]) -> str:

@@ -3,7 +3,7 @@
 Two Blocks are the same when the expressions of their signals and next states have one canonical form, in which the
 values from elsewhere, the states, the constants and the numbers are counted in the order in which they are met. A Block
 whose next states depend on what others make of its signals, such as a regulator with anti-windup, becomes two
-functions: one for its signals and one for its next states.
+functions: one for its signals and one for its next states. So does one of whose signals some come before the rest.
 """
 
 from collections import Counter, defaultdict
@@ -139,20 +139,39 @@ def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int,
 
 
 def split(p: Program, part: Part) -> list[Part]:
-    """Return a Part whole where nothing that it needs depends on it, else its signals and next states separately."""
+    """Return a Part whole where nothing that it needs depends on it, else in two that come one after the other.
+
+    The first one has its signals, or else what others need for the values that the Part reads.
+    """
     if not _depends_on_itself(p, part.region):
         return [part]
     marks = {k for _, k in p.marks} & part.region
-    first = frozenset(_ancestors(p, marks, part.region))
+    for ends in (marks, _needed_outside(p, part.region)):
+        halves = _halves(p, part, frozenset(_ancestors(p, ends, part.region)))
+        if all(h.region and not _depends_on_itself(p, h.region) for h in halves):
+            return halves
+    return []
+
+
+def _halves(p: Program, part: Part, first: frozenset[int]) -> list[Part]:
+    """Return the Parts of some nodes, and of the others with the next states."""
     second = part.region - first
     stores = {p.next[state] for state in part.next} - part.region
     passed = {a for k in second for a in p.nodes[k].args} | set(part.next.values())
     signals = tuple(sorted(first & ({*_results(p, first, stores)} | passed)))
-    halves = [
+    return [
         replace(part, region=first, next={}, results=signals, held=None, phase="output"),
         replace(part, region=second, results=_results(p, second, stores), phase="update"),
     ]
-    return halves if all(h.region and not _depends_on_itself(p, h.region) for h in halves) else []
+
+
+def _needed_outside(p: Program, region: frozenset[int]) -> set[int]:
+    """Return the nodes of a region that values from outside are computed from, which the region reads."""
+    leading = {a for k in region for a in p.nodes[k].args} - region
+    for k in range(len(p.nodes) - 1, -1, -1):
+        if k in leading:
+            leading |= {a for a in p.nodes[k].args if a not in region}
+    return {a for k in leading for a in p.nodes[k].args if a in region}
 
 
 def _ancestors(p: Program, roots: set[int], region: frozenset[int]) -> set[int]:
@@ -188,7 +207,7 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
             numbers.append(k)
             return (node.op, node.value if node.op == "constant" else 0.0)
         if node.op == "state" and node.name in part.local:
-            return ("state", part.local[node.name])
+            return ("state", part.local[node.name], kind[k])
         arguments.append(k)
         return ("argument", kind[k])
 
@@ -211,10 +230,7 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
-    """Return the Parts with one canonical form, where there are at least two of them with some operations.
-
-    Integer states are left out: in a struct they would lie beside scalars of another size.
-    """
+    """Return the Parts with one canonical form, where there are at least two of them with some operations."""
     by_form: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     kind = kinds(p)
     for whole in parts(p):
@@ -226,4 +242,4 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
 
 
 def _is_plain(p: Program, part: Part) -> bool:
-    return part.local.keys().isdisjoint(p.integers) and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region)
+    return not any(p.nodes[k].op in NOT_OUTLINED for k in part.region)

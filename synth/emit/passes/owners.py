@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from synth.blocks import safety
 from synth.emit.lower import Program
-from synth.emit.passes.statements import Branch, Let, Statement, Store
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 
 _SILENT = ("call", "result", "bit")  # a function says what it does, and a bit of the word is set where it is known
 
@@ -47,6 +47,15 @@ class Owners:
             silent = self.p.nodes[s.node].op in _SILENT or current in self.all[s.node]
             return "" if silent else self.nearest[s.node] or self.guard
         return ""
+
+    def main(self, s: Statement) -> str:
+        """Return the owner of a statement wherever it stands, "" for none."""
+        if isinstance(s, Let | Assign):
+            node = self.p.nodes[s.node]
+            if node.op in ("call", "result"):
+                return str(self.p.calls[node.name.split(".")[0]].block)
+            return self.nearest[s.node] or self.guard
+        return s.name if isinstance(s, Store) and s.name in self.p.titles else self.of(s, "")
 
     def together(self, branch: Branch) -> tuple[str, ...]:
         """Return the owners of a branch of which each has about two statements on a side, () for another branch."""

@@ -11,6 +11,8 @@ into an `if`. It is sunk only if the store, where the level has one, depends on 
 from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
+from synth.emit.passes.grouping import grouped
+from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store, reads
 
@@ -23,14 +25,16 @@ def statements(p: Program) -> tuple[Statement, ...]:
     demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
     demands += [Demand(k, ("word", "")) for k in dict.fromkeys(p.result_nodes())]
     whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
-    return tuple(_Level(p, p.users(), whole, demands).statements())
+    return tuple(_Level(p, p.users(), whole, demands, Owners(p)).statements())
 
 
 class _Level:
     """One level of statements: the nodes that belong to it and its demands."""
 
-    def __init__(self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand]) -> None:
-        self.p, self.users, self.members = p, users, members
+    def __init__(
+        self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand], owners: Owners
+    ) -> None:
+        self.p, self.users, self.members, self.owners = p, users, members, owners
         self.pending = dict.fromkeys(demands)
         self.loads = {p.nodes[k].name: k for k in members if p.nodes[k].op == "state"}
         self.regions = Regions(p, users, members, demands)
@@ -53,7 +57,7 @@ class _Level:
                 self._meet(d)
         for d in list(self.pending):
             self._meet(d)
-        return self.out
+        return grouped(self.p, self.out, self.owners) if self.p.titles else self.out
 
     def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
         """Group the demands by the last marked node, counted in order, for which each of them waits.
@@ -153,7 +157,7 @@ class _Level:
                     if not self.regions.is_load(arm, d.destination):
                         arm_demands.append(Demand(arm, d.destination))
         then, other = (
-            tuple(_Level(self.p, self.users, members, demands).statements())
+            tuple(_Level(self.p, self.users, members, demands, self.owners).statements())
             for members, demands in zip(region.sides, inner, strict=True)
         )
         branch = Branch(region.condition, tuple(declared), then, other)

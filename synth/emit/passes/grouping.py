@@ -1,0 +1,151 @@
+"""Grouping: the statements of one level in an order that keeps those of a Block together as far as data flow allows.
+
+List scheduling: from what can be computed next, a statement of the present Block comes first, else the earliest one. A
+load stands before the first statement that reads it. What an outer level has computed is stored at the beginning.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from heapq import heappop, heappush
+
+from synth.emit.lower import Program
+from synth.emit.passes.owners import Owners
+from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
+
+FEWEST = 4  # statements of a Block that come before those of others
+_LOADS = ("input", "state")
+
+
+def grouped(p: Program, block: Sequence[Statement], owners: Owners) -> list[Statement]:
+    """Return the statements of a level in an order that keeps those of a Block together."""
+    return _Grouping(p, block, owners).statements()
+
+
+class _Grouping:
+    """What must precede each statement of a level, and those that are written so far."""
+
+    def __init__(self, p: Program, block: Sequence[Statement], owners: Owners) -> None:
+        self.p, self.block = p, block
+        self.made = {k: i for i, s in enumerate(block) for k in _made(s)}
+        self.before = [self._operands(s) for s in block]
+        for i, j in self._conflicts():
+            self.before[j].add(i)
+        self.loads = {i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op in _LOADS}
+        self.blocks = [owners.main(s) for s in block]
+        self.after: dict[int, list[int]] = defaultdict(list)
+        self.missing = [0] * len(block)
+        for j in range(len(block)):
+            needed = self._needed(j) if j not in self.loads else ()
+            self.missing[j] = len(needed)
+            for i in needed:
+                self.after[i].append(j)
+        self.of_block: dict[str, set[int]] = defaultdict(set)
+        for j, owner in enumerate(self.blocks):
+            if j not in self.loads:
+                self.of_block[owner].add(j)
+        self.done: dict[int, None] = {}
+
+    def statements(self) -> list[Statement]:
+        """Return the statements in their new order."""
+        ready = [j for j in range(len(self.block)) if j not in self.loads and not self.missing[j]]
+        ready += [k for j in ready if self._stores_outer(j) for k in self._write(j)]
+        waiting: dict[str, list[int]] = defaultdict(list)
+        for j in sorted(set(ready) - self.done.keys()):
+            waiting[self.blocks[j]].append(j)
+        while waiting:
+            block = self._next_block(waiting)
+            own = waiting[block]
+            while own:
+                for k in self._write(heappop(own)):
+                    heappush(waiting[self.blocks[k]], k)
+            waiting = defaultdict(list, {name: left for name, left in waiting.items() if left})
+        self.done |= dict.fromkeys(range(len(self.block)))
+        return [self.block[j] for j in self.done]
+
+    def _next_block(self, waiting: Mapping[str, list[int]]) -> str:
+        """Return the Block of the earliest statement, or else one with some statements that can be completed first."""
+        first, *others = sorted(waiting, key=lambda block: waiting[block][0])
+        if self._can_complete(first, waiting[first]):
+            return first
+        some = (block for block in others if self._size(block) >= FEWEST)
+        return next((block for block in some if self._can_complete(block, waiting[block])), first)
+
+    def _size(self, block: str) -> int:
+        """Return the number of statements left of a Block, those in branches included."""
+        return sum(_count(self.p, self.block[j]) for j in self.of_block[block] if j not in self.done)
+
+    def _can_complete(self, block: str, ready: Sequence[int]) -> bool:
+        """Tell whether all statements left of a Block can be computed without those of another one."""
+        left = self.of_block[block] - self.done.keys()
+        missing: dict[int, int] = {}
+        stack, reached = [*ready], set[int]()
+        while stack:
+            j = stack.pop()
+            reached.add(j)
+            for k in self.after[j]:
+                missing[k] = missing.get(k, self.missing[k]) - 1
+                if not missing[k] and self.blocks[k] == block:
+                    stack.append(k)
+        return left <= reached
+
+    def _write(self, j: int) -> list[int]:
+        """Write a statement behind the loads that it reads, and return those that nothing else holds back."""
+        self.done |= dict.fromkeys([*sorted(self._loads_before(j) - self.done.keys()), j])
+        for k in self.after[j]:
+            self.missing[k] -= 1
+        return [k for k in self.after[j] if not self.missing[k]]
+
+    def _operands(self, s: Statement) -> set[int]:
+        return {self.made[k] for k in reads(self.p, [s]) if k in self.made}
+
+    def _needed(self, j: int) -> set[int]:
+        """Return what is computed or stored before a statement and the loads that it reads."""
+        direct = self.before[j]
+        return {i for k in direct & self.loads for i in self.before[k]} | (direct - self.loads)
+
+    def _loads_before(self, j: int) -> set[int]:
+        return self.before[j] & self.loads
+
+    def _stores_outer(self, j: int) -> bool:
+        s = self.block[j]
+        return isinstance(s, Store) and s.struct == "state" and not self.before[j]
+
+    def _conflicts(self) -> Iterator[tuple[int, int]]:
+        """Yield the pairs of statements that load and store one state, in their order."""
+        last: dict[str, list[tuple[int, bool]]] = defaultdict(list)
+        for j, s in enumerate(self.block):
+            for state, stores in dict.fromkeys(_touched(self.p, [s])):
+                for i, stored in last[state]:
+                    if i != j and (stores or stored):
+                        yield i, j
+                last[state].append((j, stores))
+
+
+def _made(s: Statement) -> tuple[int, ...]:
+    return (s.node,) if isinstance(s, Let) else tuple(c for c, _ in s.choices) if isinstance(s, Branch) else ()
+
+
+def _count(p: Program, s: Statement) -> int:
+    """Return the number of statements in a statement; a call stands for those of its function."""
+    if isinstance(s, Branch):
+        return 1 + sum(_count(p, t) for t in (*s.then, *s.other))
+    return FEWEST if isinstance(s, Let) and p.nodes[s.node].op == "call" else 1
+
+
+def _touched(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
+    """Yield the states that statements load or store, and whether they store."""
+    for s in block:
+        if isinstance(s, Branch):
+            yield from _touched(p, (*s.then, *s.other))
+        elif isinstance(s, Store) and s.struct == "state":
+            yield s.name, True
+        elif isinstance(s, Let):
+            node = p.nodes[s.node]
+            if node.op == "state":
+                yield node.name, False
+            elif node.op == "guard" and node.name:
+                yield node.name, True
+            elif node.op == "call":
+                call = p.calls[node.name]
+                for state in (call.block, *call.states.values()):
+                    yield state, True
