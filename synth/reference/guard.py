@@ -38,6 +38,11 @@ def rows(columns: Columns, names: Iterable[str]) -> Array:
     return np.array([columns[name] for name in names], dtype=np.float64)
 
 
+def by_row(values: Any, like: Array) -> Array:
+    """Return values (m,) as a column for rows (m, n)."""
+    return np.reshape(np.asarray(values, dtype=float), (-1,) + (1,) * (like.ndim - 1))
+
+
 def accept(
     state: Columns,
     inputs: Columns,

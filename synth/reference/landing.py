@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.reference.guard import rows
-from synth.reference.redundancy import by_row
+from synth.reference.guard import by_row, rows
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

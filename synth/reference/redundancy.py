@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.reference.guard import rows
+from synth.reference.guard import by_row, rows
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -51,11 +51,6 @@ class Sensors:
     def column(self, like: Array) -> Array:
         """Return the signs as a column."""
         return by_row([*self.signs.values()], like)
-
-
-def by_row(values: Any, like: Array) -> Array:
-    """Return values (m,) as a column for rows (m, n)."""
-    return np.reshape(np.asarray(values, dtype=float), (-1,) + (1,) * (like.ndim - 1))
 
 
 def readings(
