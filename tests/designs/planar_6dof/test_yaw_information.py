@@ -32,7 +32,7 @@ def test_five_calibrated_channels_would_tell_the_yaw_rate_and_unequal_ones_do_no
     rig, failed = worst()
     known = yaw_information.information(rig, failed)
     assert known.noise < 3e-3 and known.rate_noise < 0.05  # so noise is not what forbids it
-    assert known.rate_unequal > 1.0 and known.unequal > known.turned / 2
+    assert known.rate_unequal > 1.0 and known.unequal > known.rotation / 2
 
 
 def test_the_rows_estimate_the_yaw_and_nothing_else() -> None:

@@ -76,7 +76,7 @@ class YawInformation:
     of the slope of a line through the last WINDOW samples.
     """
 
-    turned: float
+    rotation: float
     noise: float
     unequal: float
     rate_noise: float
@@ -84,7 +84,7 @@ class YawInformation:
 
 
 def information(rig: Rig, failed: Failure) -> YawInformation:
-    """Return what a law could know that is told at once which channel failed."""
+    """Return what a law could know that knows at once which channel failed."""
     sound = tuple(name for name in planar_stage.HALL if name != CHANNEL)
     rows, values = yaw_rows(rig, failed.run, sound)
     sigma = next(s.noise for s in rig.stage.interface.sensors if s.name in sound)
@@ -94,9 +94,9 @@ def information(rig: Rig, failed: Failure) -> YawInformation:
     slope = centred / np.sum(centred**2)  # of a line through equally spaced samples
     patterns = np.array(list(product((-UNEQUAL, UNEQUAL), repeat=len(sound))))
     shifts = (rows * values)[last] @ patterns.T
-    turned = np.ptp(failed.run["phi"][until])
+    rotation = np.ptp(failed.run["phi"][until])
     return YawInformation(
-        float(turned),
+        float(rotation),
         float(sigma * np.linalg.norm(rows[until], axis=1).max()),
         float(UNEQUAL * np.abs(rows * values)[until].sum(axis=1).max()),
         float(sigma * np.sqrt(np.sum(slope**2 * np.sum(rows[last] ** 2, axis=1)))),
@@ -111,7 +111,7 @@ if __name__ == "__main__":
     sys.stdout.write(
         f"{CHANNEL} sticks at {SPEED:g} m/s: brakes after {failed.braking - failed.failure} samples, latches after "
         f"{failed.latch - failed.failure}, {failed.left(stage.period_s):.3f} rad/s are left\n"
-        f"the platen turns by {1e3 * known.turned:.0f} mrad; five channels: noise {1e3 * known.noise:.1f} mrad a sample "
-        f"and {known.rate_noise:.2f} rad/s, sensitivities that differ by {UNEQUAL:.0%}: {1e3 * known.unequal:.0f} mrad "
+        f"the platen turns by {1e3 * known.rotation:.0f} mrad; five channels: noise {1e3 * known.noise:.1f} mrad a "
+        f"sample and {known.rate_noise:.2f} rad/s, sensitivities that differ by {UNEQUAL:.0%}: {1e3 * known.unequal:.0f} mrad "
         f"and {known.rate_unequal:.2f} rad/s\n"
     )
