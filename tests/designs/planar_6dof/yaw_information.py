@@ -112,6 +112,6 @@ if __name__ == "__main__":
         f"{CHANNEL} sticks at {SPEED:g} m/s: brakes after {failed.braking - failed.failure} samples, latches after "
         f"{failed.latch - failed.failure}, {failed.left(stage.period_s):.3f} rad/s are left\n"
         f"the platen turns by {1e3 * known.rotation:.0f} mrad; five channels: noise {1e3 * known.noise:.1f} mrad a "
-        f"sample and {known.rate_noise:.2f} rad/s, sensitivities that differ by {UNEQUAL:.0%}: {1e3 * known.unequal:.0f} mrad "
-        f"and {known.rate_unequal:.2f} rad/s\n"
+        f"sample and {known.rate_noise:.2f} rad/s, sensitivities that differ by {UNEQUAL:.0%}: "
+        f"{1e3 * known.unequal:.0f} mrad and {known.rate_unequal:.2f} rad/s\n"
     )
