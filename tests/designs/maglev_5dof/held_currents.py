@@ -97,8 +97,8 @@ class Machine:
         inward = 1.0 if path[-1, RATE_OF_Y] < 0 else -1.0
         full = np.r_[np.full(4, inward * maglev_stage.PEAK), 0.0, 0.0]
         stopping = _path(self.driven, path[-1], full, STOPPING)
-        turned = np.flatnonzero(inward * stopping[:, RATE_OF_Y] >= 0)
-        y = np.r_[path[:, Y], stopping[: turned[0] + 1 if len(turned) else None, Y]]
+        reversal = np.flatnonzero(inward * stopping[:, RATE_OF_Y] >= 0)
+        y = np.r_[path[:, Y], stopping[: reversal[0] + 1 if len(reversal) else None, Y]]
         low, high = platen.BOX["y"]
         return float(min(y.min() - low, high - y.max())), float(theta)
 
