@@ -75,7 +75,7 @@ def measure(files: Mapping[str, EmittedCode], array: SpatialArray) -> Sequence[R
         return ()
     with ThreadPoolExecutor(len(BUILDS)) as pool:
         subjects = []
-        for make in (*(partial(of_protected, files[name]) for name in protected.PLACES), partial(of_six, array)):
+        for make in (*(partial(of_companion, files[name]) for name in protected.PLACES), partial(of_six, array)):
             subjects.append(make())
             for build in BUILDS:
                 pool.submit(_compile, subjects[-1], build)  # a text that the compiler refuses raises below
@@ -96,7 +96,7 @@ def row(subject: Subject, build: Build) -> Row:
     return Row(subject.name, build.name, len(subject.steps), emitted, casadi)
 
 
-def of_protected(emitted: EmittedCode) -> Subject:
+def of_companion(emitted: EmittedCode) -> Subject:
     """Return the emitted C of an estimator with protection levels, with its test vectors."""
     name = str(emitted.manifest["design"])
     inputs = protected.vectors({"V_ax": np.zeros(1, np.float32)}, {}, name)

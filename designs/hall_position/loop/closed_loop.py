@@ -184,7 +184,7 @@ def _states() -> list[State]:
 
 
 def _failures(x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
-    """Return the next counts: invalid samples once the position is known, and whether they were too many, for ever."""
+    """Return the next counts: invalid samples once the position is known, and whether they were ever too many."""
     too_long = x["invalid"] >= MAX_INVALID
     counted = ca.if_else(too_long, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
     return {

@@ -38,7 +38,7 @@ class FourSensors:
     """The estimate of four sensors, as shipped or calibrated."""
 
     calibration: UnitCalibration | None = None
-    sensors: int = len(config.PLACES)
+    sensors: int = len(config.PLACES[config.NAME])
     suffix: str = ""
     held: bool = True
     shown: tuple[str, ...] = SHOWN

@@ -5,7 +5,8 @@
     B_y likewise, B_z with the cosines of both
 
 With a fifth sensor one that fails is excluded. The body is level at the height Z_0 within the ranges of `Tuning`, and
-rests while it is searched. Beyond the declared yaws nothing is valid: a quarter turn shows the same voltages.
+rests while it is searched. A body that is turned by a quarter shows the same voltages: its yaw is within the declared
+range at init.
 
 Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
 3, Fig. 6 (b) and Fig. 9.

@@ -40,7 +40,7 @@ def six() -> EmittedCode:
 @cache
 def subject() -> Subject:
     """Return what is measured of three sensors."""
-    return costs.of_protected(three())
+    return costs.of_companion(three())
 
 
 @cache

@@ -66,7 +66,7 @@ def test_the_deviations_are_those_of_cramer_and_rao() -> None:
 
 @pytest.mark.parametrize("array", [FOUR, FIVE], ids=["four", "five"])
 def test_a_cold_start_finds_the_body(array: Array) -> None:
-    """At rest, level and at the height within its ranges; a quarter turn further nothing is valid."""
+    """At rest, level and at the height within its ranges."""
     pose, samples = middle_pitch(60, 10), USUAL.starts * USUAL.dwell + 4
     V = noisy(array, np.repeat(pose[None], samples, axis=0))
     init = np.repeat(compile_c(array).init()[None], len(pose))
@@ -74,10 +74,6 @@ def test_a_cold_start_finds_the_body(array: Array) -> None:
     good = outputs["valid"] > 0
     assert good[-1].mean() > 0.9
     assert np.abs(errors(outputs, pose[None].repeat(samples, axis=0))[good][:, :3]).max() < 1e-4
-    turned = pose + np.array([0, 0, 0, 0, 0, np.pi / 2])
-    lost = replay(array, init, noisy(array, np.repeat(turned[None], samples, axis=0)))
-    wrong = (lost["valid"] > 0) & (np.abs(lost["yaw"] - turned[:, 5]) > 0.5)
-    assert wrong.mean() < 0.01 or not (np.abs(turned[:, 5]) > USUAL.yaw).all()
 
 
 def test_it_follows_motions() -> None:

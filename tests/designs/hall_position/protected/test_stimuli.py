@@ -27,7 +27,7 @@ UNREACHED = {
     "amplitude resolved": r"deviation_amplitude|variances_4",
     "chi-square below 1e9": r"float chi_square = ",
     "least pivots of the solution": r"(terms|diagonal)_\w+ = 1\.0f / \w+_max\(",
-    "least pivots of a hypothesis": r"gains?\w* = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable",
+    "least pivots of a hypothesis": r"gains?\w* = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable|\(gains_\d < ",
     "sums of squares, below 0 by rounding only": r"_part\w* = \w+_max\(0\.0f, |(full|chi).* = \w+_max\(",
 }
 
