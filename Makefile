@@ -11,7 +11,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: install build quick test test-kernels docs bench prove clean
+.PHONY: install build quick test types tests test-kernels docs bench prove clean
 
 install: $(STAMP)
 
@@ -23,9 +23,15 @@ quick: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -q -n auto -m "not slow" $(QUICK)
 
+# mypy runs on one core, beside the tests.
 test: $(STAMP)
 	$(BIN)/ruff check .
+	$(MAKE) --no-print-directory --jobs=2 types tests
+
+types: $(STAMP)
 	$(BIN)/mypy
+
+tests: $(STAMP)
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # The vocabulary, analysis and synthesis under two other kernels of OpenBLAS, which round otherwise.

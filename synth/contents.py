@@ -42,11 +42,12 @@ def digest(*values: Any) -> str:
 class _Reader:
     """A reader of values, which gathers their SX expressions: a symbol in two of them counts as one.
 
-    Each class is read once, since thousands of nodes of a program share a few classes.
+    The source of each class and function is read once, since thousands of nodes of a program share a few classes, and
+    the signals of a design a few functions.
     """
 
     expressions: list[ca.SX]
-    classes: dict[type, bytes]
+    sources: dict[tuple[str, str, type | CodeType], bytes]
 
     def content(self, value: Any) -> bytes:
         """Return the content of a value as bytes that no other value has."""
@@ -97,21 +98,28 @@ class _Reader:
 
     def _code(self, value: Any) -> tuple[str, bytes | Iterable[Any]]:
         if isinstance(value, type):
-            if value not in self.classes:
-                self.classes[value] = _source(value)
-            return "type", self.classes[value]
+            return "type", self._source(value, value)
         inner = inspect.unwrap(value) if callable(value) else value
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()
             closure = [(name, v) for name, v in free if v is not value]
             bytecode = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
-            return "function", (_source(inner), bytecode, inner.__defaults__, inner.__kwdefaults__, closure)
+            source = self._source(inner, inner.__code__)
+            return "function", (source, bytecode, inner.__defaults__, inner.__kwdefaults__, closure)
         if inspect.isbuiltin(inner):
             return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
         raise ContentError(
             f"content of a {type(value).__module__}.{type(value).__qualname__}: found no way to compare it, need "
             "numbers, texts, arrays, dataclasses, expressions or functions of these: give those"
         )
+
+    def _source(self, value: Callable[..., Any] | type, of: type | CodeType) -> bytes:
+        """Return the name of a class or function, and the digest of its slice where its source counts."""
+        place = value.__module__, value.__qualname__, of
+        if place not in self.sources:
+            followed = slices.digest(value) if slices.is_followed(value) else ""
+            self.sources[place] = f"{value.__module__}.{value.__qualname__} {followed}".encode()
+        return self.sources[place]
 
 
 def _array(value: np.ndarray[Any, Any]) -> tuple[Any, ...]:
@@ -127,9 +135,3 @@ def _bytecode(code: CodeType) -> tuple[Any, ...]:
         for c in code.co_consts
     ]
     return code.co_code, code.co_names, code.co_freevars, constants
-
-
-def _source(value: Callable[..., Any] | type) -> bytes:
-    """Return the name of a class or function, and the digest of its slice where its source counts."""
-    name = f"{value.__module__}.{value.__qualname__}"
-    return f"{name} {slices.digest(value) if slices.is_followed(value) else ''}".encode()

@@ -63,12 +63,12 @@ def _digest(entry: "_Entry", data: bool) -> str:
 def _live(entry: "_Entry") -> Iterator[str]:
     """Yield the present numbers and texts of a slice: a program, or a test, may set them after the import."""
     root, last_seen = entry.root, _last_seen(entry.root)
-    for place in _named(entry):
+    for place in _bindings(entry):
         value = getattr(sys.modules.get(place[0]), place[1], None)
         seen, line = last_seen.get(place, _NEVER)
         if value is not seen:
             line = _line(root, place, value)
-            if not isinstance(value, dict | list | tuple | set):  # what is in these may change
+            if not _may_change(value):
                 last_seen[place] = value, line
         if line:
             yield line
@@ -84,8 +84,13 @@ def _last_seen(root: Path) -> dict[Place, tuple[Any, str]]:
 
 
 @functools.cache
-def _named(entry: "_Entry") -> tuple[Place, ...]:
+def _bindings(entry: "_Entry") -> tuple[Place, ...]:
     return tuple(sorted(place for place in _places(entry) if place[1] not in (WHOLE, BARE)))
+
+
+def _may_change(value: Any) -> bool:
+    """Return whether what is in a value may change while it stays the same object."""
+    return isinstance(value, dict | list | set) or (isinstance(value, tuple) and any(map(_may_change, value)))
 
 
 def _line(root: Path, place: Place, value: Any) -> str:

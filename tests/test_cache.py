@@ -172,6 +172,23 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
         slices.digest(surrogates._fit)
 
 
+def test_what_is_set_inside_a_constant_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same dictionary with another number in it, and a list in a tuple: only what cannot change is read once."""
+    from synth.emit.approx import surrogate
+    from synth.emit.passes import surrogates
+
+    before = slices.digest(surrogates._fit)
+    monkeypatch.setitem(surrogate.EPS, np.float32, 1e-7)
+    assert slices.digest(surrogates._fit) != before
+    monkeypatch.undo()
+    assert slices.digest(surrogates._fit) == before
+    sizes = (64, [1024])
+    monkeypatch.setattr(surrogate, "SAMPLES", sizes)
+    other = slices.digest(surrogates._fit)
+    sizes[1].append(1)
+    assert len({before, other, slices.digest(surrogates._fit)}) == 3
+
+
 def test_a_slice_holds_what_runs_and_little_else() -> None:
     from synth.analyse import stability_margins
 

@@ -32,6 +32,7 @@ CHANGED_COPIES = frozenset(
         "perturbed",
         "prewarped",
         "renamed",
+        "renumbered",
         "resampled",
         "rounded",
         "sampled",

@@ -30,6 +30,11 @@ class Node:
     value: float = 0.0
     name: str = ""
 
+    def renumbered(self, index: Sequence[int] | Mapping[int, int]) -> "Node":
+        """Return the node with the arguments index[a]; the same one where they are no others."""
+        args = tuple([index[a] for a in self.args])
+        return self if args == self.args else Node(self.op, args, self.value, self.name)
+
 
 @dataclass(frozen=True)
 class Program:
@@ -75,7 +80,7 @@ class Program:
         index: list[int] = []
         for k in range(len(self.nodes)):
             index.append(index[equal[k]] if k in equal else k)
-        nodes = tuple(replace(n, args=tuple(index[a] for a in n.args)) for n in self.nodes)
+        nodes = tuple(n.renumbered(index) for n in self.nodes)
         return self.with_nodes(nodes, index)
 
     def owner(self, state: str) -> str:
@@ -272,7 +277,7 @@ def _without_dead_nodes(p: Program) -> Program:
         if k in live:
             live.update(p.nodes[k].args)
     index = {old: new for new, old in enumerate(sorted(live))}
-    nodes = tuple(replace(p.nodes[k], args=tuple(index[a] for a in p.nodes[k].args)) for k in index)
+    nodes = tuple(p.nodes[k].renumbered(index) for k in index)
     outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (p.outputs, p.next))
     marks = tuple((named, index[k]) for named, k in p.marks if k in index)
     word = None if p.word is None else index[p.word]

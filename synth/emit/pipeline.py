@@ -111,10 +111,11 @@ def _run_passes(
     program = flags.simplified(fold.folded(program))
     composed = _without_certificates(limits.without_idle(program, bounds, scalar))
     program = fault_bits.gather(program)
-    safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
+    proved = ranges.analyse(program, bounds, scalar)
+    safe.require_safe(program, proved, block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
-        program, polynomials = surrogates.replace_functions(program, bounds, scalar, error)
+        program, polynomials = surrogates.replace_functions(program, proved, scalar, error)
     program = limits.without_idle(program, bounds, scalar)
     program = fold.with_constant_products(program)
     program = limits.without_certified_limits(program, polynomials, scalar)

@@ -153,7 +153,7 @@ def _chunk_error(p: Polynomial, g: Enclosure, x: Scalars) -> float:
 
     For the reference r with |r - f| <= d |f|, |r| <= |f| / (1 - d), so |p - f| / |f| <= (|p - r| / |r| + d) / (1 - d).
     """
-    r, d = reference_values(g, x, _places_in_chunk(float(x[0]) > 0) if len(x) == CHUNK_SIZE else None)
+    r, d = reference_values(g, x, _places_in_chunk(float(x[-1]) > 0) if len(x) == CHUNK_SIZE else None)
     largest = []
     for multiply_add in (polynomial.multiply_then_add, polynomial.fused_multiply_add):
         error = polynomial.run(p, x, multiply_add) - r

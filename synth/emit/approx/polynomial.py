@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from synth.emit.approx.enclosure import Parity, one_norm
 
 Scalars = NDArray[np.floating]
-MultiplyAdd = Callable[[Scalars, Scalars | np.floating, np.floating], Scalars]
+MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
 
 
 @dataclass(frozen=True)
@@ -66,20 +66,20 @@ def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
     t = x - p.scalar(p.centre) if p.centre else x
     t = t * p.scalar(p.scale) if p.scale != 1 else t
     v = t if p.parity == "none" else t * t
-    q = c[-1] if len(c) > 1 else np.full_like(x, c[-1])
+    q = np.asarray(c[-1]) if len(c) > 1 else np.full_like(x, c[-1])
     for term in c[-2::-1]:
         q = multiply_add(v, q, term) if term else v * q
     return t * q if p.parity == "odd" else q
 
 
-def multiply_then_add(a: Scalars, b: Scalars | np.floating, c: np.floating) -> Scalars:
+def multiply_then_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     """Return c + a b, with the product rounded before the sum."""
     total: Scalars = a * b
     total += c
     return total
 
 
-def fused_multiply_add(a: Scalars, b: Scalars | np.floating, c: np.floating) -> Scalars:
+def fused_multiply_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     """Return c + a b in float32, rounded once.
 
     The product is exact in double. Rounding the sum to double may produce a false tie between two floats; the double is

@@ -9,7 +9,7 @@ become one `if`, which stands outside that side.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 
 from synth.emit.lower import Node, Program
@@ -46,7 +46,7 @@ def gather(p: Program) -> Program:
         elif k in last:
             index.append(_put_choice(nodes, p, last[k], index))
         else:
-            nodes.append(replace(node, args=tuple(index[a] for a in node.args)))
+            nodes.append(node.renumbered(index))
             index.append(len(nodes) - 1)
     return p.with_nodes(tuple(nodes), index)
 

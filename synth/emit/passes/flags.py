@@ -11,7 +11,6 @@ domain, because the condition may protect it.
 """
 
 from collections import Counter
-from dataclasses import replace
 
 from synth.emit.lower import Node, Program
 from synth.emit.operations import LIBM, LOGICAL
@@ -46,7 +45,7 @@ class Flags:
         for node in self.p.nodes:
             simpler = self._simpler(node)
             if simpler is None:
-                simpler = self.f.place(replace(node, args=tuple(self.index[a] for a in node.args)))
+                simpler = self.f.place(node.renumbered(self.index))
             self.index.append(simpler)
         return self.p.with_nodes(tuple(self.f.nodes), self.index)
 

@@ -258,7 +258,7 @@ def _rebuild(p: Program, make: Callable[[Folder, Node, Node], int]) -> Program:
     f = Folder()
     index: list[int] = []
     for node in p.nodes:
-        index.append(make(f, replace(node, args=tuple(index[a] for a in node.args)), node))
+        index.append(make(f, node.renumbered(index), node))
     return p.with_nodes(tuple(f.nodes), index)
 
 

@@ -11,7 +11,7 @@ later word than the one that it names.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from synth.emit.lower import Node, Program
 
@@ -123,7 +123,7 @@ class _Rewriter:
     def _copy(self, k: int, word: int) -> int:
         """Copy a node; a conjunction of accepted inputs tests the bits of all."""
         node = self.p.nodes[k]
-        node = replace(node, args=tuple(self.index[a] for a in node.args))
+        node = node.renumbered(self.index)
         tested = [int(n.value) if n.op == "accepted" else 0 for n in (self.nodes[a] for a in node.args)]
         if node.op == "choose" and tested[0] and self.nodes[node.args[2]] == Node("literal"):
             if self.nodes[node.args[1]] == Node("literal", value=1.0):

@@ -45,13 +45,13 @@ class _Reciprocal:
 
 
 def replace_functions(
-    program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
+    program: Program, node_ranges: Sequence[ranges.Range], scalar: type[np.floating], error: float | None = None
 ) -> tuple[Program, tuple[Surrogate, ...]]:
     """Return the program with polynomials in place of its functions of one variable, and these polynomials.
 
-    A function that no polynomial approximates to the relative error, such as one with a zero in its range, stays.
+    `node_ranges` are those of the program's nodes. A function that no polynomial approximates to the relative error,
+    such as one with a zero in its range, stays.
     """
-    node_ranges = ranges.analyse(program, bounds, scalar)
     names, users = _node_names(program), program.users()
     best: dict[int, tuple[int, Polynomial]] = {}
     first: dict[int, Polynomial] = {}

@@ -52,9 +52,9 @@ def replace_functions(
     block: Block, scalar: type[np.floating] = F32, error: float | None = COARSE
 ) -> tuple[lower.Program, tuple[Surrogate, ...]]:
     rounded = block.rounded(scalar)
-    return surrogates.replace_functions(
-        fold.folded(lower.program(rounded)), ranges.bounds(rounded, scalar), scalar, error
-    )
+    program = fold.folded(lower.program(rounded))
+    proved = ranges.analyse(program, ranges.bounds(rounded, scalar), scalar)
+    return surrogates.replace_functions(program, proved, scalar, error)
 
 
 def operations(program: lower.Program) -> list[str]:
