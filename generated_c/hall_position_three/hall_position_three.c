@@ -214,18 +214,9 @@ void hall_position_three_init(hall_position_three_state_t *state)
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
 {
-    static const float pi = 3.1415927f;                         /* 1; pi */
-    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_5 = -2.883648f;
-
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
         &faults);
@@ -287,6 +278,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *         restart, else start_x
      *     start_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
      *         restart, else start_y */
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
     const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
@@ -1097,7 +1096,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) +
         (residuals_6_converged_5 * residuals_6_converged_5);
-    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const float growing_gate = 0.030115018f + (0.030115018f * (float)estimator_residual_faults);
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
@@ -1187,6 +1185,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             at_2 = other_2_converged_3;
         }
     }
+    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const uint32_t estimator_searching = state->estimator_searching;
     bool lost_X = gate_exceeded;
@@ -1280,6 +1279,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool restart = integrity_residual_fault && exhausted;
     const bool faultless = !integrity_residual_fault;
     if (restart) {
+        state->estimator_yaw = estimator_yaw_last_good;
+        state->estimator_searching = 1u;
+        state->estimator_ambiguity_resolved = 0u;
+        state->estimator_excluded_sensor = 0u;
         const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
@@ -1296,18 +1299,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_phase_y = start_y;
             state->estimator_start_y = start_y;
         }
-        state->estimator_yaw = estimator_yaw_last_good;
-        state->estimator_searching = 1u;
-        state->estimator_ambiguity_resolved = 0u;
-        state->estimator_excluded_sensor = 0u;
     } else {
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
+        state->estimator_ambiguity_resolved = hall_position_three_flag(resolved_valid);
         if (converged && faultless) {
             state->estimator_searching = 0u;
         }
-        state->estimator_ambiguity_resolved = hall_position_three_flag(resolved_valid);
         const float squares_2 = terms_3_converged + terms_4_converged;
         const float square = terms_5_converged + terms_6_converged;
         const float squares_2_max_squares_1 = hall_position_three_max(squares_2, squares_1);
