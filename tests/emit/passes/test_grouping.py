@@ -40,15 +40,18 @@ def chains(names: Sequence[str] = ("x", "y", "z")) -> Block:
     return compose("chains", blocks, inputs=[f"e_{n}" for n in names], outputs=[f"w_{n}" for n in names])
 
 
-def faults(p: Program, block: Sequence[Statement]) -> list[str]:
+def faults(p: Program, block: Sequence[Statement], first_only: bool = False) -> list[str]:
     """Return what comes before its operands, and loads of a state that come behind its store."""
+    looked = block[:1] if first_only else block
     places = {s.node: i for i, s in enumerate(block) if isinstance(s, Let)}
     places |= {c: i for i, s in enumerate(block) if isinstance(s, Branch) for c, _ in s.choices}
-    early = [f"{i} before {k}" for i, s in enumerate(block) for k in reads(p, [s]) if places.get(k, -1) > i]
-    loads = {p.nodes[s.node].name: i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op == "state"}
+    early = [f"{i} before {k}" for i, s in enumerate(looked) for k in reads(p, [s]) if places.get(k, -1) > i]
+    loads = {
+        p.nodes[s.node].name: i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op == "state"
+    }
     late = [
         s.name
-        for i, s in enumerate(block)
+        for i, s in enumerate(looked)
         if isinstance(s, Store) and s.struct == "state" and loads.get(s.name, -1) > i
     ]
     return early + late
@@ -63,12 +66,8 @@ def in_turns(p: Program, block: Sequence[Statement], seed: int) -> list[Statemen
     """Return the statements in a random order in which each comes behind what it needs."""
     left, order, rng = list(block), list[Statement](), random.Random(seed)
     while left:
-        rng.shuffle(left)
-        for s in left:
-            if not faults(p, [*order, s, *(t for t in left if t is not s)]):
-                order.append(s)
-                left.remove(s)
-                break
+        free = [i for i, s in enumerate(left) if not faults(p, [s, *left[:i], *left[i + 1 :]], first_only=True)]
+        order.append(left.pop(rng.choice(free)))
     return order
 
 

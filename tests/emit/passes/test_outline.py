@@ -64,7 +64,7 @@ def test_equal_axes_are_one_function_that_is_called_for_each() -> None:
 def test_outlined_and_flat_c_have_the_same_bits(scalar: type[np.floating], monkeypatch: pytest.MonkeyPatch) -> None:
     block = composed(dict.fromkeys(AXES, plain))
     outlined = emit(block, scalar)
-    monkeypatch.setattr(outline, "alike", lambda p: [])
+    monkeypatch.setattr(outline, "alike", lambda p, mixed: [])
     flat = emit(block, scalar)
     assert "axes_axis(" in outlined.files["axes.c"] and "axes_axis(" not in flat.files["axes.c"]
     rng = np.random.default_rng(3)
