@@ -121,19 +121,9 @@ void hall_position_init(hall_position_state_t *state)
 
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 {
-    static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
-    static const float pi = 3.1415927f;                         /* 1; pi */
-    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_5 = -2.883648f;
-
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     uint32_t faults = 0u;
     const float V_ax_held = hall_position_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u, &faults);
     const float V_ay_held = hall_position_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u, &faults);
@@ -179,6 +169,15 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
      *         restart, else start_y
      *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (0.0436332 if resolved, else
      *         0.0872665) < size)) */
+    static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
     const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
@@ -754,12 +753,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5);
-    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
     const bool gate_exceeded = 0.0009069143f <
         (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f * then_3_converged_4_squared));
-    const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
         ((1.000002f * converged_part_85) + 1e-08f);
@@ -833,6 +830,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
+    const uint32_t estimator_searching = state->estimator_searching;
+    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const bool integrity_residual_fault = (0.01f < squares_converged_2) ||
         ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
@@ -920,6 +919,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool restart = integrity_residual_fault && exhausted;
     const bool faultless = !integrity_residual_fault;
     if (restart) {
+        state->estimator_yaw = estimator_yaw_last_good;
+        state->estimator_searching = 1u;
+        state->estimator_ambiguity_resolved = 0u;
         const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
@@ -936,17 +938,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             state->estimator_phase_y = start_y;
             state->estimator_start_y = start_y;
         }
-        state->estimator_yaw = estimator_yaw_last_good;
-        state->estimator_searching = 1u;
-        state->estimator_ambiguity_resolved = 0u;
     } else {
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
+        state->estimator_ambiguity_resolved = hall_position_flag(resolved);
         if (converged && faultless) {
             state->estimator_searching = 0u;
         }
-        state->estimator_ambiguity_resolved = hall_position_flag(resolved);
     }
     if (resolved && faultless) {
         state->estimator_yaw_last_good = yaw;

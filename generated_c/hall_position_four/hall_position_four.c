@@ -323,18 +323,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 #endif
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
-    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const uint32_t starts = 24u;                         /* 1; of a sweep */
-    static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
-    static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
-    static const float estimator_field_5 = -2.883648f;
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -344,6 +332,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 #endif
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     const float V_ax = in->V_ax;
     const bool good_V_ax = fabsf(V_ax) <= 5.0f;
     float V_ax_held = V_ax;
@@ -589,6 +578,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + 0.230258 - 0.418879 if 0.20944 <
      *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or last_age <= age, else
      *         begin_yaw) */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t starts = 24u;                         /* 1; of a sweep */
+    static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
+    static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
+    static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_1 = 2.24906f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;
+    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
     const float cos_yaw_argument = starts_3 * starts_3;
@@ -999,13 +999,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             moves_2_1_phase_x_2 = moves_2_1_phase_x;
             gains_2_phase_x_2 = gains_2_phase_x;
             scores_2_phase_x_2 = scores_2_phase_x;
-            phase_x_part_52 = false;
             moves_1_3_phase_x_2 = moves_1_3_phase_x;
             moves_2_3_phase_x = -phase_x_part_26;
             moves_1_4_phase_x_2 = moves_1_4_phase_x;
             moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
             moves_1_2_phase_x = -phase_x_part_27;
             moves_2_2_phase_x_2 = moves_2_2_phase_x;
+            phase_x_part_52 = false;
         } else {
             moves_1_1_phase_x_2 = moves_3_1;
             gains_1_phase_x_2 = gains_3;
@@ -1030,13 +1030,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             moves_2_1_phase_x_2 = moves_6_1;
             gains_2_phase_x_2 = gains_6;
             scores_2_phase_x_2 = scores_6_phase_x;
-            phase_x_part_53 = false;
             moves_1_3_phase_x_2 = moves_5_3;
             moves_2_3_phase_x = -phase_x_part_42;
             moves_1_4_phase_x_2 = moves_5_4;
             moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
             moves_1_2_phase_x = -phase_x_part_43;
             moves_2_2_phase_x_2 = moves_6_2;
+            phase_x_part_53 = false;
         } else {
             moves_1_1_phase_x_2 = moves_7_1;
             gains_1_phase_x_2 = gains_7;
@@ -1465,18 +1465,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
     out->tracking = tracking ? 1.0f : 0.0f;
-
-    /* metres
-     *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
-     *         pitch_x) if tracking, else 0); likewise Y
-     *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
-     *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
-     *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
-     *         likewise pitch_y_next */
-    const uint32_t metres_counting = state->metres_counting;
-
-    /* estimator: weighted least squares (continued) */
     const bool accepted = phases_valid_test && passes;
+    const uint32_t metres_counting = state->metres_counting;
     float X_part = 0.0f;
     float Y_part = 0.0f;
     float count_x = 0.0f;
@@ -1485,7 +1475,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float tracked_2_motion_phase_y = 0.0f;
     float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
-        /* metres (continued) */
+        state->estimator_start_number = starts;
+        state->estimator_candidates = 0u;
+        state->estimator_age = 0u;
+
+        /* metres
+         *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
+         *         pitch_x) if tracking, else 0); likewise Y
+         *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
+         *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
+         *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
+         *         likewise pitch_y_next */
         const float metres_pitch_x = state->metres_pitch_x;
         float X_part_2 = metres_pitch_x;
         if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
@@ -1556,18 +1556,17 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             }
         }
         state->estimator_excluded = (uint32_t)hall_position_four_max(best, 0.0f);
-        state->estimator_start_number = starts;
-        state->estimator_candidates = 0u;
         const uint32_t estimator_missed_part = estimator_missed + 1u;
         state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
             hall_position_four_min((float)estimator_missed_part, 8.0f));
-        state->estimator_age = 0u;
     } else {
+        state->estimator_excluded = 0u;
+        state->estimator_missed = 0u;
         const uint32_t estimator_age = state->estimator_age;
         const bool ends = converged || (last_age <= estimator_age);
         const bool last = ends && (last_start <= estimator_start_number);
-        const uint32_t estimator_candidates = state->estimator_candidates;
         const bool solves = converged && accepted;
+        const uint32_t estimator_candidates = state->estimator_candidates;
         const bool first = estimator_candidates == 0u;
         const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
         const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
@@ -1600,14 +1599,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         float estimator_yaw_part = yaw;
         float estimator_amplitude_part = 1.0f;
         if (ends) {
+            state->estimator_age = 0u;
             const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
             if (pi < estimator_phase_x_part_3) {
                 const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
                 estimator_phase_x_part_2 = estimator_phase_x_part_4;
                 state->estimator_begin_phase_x = estimator_phase_x_part_4;
             } else {
-                estimator_phase_x_part_2 = estimator_phase_x_part_3;
                 state->estimator_begin_phase_x = estimator_phase_x_part_3;
+                estimator_phase_x_part_2 = estimator_phase_x_part_3;
             }
             const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
             if (pi < estimator_phase_y_part_2) {
@@ -1615,8 +1615,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 estimator_phase_y_part = estimator_phase_y_part_3;
                 state->estimator_begin_phase_y = estimator_phase_y_part_3;
             } else {
-                estimator_phase_y_part = estimator_phase_y_part_2;
                 state->estimator_begin_phase_y = estimator_phase_y_part_2;
+                estimator_phase_y_part = estimator_phase_y_part_2;
             }
             const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
             if (0.20943952f < estimator_yaw_part_2) {
@@ -1624,10 +1624,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 estimator_yaw_part = estimator_yaw_part_3;
                 state->estimator_begin_yaw = estimator_yaw_part_3;
             } else {
-                estimator_yaw_part = estimator_yaw_part_2;
                 state->estimator_begin_yaw = estimator_yaw_part_2;
+                estimator_yaw_part = estimator_yaw_part_2;
             }
-            state->estimator_age = 0u;
         } else {
             estimator_amplitude_part = amplitude;
             const uint32_t estimator_age_part = estimator_age + 1u;
@@ -1644,7 +1643,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             state->estimator_yaw = estimator_yaw_part;
             state->estimator_amplitude = estimator_amplitude_part;
         }
-        state->estimator_excluded = 0u;
         if (last) {
             const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)unique_scaled;
@@ -1653,7 +1651,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             state->estimator_start_number = (uint32_t)hall_position_four_min((float)estimator_start_number_part, 23.0f);
         }
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_estimator_phase_x : 0.0f);
-        state->estimator_missed = 0u;
     }
     state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, 0.5f);
     state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, 0.5f);

@@ -199,6 +199,55 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
+/* probe_x, probe_z: probe at rest
+ *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+ *         sample or quiet_samples <= x_unchanged, else 0
+ *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+ *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
+ *         quiet_samples <= x_unchanged, else 0
+ *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
+ *         sample or quiet_samples <= x_unchanged, else towards */
+MAGLEV_5DOF_INLINE float maglev_5dof_probe_update(maglev_5dof_probe_state_t *state, uint32_t unchanged,
+    float w_unprobed, bool free, bool unanswered, float e)
+{
+    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
+    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
+    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
+    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
+    static const float first_push = 0.46666667f;
+
+    const uint32_t sample = state->sample;
+    const bool runs = 1u <= sample;
+    float w = w_unprobed;
+    if (runs || (quiet_samples <= unchanged)) {
+        if (runs) {
+            const uint32_t attempt = state->attempt;
+            const uint32_t one_more = attempt + 1u;
+            float pulse = 0.0f;
+            if (sample <= last_push_end) {
+                const float push = state->towards * (float)one_more;
+                pulse = ((first_push_end < sample) && (sample <= reverse_push_end)) ? -push : push;
+            }
+            w = maglev_5dof_limit(w_unprobed + pulse, 10000.0f);
+            if (pair_samples <= sample) {
+                state->sample = 0u;
+                state->attempt = (pair_samples <= unchanged) ? ((unanswered) ? attempt : one_more) : 0u;
+            } else {
+                state->sample = sample + 1u;
+            }
+        } else {
+            state->sample = maglev_5dof_flag(free);
+            state->towards = (0.0f < e) ? -first_push : first_push;
+        }
+    } else {
+        state->sample = 0u;
+        state->attempt = 0u;
+    }
+    return w;
+}
+
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
@@ -319,8 +368,8 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .probe_x_towards = 0.46666667f,
-        .probe_z_towards = 0.46666667f,
+        .probe_x.towards = 0.46666667f,
+        .probe_z.towards = 0.46666667f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -340,103 +389,10 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
-    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
-    static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
-    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group */
-    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
-    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
-     * travel_high_z */
-    static const float travel = -0.0499f;
-    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
-    static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
-    static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
-    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
-    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
-    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
-    static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
-    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
-    static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
-    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
-    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
-    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
-    static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
-    static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
-    static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
-    static const float largest_speed = 0.08f;                   /* m/s; largest speed of the ramp */
-    static const float press_speed = 0.001f;                    /* m/s; least speed of the ramp, behind the stop */
-    static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
-    static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
-    static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
-    static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
-    static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
-    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
-    static const float half_c_over_h2 = 0.0007232277f;
-    static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
-    static const float half_M_y = 3.45f;                        /* kg; M_y / 2, M_y = 6.9 kg */
-    static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-    /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad, also half_I_x_over_r, also half_I_z_over_r */
-    static const float half_I_over_r = 0.66347605f;
-    static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
-    static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
     static const float T = 0.001f;                              /* s; sample period */
-    static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
-    static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
-    static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
-    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
-    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
-    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
-    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
-    static const float M_x = 10.6f;                             /* kg; Table I */
-    static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
-    static const float M_z = 8.6f;                              /* kg; Table I */
-    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
-    static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
-    static const float inverse_M_x = 0.094339624f;              /* 1/kg; 1 / M_x, M_x = 10.6 kg */
-    static const float inverse_M_z = 0.11627907f;               /* 1/kg; 1 / M_z, M_z = 8.6 kg */
-    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
-    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    static const uint32_t excluded_from = 2u;                   /* 1; contradictions before the one that excludes */
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
-    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
-    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
-    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
-    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
-    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
-    static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
-    static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
-    static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
-    static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
-    /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
-    static const float acceleration_step = 0.004f;
-    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
-    static const float first_push = 0.46666667f;
-    static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
-        .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
-    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
-        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
-        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -466,103 +422,32 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_ready = state->guard_ready;
+    if (complete) {
+        state->guard_ready = 1u;
+    }
+    const float missed_calls = in->missed_calls;
 
-    /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
-     *         if guard_ready is set, else 0
-     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
-     *         T * gained if suspect_x is set, else 0)) if guard_ready is set, else 0
-     *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
-     *         largest_position)
-     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
-     *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
-     *         else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
-     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_x_q = state->observer_x.q;
-
-    /* probe_x: probe at rest
-     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
-     *         sample or quiet_samples <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
-     *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
-     *         quiet_samples <= x_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
-     *         sample or quiet_samples <= x_unchanged, else towards */
-    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    /* functions above:  */
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
+    const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
-
-    /* observer_phi: predictive observer, alpha-beta-gamma
-     *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
-     *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
-     *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-     *         phi_disturbance)), largest_position)
-     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
-    const float observer_phi_q = state->observer_phi_q;
-
-    /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-     *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
-     *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
-     *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
-    const float observer_y_q = state->observer_y_q;
-
-    /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
-     *         0
-     *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
-     *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
-     *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
-     *         theta_disturbance)), largest_position)
-     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
-    const float observer_theta_q = state->observer_theta_q;
-
-    /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
-     *         if guard_ready is set, else 0
-     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (beta / gamma * (d - d_at_change) +
-     *         T * gained if suspect_z is set, else 0)) if guard_ready is set, else 0
-     *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
-     *         largest_position)
-     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
-     *     gained_next = gained_decay * gained + z_disturbance - d_at_change if z_trusted and 1 <= z_unchanged,
-     *         else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
-     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_z_q = state->observer_z.q;
-
-    /* probe_z: probe at rest
-     *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
-     *         sample or quiet_samples <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if pair_samples <= z_unchanged, else
-     *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
-     *         quiet_samples <= z_unchanged, else 0
-     *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_z, else first_push)) if 1 <=
-     *         sample or quiet_samples <= z_unchanged, else towards */
-    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const uint32_t probe_z_attempt = state->probe_z.attempt;
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
-    /* redundancy: parity, innovations, frozen codes
-     *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
-     *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-     *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
-     *         score_y4
-     *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
-     *         0; likewise z_unchanged
-     *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
-     *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
-     *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    /* redundancy: parity, innovations, frozen codes */
+    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
+     * travel_high_z */
+    static const float travel = -0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
+    const float observer_x_q = state->observer_x.q;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
@@ -584,6 +469,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const float observer_z_q = state->observer_z.q;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -605,14 +491,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
-    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
-    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
-    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
-    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
-    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
-    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
-    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
-    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -637,6 +515,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
+    const float observer_phi_q = state->observer_phi_q;
+    const float observer_y_q = state->observer_y_q;
+    const float observer_theta_q = state->observer_theta_q;
+    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
+    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
+    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
+    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
+    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
+    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
+    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
+    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
     bool gaps_sufficient = true;
@@ -664,6 +553,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+        static const float r = 0.397f;                          /* m; Table I */
         const float r_phi = r * observer_phi_q;
         const float y1_expected = observer_y_q - r_phi;
         const float r_theta = r * observer_theta_q;
@@ -671,7 +561,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y3_expected = observer_y_q + r_phi;
         const float y4_expected = observer_y_q - r_theta;
 
-        /* redundancy: parity, innovations, frozen codes (continued) */
+        /* redundancy: parity, innovations, frozen codes (continued)
+         *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+         *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
+         *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
+         *         score_y4
+         *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
+         *         0; likewise z_unchanged
+         *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
+         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+         *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
+         *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+        static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+        static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
+        static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
+        static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
+        static const float lead_by_innovation = 0.3f;           /* 1; of |r|: the same, by innovations alone */
+        static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
+        static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
+        static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
+        static const uint32_t excluded_from = 2u;               /* 1; contradictions before the one that excludes */
+        static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -835,6 +745,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         theta_measured = determined;
         redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
             suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
+        suspect_x = suspects_x;
+        suspect_z = flag_suspect_z;
+        x_trusted = unusual_x_trusted;
+        z_trusted = unusual_z_trusted;
+        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
+        redundancy_excluded_x_next = suspects_x;
+        redundancy_excluded_z_next = flag_suspect_z;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -852,20 +770,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (suspects_x != 0u) {
             faults |= 0x00008000u;
         }
+        degraded = guard_ready;
         if (flag_suspect_z != 0u) {
             faults |= 0x00010000u;
         }
-        suspect_x = suspects_x;
-        suspect_z = flag_suspect_z;
-        x_trusted = unusual_x_trusted;
-        z_trusted = unusual_z_trusted;
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
-        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
-        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
-        degraded = guard_ready;
-        redundancy_excluded_x_next = suspects_x;
-        redundancy_excluded_z_next = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->y1_expected = y1_expected;
@@ -880,25 +788,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
     }
 
-    /* landing: ramps and state feedback
-     *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
-     *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
-     *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
-     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
-     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
-     *         w_x_tracking; likewise w_z_unprobed
-     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
-     *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
-     *         acceleration_step_y) if landing_next is set, else dr_y
-     *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
-     *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
-     *         set, else r_x; likewise r_z_next
-     *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
-     *         if landing_next is set, else dr_x; likewise dr_z_next */
-    const uint32_t landing_landing = state->landing_landing;
+    /* landing: ramps and state feedback */
+    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
+    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
     const float landing_r_y = state->landing_r_y;
+    const uint32_t landing_landing = state->landing_landing;
     const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
+    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
@@ -908,9 +805,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-
-    /* landing: ramps and state feedback (continued) */
-    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
     bool enough = complete;
     float theta_disturbance = 0.0f;
     float theta_estimate = theta;
@@ -928,25 +822,48 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
 
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_theta: predictive observer, alpha-beta-gamma
+         *     as observer_phi, with theta in place of phi */
+        static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_theta_alpha = 0.30232367f;  /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_theta_beta = 36.192043f;    /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_theta_gamma = 1445.947f;    /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_theta_disturbance = theta - observer_theta_q;
         theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
             observer_theta_largest_disturbance);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
-
-        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
 
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_y: predictive observer, alpha-beta-gamma
+         *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
+         *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
+         *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
+         *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
+         *         0.0345), 0.0145)
+         *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
+        static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_y_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_y_disturbance = y - observer_y_q;
         y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
             observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
 
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_phi: predictive observer, alpha-beta-gamma
+         *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+         *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
+         *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
+         *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
+         *         phi_disturbance)), largest_position)
+         *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
+        static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_phi_gamma = 1445.947f;      /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
@@ -960,6 +877,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
 
     /* guard: range acceptance, hold, latch (continued) */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t gave_up = guard_latched;
     if (enough) {
@@ -973,41 +891,34 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
-    if (complete) {
-        state->guard_ready = 1u;
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
     }
+    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
+        (faults | 0x00040000u);
+    const bool lost_1 = !x_trusted;
+    const bool lost_2 = !z_trusted;
+
+    /* angles: positions for the commutation
+     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
+    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
+    out->x_commutation = x_commutation;
+    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
+    out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
+    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
+    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
     const float safe_output_last_i_d3 = state->safe_output_last_i_d3;
     const float safe_output_last_i_d4 = state->safe_output_last_i_d4;
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
-
-    /* handover: direct currents without x or z
-     *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
-     *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
-    const bool lost_1 = !x_trusted;
-
-    /* angles: positions for the commutation
-     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
-    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
-    out->x_commutation = x_commutation;
-    const bool lost_2 = !z_trusted;
-    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
-    out->z_commutation = z_commutation;
-
-    /* guard: range acceptance, hold, latch (continued) */
-    const float missed_calls = in->missed_calls;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
-    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
-        (faults | 0x00040000u);
     uint32_t fault_word;
     if (latched != 0u) {
-        /* safe_output: slew to the safe output once latched (continued) */
+        state->guard_latched = 1u;
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -1017,39 +928,111 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, safe_i_d1, slew_i_d1);
         out->i_d4 = state->safe_output_last_i_d4;
         state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, slew_i_d1);
+        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q2 = state->safe_output_last_u_x;
         out->i_q4 = state->safe_output_last_u_x;
-        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-        state->guard_latched = 1u;
-
-        /* guard: range acceptance, hold, latch (continued) */
         fault_word = faults_before | 0x80000000u;
     } else {
-        /* sufficiency: it can land, is probed (continued) */
+        /* next states of the sections above */
+        static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */
+        state->redundancy_code_y1 = y1_accepted;
+        state->redundancy_still_y1 = still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
+        state->redundancy_code_y2 = y2_accepted;
+        state->redundancy_still_y2 = still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
+        state->redundancy_code_y3 = y3_accepted;
+        state->redundancy_still_y3 = still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
+        state->redundancy_code_y4 = y4_accepted;
+        state->redundancy_still_y4 = still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
+        state->redundancy_code_x = x_accepted;
+        state->redundancy_still_x = x_unchanged;
+        state->redundancy_excluded_x = redundancy_excluded_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_next;
+        state->redundancy_before_x = before_x;
+        state->redundancy_code_z = z_accepted;
+        state->redundancy_still_z = z_unchanged;
+        state->redundancy_excluded_z = redundancy_excluded_z_next;
+        state->redundancy_doubts_z = redundancy_doubts_z_next;
+        state->redundancy_before_z = before_z;
+        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
+        state->redundancy_stuck_0 = redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = redundancy_undecided_0_next;
+        state->redundancy_degraded = redundancy_degraded_next;
+        state->observer_y_d = y_disturbance;
+        state->observer_phi_d = phi_disturbance;
+        state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
+        const float e_x = x_held - x_ref_held;
+        const float e_z = z_held - z_ref_held;
+        const float e_phi = phi - phi_ref_held;
+        const float e_theta = theta - theta_ref_held;
+
+        /* functions above: filter, regulator, observer */
+        static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
+            .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
+        static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
+            .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+        static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
+            .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
         const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
             filter_y_r_next);
-        const float e_x = x_held - x_ref_held;
         const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
-        const float e_z = z_held - z_ref_held;
         const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
-        const float e_phi = phi - phi_ref_held;
         const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
         const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi,
             filter_phi_r_next);
-        const float e_theta = theta - theta_ref_held;
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
             e_theta, filter_theta_r_next);
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
+            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
+            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
 
-        /* landing: ramps and state feedback (continued) */
+        /* landing: ramps and state feedback (continued)
+         *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+         *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
+         *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
+         *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+         *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+         *         w_x_tracking; likewise w_z_unprobed
+         *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
+         *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
+         *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+         *         acceleration_step_y) if landing_next is set, else dr_y
+         *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
+         *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
+         *         set, else r_x; likewise r_z_next
+         *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
+         *         if landing_next is set, else dr_x; likewise dr_z_next */
+        static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+        static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
+        static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
+        static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
+        static const float largest_speed = 0.08f;               /* m/s; largest speed of the ramp */
+        static const float press_speed = 0.001f;                /* m/s; least speed of the ramp, behind the stop */
+        static const float stiffness_y = 3600.0f;               /* 1/s^2; p^2, p = 60 1/s */
+        static const float damping_y = 120.0f;                  /* 1/s; 2 p, p = 60 1/s */
+        static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
+        static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
+        static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
+        static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+        static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
+        static const float acceleration_step_y = 0.002f;        /* m/s; T times 2 m/s^2 of the ramp */
+        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp */
+        static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
+        /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
+        static const float acceleration_step = 0.004f;
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
         const bool landing_left_at_most_1 = landing_left <= 1u;
@@ -1059,10 +1042,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         } else {
             landing = landing_landing;
         }
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -1114,9 +1094,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             if (diagnostics != NULL) {
                 diagnostics->x_estimate = observer_x.estimate;
                 diagnostics->x_rate = observer_x.rate;
+                diagnostics->x_disturbance = observer_x.disturbance;
                 diagnostics->z_estimate = observer_z.estimate;
                 diagnostics->z_rate = observer_z.rate;
-                diagnostics->x_disturbance = observer_x.disturbance;
                 diagnostics->z_disturbance = observer_z.disturbance;
             }
 #endif
@@ -1137,6 +1117,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         }
+        state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
+        const float w_x = maglev_5dof_probe_update(&state->probe_x, x_unchanged, w_x_unprobed, free, x_unanswered, e_x);
+        const float w_z = maglev_5dof_probe_update(&state->probe_z, z_unchanged, w_z_unprobed, free, z_unanswered, e_z);
 
         /* decoupling: direct and thrust currents, F(8), F(12)
          *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
@@ -1160,6 +1143,21 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         inverse_b_2 + inverse_b_4)
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
+        static const float gap_offset = 0.009233333f;           /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
+        static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+        /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+        static const float half_c_over_h2 = 0.0007232277f;
+        static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
+        static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
+        static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad, also half_I_x_over_r, also half_I_z_over_r */
+        static const float half_I_over_r = 0.66347605f;
+        static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
+        /* A; largest direct current, rms: a little below the current limit */
+        static const float direct_limit = 4.9492526f;
+        static const float M_x = 10.6f;                         /* kg; Table I */
+        static const float squared_current_limit = 24.5f;       /* A^2; square of the current limit, 7 A peak */
+        static const float M_z = 8.6f;                          /* kg; Table I */
         const float slot_effect_y1_held = slot_pull / (y1_held + gap_offset);
         const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
@@ -1216,76 +1214,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
         const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
         const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
-
-        /* probe_x: probe at rest (continued) */
-        const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 1u <= probe_x_sample;
-        float w_x = w_x_unprobed;
-        if (runs_w_x || (quiet_samples <= x_unchanged)) {
-            if (runs_w_x) {
-                const uint32_t one_more_w_x = probe_x_attempt + 1u;
-                float pulse_w_x = 0.0f;
-                if (probe_x_sample <= last_push_end) {
-                    const float push_w_x = state->probe_x_towards * (float)one_more_w_x;
-                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
-                        -push_w_x : push_w_x;
-                }
-                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
-                if (pair_samples <= probe_x_sample) {
-                    state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
-                        ((x_unanswered) ? probe_x_attempt : one_more_w_x) : 0u;
-                } else {
-                    state->probe_x_sample = probe_x_sample + 1u;
-                }
-            } else {
-                state->probe_x_sample = maglev_5dof_flag(free);
-                state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
-            }
-        } else {
-            state->probe_x_sample = 0u;
-            state->probe_x_attempt = 0u;
-        }
-
-        /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x / h_x;
         const float room_u_x = sqrtf(squared_current_limit -
             maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
-        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
-
-        /* probe_z: probe at rest (continued) */
-        const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 1u <= probe_z_sample;
-        float w_z = w_z_unprobed;
-        if (runs_w_z || (quiet_samples <= z_unchanged)) {
-            if (runs_w_z) {
-                const uint32_t one_more_w_z = probe_z_attempt + 1u;
-                float pulse_w_z = 0.0f;
-                if (probe_z_sample <= last_push_end) {
-                    const float push_w_z = state->probe_z_towards * (float)one_more_w_z;
-                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
-                        -push_w_z : push_w_z;
-                }
-                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
-                if (pair_samples <= probe_z_sample) {
-                    state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
-                        ((z_unanswered) ? probe_z_attempt : one_more_w_z) : 0u;
-                } else {
-                    state->probe_z_sample = probe_z_sample + 1u;
-                }
-            } else {
-                state->probe_z_sample = maglev_5dof_flag(free);
-                state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
-            }
-        } else {
-            state->probe_z_sample = 0u;
-            state->probe_z_attempt = 0u;
-        }
-
-        /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z / h_z;
         const float room_u_z = sqrtf(squared_current_limit -
@@ -1294,7 +1227,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
 
-        /* handover: direct currents without x or z (continued) */
+        /* handover: direct currents without x or z
+         *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
+         *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
+        static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
+        static const float current_limit = 4.9497476f;          /* A; largest hypot(i_d, i_q) of a motor, rms */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
@@ -1307,38 +1244,35 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_z = current_limit - fabsf(u_z_computed);
             state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
-            out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
             const float room_x = current_limit - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
-            out->i_d2 = state->safe_output_last_i_d2;
             state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
-            out->i_d3 = state->safe_output_last_i_d3;
             state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
-            out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
+            out->i_d1 = state->safe_output_last_i_d1;
+            out->i_d2 = state->safe_output_last_i_d2;
+            out->i_d3 = state->safe_output_last_i_d3;
+            out->i_d4 = state->safe_output_last_i_d4;
         } else {
-            state->safe_output_last_i_d1 = i_d1_balanced;
-
             /* safe_output: slew to the safe output once latched (continued) */
-            out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
-            out->i_d2 = i_d2_balanced;
             state->safe_output_last_i_d3 = i_d3_balanced;
-            out->i_d3 = i_d3_balanced;
             state->safe_output_last_i_d4 = i_d4_balanced;
+            out->i_d1 = i_d1_balanced;
+            out->i_d2 = i_d2_balanced;
+            out->i_d3 = i_d3_balanced;
             out->i_d4 = i_d4_balanced;
         }
 
         /* accelerations: F(6)
          *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
+        static const float inverse_M_x = 0.094339624f;          /* 1/kg; 1 / M_x, M_x = 10.6 kg */
+        static const float inverse_M_z = 0.11627907f;           /* 1/kg; 1 / M_z, M_z = 8.6 kg */
         const float a_x = -inverse_M_x * (u_x_computed * h_x);
         const float a_z = -inverse_M_z * (u_z_computed * h_z);
-
-        /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
-        const float delay_w_y_last = state->delay_w_y_last;
 
         /* thrust_allocation: F(6)
          *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
@@ -1348,65 +1282,42 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q3 = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
-
-        /* delay: delay of one sample (continued) */
-        const float delay_w_phi_last = state->delay_w_phi_last;
-        const float delay_w_theta_last = state->delay_w_theta_last;
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
+
+        /* delay: delay of one sample
+         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+        const float delay_w_y_last = state->delay_w_y_last;
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
+        const float delay_w_phi_last = state->delay_w_phi_last;
         state->delay_w_phi_last = w_phi;
+        const float delay_w_theta_last = state->delay_w_theta_last;
         state->delay_w_theta_last = w_theta;
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
         const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
         state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
             0.0345f), 0.0145f);
         state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
+        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
         const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
         state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
             observer_phi_largest_position);
         state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
         const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
             observer_theta_largest_position);
         state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
-        state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = still_y1;
-        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
-        state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = still_y2;
-        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
-        state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = still_y3;
-        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
-        state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = still_y4;
-        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
-        state->redundancy_code_x = x_accepted;
-        state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_next;
-        state->redundancy_doubts_x = redundancy_doubts_x_next;
-        state->redundancy_before_x = before_x;
-        state->redundancy_code_z = z_accepted;
-        state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_next;
-        state->redundancy_doubts_z = redundancy_doubts_z_next;
-        state->redundancy_before_z = before_z;
-        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
-        state->redundancy_stuck_0 = redundancy_stuck_0_next;
-        state->redundancy_undecided_0 = redundancy_undecided_0_next;
-        state->redundancy_degraded = redundancy_degraded_next;
-        state->observer_y_d = y_disturbance;
-        state->observer_phi_d = phi_disturbance;
-        state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;
@@ -1420,12 +1331,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->w_y = w_y;
             diagnostics->w_x_unprobed = w_x_unprobed;
             diagnostics->w_z_unprobed = w_z_unprobed;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
             diagnostics->i_d1_balanced = i_d1_balanced;
             diagnostics->i_d2_balanced = i_d2_balanced;
             diagnostics->i_d3_balanced = i_d3_balanced;
             diagnostics->i_d4_balanced = i_d4_balanced;
-            diagnostics->w_x = w_x;
-            diagnostics->w_z = w_z;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;

@@ -204,6 +204,59 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
+/* probe_x, probe_z: probe at rest
+ *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
+ *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+ *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+ *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
+ *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+ *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
+ *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
+ *         sample or quiet_samples <= x_unchanged, else towards */
+MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_probe_update(maglev_5dof_precise_probe_state_t *state,
+    uint32_t unchanged, float w_unprobed, bool free, bool unanswered, float e)
+{
+    static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
+    static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
+    static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
+    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
+    static const float first_push = 2.2f;
+
+    const uint32_t sample = state->sample;
+    const bool runs = first_push_end <= sample;
+    float w = w_unprobed;
+    if (runs || (quiet_samples <= unchanged)) {
+        const uint32_t attempt = state->attempt;
+        const float towards = state->towards;
+        if (runs) {
+            float pulse = 0.0f;
+            if (sample <= last_push_end) {
+                const float push = towards * ((0.5f * (float)attempt) + 1.0f);
+                pulse = ((first_push_end < sample) && (sample <= reverse_push_end)) ? -push : push;
+            }
+            w = w_unprobed + pulse;
+            if (pair_samples <= sample) {
+                state->sample = 0u;
+                state->attempt = (pair_samples <= unchanged) ? ((unanswered) ? attempt : (attempt + 1u)) : 0u;
+                state->towards = -towards;
+            } else {
+                state->sample = sample + first_push_end;
+            }
+        } else {
+            state->sample = maglev_5dof_precise_flag(free);
+            if (attempt < 1u) {
+                state->towards = (0.0f < e) ? -first_push : first_push;
+            }
+        }
+    } else {
+        state->sample = 0u;
+        state->attempt = 0u;
+    }
+    return w;
+}
+
 typedef struct {
     float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
     float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
@@ -353,8 +406,8 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .probe_x_towards = 2.2f,
-        .probe_z_towards = 2.2f,
+        .probe_x.towards = 2.2f,
+        .probe_z.towards = 2.2f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -376,142 +429,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     maglev_5dof_precise_output_t *out)
 #endif
 {
-    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
-    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group */
-    static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
-    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
-     * travel_high_z */
-    static const float travel = -0.0499f;
-    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
-    static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
-    static const float lead_by_innovation = 0.3f;               /* 1; of |r|: the same, by innovations alone */
-    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
-    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
-    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
-    static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
-    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
-    static const float observer_y_fast_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
     static const float T = 0.001f;                              /* s; sample period */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
-    static const float observer_y_fast_largest_rate = 4.0f;     /* m/s; bound of the predicted rate */
-    static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
-    static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
-    static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
-    static const float observer_phi_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
     /* rad; a larger error counts as this in the internal models, also servo_phi_fast_largest_error, also
      * servo_phi_fast_largest_step */
     static const float servo_phi_fast_largest = 1e-04f;
-    static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-    static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
-    static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
-    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
-    static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
-    static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
-    static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
-    static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
-    static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
-    static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
-    static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
-    static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
-    static const float observer_y_largest_disturbance = 50.0f;  /* m/s^2; bound of the disturbance */
-    static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
-    static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
-    static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
-    static const float largest_speed = 0.08f;                   /* m/s; largest speed of the ramp */
-    static const float press_speed = 0.001f;                    /* m/s; least speed of the ramp, behind the stop */
-    static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
-    static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
-    static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
-    static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
-    static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
-    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
-    static const float half_c_over_h2 = 0.0007232277f;
-    static const float M_z = 8.6f;                              /* kg; Table I */
-    static const float M_x = 10.6f;                             /* kg; Table I */
-    static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
-    static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
-    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
-    static const float current_limit = 4.9497476f;              /* A; largest hypot(i_d, i_q) of a motor, rms */
-    static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
-    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    static const uint32_t excluded_from = 2u;                   /* 1; contradictions before the one that excludes */
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
-    static const float observer_y_largest_rate = 4.0f;          /* m/s; bound of the predicted rate */
-    static const float observer_phi_largest_position = 0.02f;   /* rad; bound of the prediction */
-    static const float observer_phi_largest_rate = 4.0f;        /* rad/s; bound of the predicted rate */
-    static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
-    static const float observer_theta_largest_rate = 4.0f;      /* rad/s; bound of the predicted rate */
-    static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
-    static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
-    static const float ramp_end = 0.0326f;                      /* m; bound of the ramp */
-    static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
-    /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
-    static const float acceleration_step = 0.004f;
-    static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
-    static const float first_push = 2.2f;
-    static const float observer_y_fast_alpha = 0.6988058f;      /* 1; triple pole exp(-w T), w = 400 rad/s */
-    static const float observer_y_fast_beta = 272.3178f;        /* 1/s; triple pole exp(-w T), w = 400 rad/s */
-    static const float observer_y_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-    static const float observer_x_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-    static const float observer_z_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-    static const float observer_phi_fast_gamma = 35832.543f;    /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-    static const float servo_phi_fast_k_e = -711.21704f; /* 1/s^2; predictive servo with internal models: gain on e */
-    static const float servo_phi_fast_k_de = -80.14009f; /* 1/s; predictive servo with internal models: gain on de */
-    /* 1/s^2; predictive servo with internal models: gain on sum */
-    static const float servo_phi_fast_k_sum = -1.264911f;
-    static const float servo_phi_fast_k_p1 = 16.527708f; /* 1/s^2; predictive servo with internal models: gain on p1 */
-    static const float servo_phi_fast_k_q1 = -1.2623228f; /* 1/s^2; predictive servo with internal models: gain on q1 */
-    /* 1/s^2; predictive servo with internal models: k_de over the period */
-    static const float servo_phi_fast_k_step = -80140.09f;
-    /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
-    static const float servo_phi_fast_c1 = 2.2206568e-05f;
-    static const float observer_theta_fast_gamma = 10823.077f;  /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
-    static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-        .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
-        .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-        .low = -0.0003f, .largest_error = 0.0003f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .low = -0.001f, .largest_error = 0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .low = -0.001f, .largest_error = 0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-        .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
-        .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-        .low = -0.0003f, .largest_error = 0.0003f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f, .largest_rate = 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f, .largest_rate = 4.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
-        {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
-        .largest_rate = 4.0f};
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -547,105 +472,32 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_ready = state->guard_ready;
+    if (complete) {
+        state->guard_ready = 1u;
+    }
+    const float missed_calls = in->missed_calls;
 
-    /* observer_x: predictive observer, alpha-beta-gamma
-     *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
-     *         if guard_ready is set, else 0
-     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
-     *         T * gained if suspect_x is set, else 0)) if guard_ready is set, else 0
-     *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
-     *         largest_position)
-     *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
-     *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
-     *         else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
-     *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_x_q = state->observer_x.q;
-
-    /* probe_x: probe at rest
-     *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
-     *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
-     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
-     *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
-     *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
-     *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
-     *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
-     *         sample or quiet_samples <= x_unchanged, else towards */
-    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    /* functions above:  */
+    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
+    const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
-
-    /* observer_phi: predictive observer, alpha-beta-gamma
-     *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
-     *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
-     *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-     *         phi_disturbance)), largest_position)
-     *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
-    const float observer_phi_q = state->observer_phi_q;
-
-    /* observer_y: predictive observer, alpha-beta-gamma
-     *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-     *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
-     *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
-     *         0.0345), 0.0145)
-     *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
-    const float observer_y_q = state->observer_y_q;
-
-    /* observer_theta: predictive observer, alpha-beta-gamma
-     *     theta_disturbance = limit(d + gamma * (theta - q), largest_disturbance) if guard_ready is set, else
-     *         0
-     *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
-     *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
-     *     q_next = limit(theta_estimate + half_T * (theta_rate + theta_rate + T * (delay_w_theta_last +
-     *         theta_disturbance)), largest_position)
-     *     v_next = limit(theta_rate + T * (delay_w_theta_last + theta_disturbance), largest_rate) */
-    const float observer_theta_q = state->observer_theta_q;
-
-    /* observer_z: predictive observer, alpha-beta-gamma
-     *     z_disturbance = (limit(d + gamma * (z_held - q), largest_disturbance) if z_trusted is set, else 0)
-     *         if guard_ready is set, else 0
-     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - (beta / gamma * (d - d_at_change) +
-     *         T * gained if suspect_z is set, else 0)) if guard_ready is set, else 0
-     *     q_next = limit(z_estimate + half_T * (z_rate + z_rate + T * (g * delay_a_z_last + z_disturbance)),
-     *         largest_position)
-     *     v_next = limit(z_rate + T * (g * delay_a_z_last + z_disturbance), largest_rate)
-     *     gained_next = gained_decay * gained + z_disturbance - d_at_change if z_trusted and 1 <= z_unchanged,
-     *         else 0
-     *     g_next = max(min(g + ((learning_step * (delay_a_z_last * limit(d + gamma * (z_held - q),
-     *         largest_disturbance)) if z_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_z_q = state->observer_z.q;
-
-    /* probe_z: probe at rest
-     *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
-     *         sample, else free) if first_push_end <= sample or quiet_samples <= z_unchanged, else 0
-     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if pair_samples <= z_unchanged, else
-     *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
-     *         first_push_end <= sample or quiet_samples <= z_unchanged, else 0
-     *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
-     *         (towards if 1 <= attempt, else (-first_push if 0 < e_z, else first_push))) if first_push_end <=
-     *         sample or quiet_samples <= z_unchanged, else towards */
-    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const uint32_t probe_z_attempt = state->probe_z.attempt;
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
-    /* redundancy: parity, innovations, frozen codes
-     *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
-     *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-     *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
-     *         score_y4
-     *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
-     *         0; likewise z_unchanged
-     *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
-     *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
-     *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
-     *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+    /* redundancy: parity, innovations, frozen codes */
+    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
+     * travel_high_z */
+    static const float travel = -0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
+    const float observer_x_q = state->observer_x.q;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
@@ -667,6 +519,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
     const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const float observer_z_q = state->observer_z.q;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -688,14 +541,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
     const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
-    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
-    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
-    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
-    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
-    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
-    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
-    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
-    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -720,6 +565,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
+    const float observer_phi_q = state->observer_phi_q;
+    const float observer_y_q = state->observer_y_q;
+    const float observer_theta_q = state->observer_theta_q;
+    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
+    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
+    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
+    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
+    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
+    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
+    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
+    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
     bool gaps_sufficient = true;
@@ -754,7 +610,27 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float y3_expected = observer_y_q + r_phi;
         const float y4_expected = observer_y_q - r_theta;
 
-        /* redundancy: parity, innovations, frozen codes (continued) */
+        /* redundancy: parity, innovations, frozen codes (continued)
+         *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+         *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
+         *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
+         *         score_y4
+         *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
+         *         0; likewise z_unchanged
+         *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
+         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+         *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
+         *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
+        static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+        static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
+        static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
+        static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
+        static const float lead_by_innovation = 0.3f;           /* 1; of |r|: the same, by innovations alone */
+        static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
+        static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
+        static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
+        static const uint32_t excluded_from = 2u;               /* 1; contradictions before the one that excludes */
+        static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
@@ -924,6 +800,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         theta_measured = determined;
         redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
             suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
+        suspect_x = suspects_x;
+        suspect_z = flag_suspect_z;
+        x_trusted = unusual_x_trusted;
+        z_trusted = unusual_z_trusted;
+        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
+        redundancy_excluded_x_next = suspects_x;
+        redundancy_excluded_z_next = flag_suspect_z;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -941,20 +825,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         if (suspects_x != 0u) {
             faults |= 0x00008000u;
         }
+        degraded = guard_ready;
         if (flag_suspect_z != 0u) {
             faults |= 0x00010000u;
         }
-        suspect_x = suspects_x;
-        suspect_z = flag_suspect_z;
-        x_trusted = unusual_x_trusted;
-        z_trusted = unusual_z_trusted;
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
-        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
-        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
-        degraded = guard_ready;
-        redundancy_excluded_x_next = suspects_x;
-        redundancy_excluded_z_next = flag_suspect_z;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->y1_expected = y1_expected;
@@ -969,64 +843,36 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 #endif
     }
 
-    /* landing: ramps and state feedback
-     *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
-     *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
-     *         w_x_tracking; likewise w_z_unprobed
-     *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
-     *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
-     *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
-     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
-     *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
-     *         acceleration_step_y) if landing_next is set, else dr_y
-     *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
-     *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
-     *         set, else r_x; likewise r_z_next
-     *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
-     *         if landing_next is set, else dr_x; likewise dr_z_next */
-    const uint32_t landing_landing = state->landing_landing;
+    /* landing: ramps and state feedback */
+    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
+    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
     const float landing_r_y = state->landing_r_y;
+    const uint32_t landing_landing = state->landing_landing;
     const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
+    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
      *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-
-    /* observer_y_fast: predictive observer, alpha-beta-gamma
-     *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
-     *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-     *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
-     *         y_fast_disturbance)), 0.0345), 0.0145)
-     *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
-    const float observer_y_fast_q = state->observer_y_fast_q;
-    const float nu_y_fast_estimate = y - observer_y_fast_q;
-    const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
-        (observer_y_fast_gamma * nu_y_fast_estimate), observer_y_fast_largest_disturbance);
-
-    /* kinematics: pose from the gaps, F(5) (continued) */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
 
-    /* observer_phi_fast: predictive observer, alpha-beta-gamma
-     *     phi_fast_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
-     *     phi_fast_rate = v + beta * (phi - q) if guard_ready is set, else 0
-     *     phi_fast_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else
-     *         0
-     *     phi_fast_ahead = limit(phi_fast_estimate + half_T * (phi_fast_rate + phi_fast_rate + T *
-     *         (delay_w_phi_last + phi_fast_disturbance)), largest_position)
-     *     phi_fast_rate_ahead = limit(phi_fast_rate + T * (delay_w_phi_last + phi_fast_disturbance),
-     *         largest_rate) */
+    /* observer_y_fast: predictive observer, alpha-beta-gamma */
+    static const float observer_y_fast_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
+    static const float observer_phi_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+    static const float observer_y_fast_gamma = 35832.543f;      /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    static const float observer_phi_fast_gamma = 35832.543f;    /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+    const float observer_y_fast_q = state->observer_y_fast_q;
+    const float nu_y_fast_estimate = y - observer_y_fast_q;
+    const float y_fast_disturbance_part = maglev_5dof_precise_limit(state->observer_y_fast_d +
+        (observer_y_fast_gamma * nu_y_fast_estimate), observer_y_fast_largest_disturbance);
     const float nu_phi_fast_ahead = phi - state->observer_phi_fast.q;
     const float phi_fast_ahead_part = maglev_5dof_precise_limit(state->observer_phi_fast.d +
         (observer_phi_fast_gamma * nu_phi_fast_ahead), observer_phi_fast_largest_disturbance);
-
-    /* landing: ramps and state feedback (continued) */
-    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
     bool enough = complete;
     float y_fast_estimate = y;
     float y_fast_rate = 0.0f;
@@ -1045,41 +891,57 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     if (guard_ready != 0u) {
         /* sufficiency: it can land, is probed
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+        static const float cancelled = 0.8f;                    /* 1; part of the disturbance that is cancelled */
+        static const float observer_y_fast_alpha = 0.6988058f;  /* 1; triple pole exp(-w T), w = 400 rad/s */
+        static const float observer_y_fast_beta = 272.3178f;    /* 1/s; triple pole exp(-w T), w = 400 rad/s */
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
-
-        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
         y_fast_estimate = observer_y_fast_q + (observer_y_fast_alpha * nu_y_fast_estimate);
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
-
-        /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
-         *         + limit(e_phi, largest))^2 <= 16, else p1
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
-         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
         w_phi_tracking_part = cancelled * phi_fast_ahead_part;
 
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_theta: predictive observer, alpha-beta-gamma
+         *     as observer_phi, with theta in place of phi */
+        static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_theta_alpha = 0.30232367f;  /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_theta_beta = 36.192043f;    /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_theta_gamma = 1445.947f;    /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_theta_disturbance = theta - observer_theta_q;
         theta_disturbance = maglev_5dof_precise_limit(state->observer_theta_d +
             (observer_theta_gamma * nu_theta_disturbance), observer_theta_largest_disturbance);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
-
-        /* landing: ramps and state feedback (continued) */
         w_theta_part = 2.0f * (pole * theta_rate_part);
 
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_y: predictive observer, alpha-beta-gamma
+         *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
+         *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
+         *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
+         *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
+         *         0.0345), 0.0145)
+         *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
+        static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_y_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_y_disturbance = y - observer_y_q;
         y_disturbance = maglev_5dof_precise_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
             observer_y_largest_disturbance);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
 
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_phi: predictive observer, alpha-beta-gamma
+         *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+         *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
+         *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
+         *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
+         *         phi_disturbance)), largest_position)
+         *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
+        static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+        static const float observer_phi_gamma = 1445.947f;      /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
@@ -1095,6 +957,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
 
     /* guard: range acceptance, hold, latch (continued) */
+    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     uint32_t gave_up = guard_latched;
     if (enough) {
@@ -1108,33 +971,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
-    if (complete) {
-        state->guard_ready = 1u;
-    }
-
-    /* handover: direct currents without x or z
-     *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
-     *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
-    const bool lost_1 = !x_trusted;
-
-    /* angles: positions for the commutation
-     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
-    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
-    out->x_commutation = x_commutation;
-    const bool lost_2 = !z_trusted;
-    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
-    out->z_commutation = z_commutation;
-
-    /* guard: range acceptance, hold, latch (continued) */
-    const float missed_calls = in->missed_calls;
     if (degraded != 0u) {
         faults |= 0x00020000u;
     }
     const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
         (faults | 0x00040000u);
+    const bool lost_1 = !x_trusted;
+    const bool lost_2 = !z_trusted;
+
+    /* angles: positions for the commutation
+     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
+    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
+    out->x_commutation = x_commutation;
+    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
+    out->z_commutation = z_commutation;
     uint32_t fault_word;
     if (latched != 0u) {
+        state->guard_latched = 1u;
+
         /* safe_output: slew to the safe output once latched */
+        static const float safe_i_d1 = 2.5f;                    /* A; safe output */
+        static const float slew_i_d1 = 0.1f;                    /* A; 100 A/s times 0.001 s */
         state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -1144,17 +1002,45 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->safe_output_last_i_d4 = maglev_5dof_precise_slew(state->safe_output_last_i_d4, safe_i_d1, slew_i_d1);
         out->i_d4 = state->safe_output_last_i_d4;
         state->safe_output_last_u_x = maglev_5dof_precise_slew(state->safe_output_last_u_x, 0.0f, slew_i_d1);
+        state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q2 = state->safe_output_last_u_x;
         out->i_q4 = state->safe_output_last_u_x;
-        state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-        state->guard_latched = 1u;
-
-        /* guard: range acceptance, hold, latch (continued) */
         fault_word = faults_before | 0x80000000u;
     } else {
-        /* sufficiency: it can land, is probed (continued) */
+        /* next states of the sections above */
+        static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */
+        state->observer_y_fast_d = y_fast_disturbance;
+        state->redundancy_code_y1 = y1_accepted;
+        state->redundancy_still_y1 = still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
+        state->redundancy_code_y2 = y2_accepted;
+        state->redundancy_still_y2 = still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
+        state->redundancy_code_y3 = y3_accepted;
+        state->redundancy_still_y3 = still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
+        state->redundancy_code_y4 = y4_accepted;
+        state->redundancy_still_y4 = still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
+        state->redundancy_code_x = x_accepted;
+        state->redundancy_still_x = x_unchanged;
+        state->redundancy_excluded_x = redundancy_excluded_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_next;
+        state->redundancy_before_x = before_x;
+        state->redundancy_code_z = z_accepted;
+        state->redundancy_still_z = z_unchanged;
+        state->redundancy_excluded_z = redundancy_excluded_z_next;
+        state->redundancy_doubts_z = redundancy_doubts_z_next;
+        state->redundancy_before_z = before_z;
+        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
+        state->redundancy_stuck_0 = redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = redundancy_undecided_0_next;
+        state->redundancy_degraded = redundancy_degraded_next;
+        state->observer_y_d = y_disturbance;
+        state->observer_phi_d = phi_disturbance;
+        state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
@@ -1165,12 +1051,20 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
-        /* servo_phi_fast: predictive servo with internal models (continued) */
-        const float servo_phi_fast_sum = state->servo_phi_fast_sum;
+        /* servo_phi_fast: predictive servo with internal models
+         *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
+         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
+         *         + limit(e_phi, largest))^2 <= 16, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
+         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
+        /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
+        static const float servo_phi_fast_c1 = 2.2206568e-05f;
         const float e_servo_phi_fast_sum = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
+        const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e_servo_phi_fast_sum;
-        const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
         const float servo_phi_fast_q1 = state->servo_phi_fast_q1;
+        const float servo_phi_fast_p1 = state->servo_phi_fast_p1;
         const float servo_phi_fast_p1_next = servo_phi_fast_p1 + (servo_phi_fast_c1 * servo_phi_fast_q1);
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e_servo_phi_fast_sum;
         const float servo_phi_fast_sum_part = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
@@ -1183,34 +1077,63 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
         }
+        const float servo_phi_fast_r = state->servo_phi_fast_r;
+        state->servo_phi_fast_r = phi_ref_held;
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
         const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
         state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
             (half_T * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
         state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, observer_y_largest_rate);
 
-        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued) */
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued)
+         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
+         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
+         *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
+         *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
+         *         y_fast_disturbance)), 0.0345), 0.0145)
+         *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
+        static const float observer_y_fast_largest_rate = 4.0f; /* m/s; bound of the predicted rate */
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+            .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+            .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+            .low = -0.0003f, .largest_error = 0.0003f};
         const float faster_y_fast_ahead = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
         const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
             (half_T * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
         const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, observer_y_fast_largest_rate);
         state->observer_y_fast_q = y_fast_ahead;
         state->observer_y_fast_v = y_fast_rate_ahead;
-        state->observer_y_fast_d = y_fast_disturbance;
         const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
             y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_part, e_y);
-
-        /* delay: delay of one sample (continued) */
         const float delay_a_x_last = state->delay_a_x_last;
+
+        /* functions above: observer, observer_fast, servo_fast */
+        static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_x_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+        static const float observer_z_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+            .low = -0.001f, .largest_error = 0.001f};
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+            .low = -0.001f, .largest_error = 0.001f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
+            .largest_rate = 2.0f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
+            .largest_rate = 2.0f};
         const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
             x_trusted, x_held, suspect_x, delay_a_x_last, x_unchanged);
-
-        /* observer_x: predictive observer, alpha-beta-gamma (continued) */
         const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
         const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
             (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
@@ -1220,13 +1143,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
             observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_part,
             e_x);
-
-        /* delay: delay of one sample (continued) */
         const float delay_a_z_last = state->delay_a_z_last;
         const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
             z_trusted, z_held, suspect_z, delay_a_z_last, z_unchanged);
-
-        /* observer_z: predictive observer, alpha-beta-gamma (continued) */
         const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
         const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
             (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
@@ -1236,11 +1155,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
             observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_part,
             e_z);
-
-        /* delay: delay of one sample (continued) */
         const float delay_w_phi_last = state->delay_w_phi_last;
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
+        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f,
+            .largest_rate = 4.0f};
         const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
         state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
             observer_phi_largest_position);
@@ -1248,15 +1170,26 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const maglev_5dof_precise_observer_fast_t observer_phi_fast =
             maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
             nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
-
-        /* delay: delay of one sample (continued) */
         const float delay_w_theta_last = state->delay_w_theta_last;
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
         const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
         state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
             (half_T * (theta_rate + faster_observer_theta_q)), observer_theta_largest_position);
         state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, observer_theta_largest_rate);
+
+        /* functions above: observer_fast, servo_fast */
+        static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_theta_fast_gamma = 10823.077f; /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+            .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+            .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+            .low = -0.0003f, .largest_error = 0.0003f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
+            {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
+            .largest_rate = 4.0f};
         const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
             (observer_theta_fast_gamma * nu_theta_fast_ahead), observer_theta_fast_largest_disturbance);
@@ -1267,7 +1200,40 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
             observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_part, e_theta);
 
-        /* landing: ramps and state feedback (continued) */
+        /* landing: ramps and state feedback (continued)
+         *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+         *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+         *         w_x_tracking; likewise w_z_unprobed
+         *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+         *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
+         *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
+         *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
+         *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
+         *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+         *         acceleration_step_y) if landing_next is set, else dr_y
+         *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
+         *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
+         *         set, else r_x; likewise r_z_next
+         *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
+         *         if landing_next is set, else dr_x; likewise dr_z_next */
+        static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+        static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
+        static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
+        static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
+        static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
+        static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
+        static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
+        static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
+        static const float largest_speed = 0.08f;               /* m/s; largest speed of the ramp */
+        static const float press_speed = 0.001f;                /* m/s; least speed of the ramp, behind the stop */
+        static const float stiffness_y = 3600.0f;               /* 1/s^2; p^2, p = 60 1/s */
+        static const float damping_y = 120.0f;                  /* 1/s; 2 p, p = 60 1/s */
+        static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
+        static const float acceleration_step_y = 0.002f;        /* m/s; T times 2 m/s^2 of the ramp */
+        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp */
+        static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
+        /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
+        static const float acceleration_step = 0.004f;
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
         const bool landing_left_at_most_1 = landing_left <= 1u;
@@ -1277,8 +1243,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         } else {
             landing = landing_landing;
         }
-
-        /* servo_phi_fast: predictive servo with internal models (continued) */
         float w_phi;
         float w_theta;
         float w_x_unprobed;
@@ -1286,7 +1250,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* landing: ramps and state feedback (continued) */
             float ramp_x = observer_x.estimate;
             float ramp_rate_x = observer_x.rate;
             float ramp_y = landing_r_y;
@@ -1340,9 +1303,23 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             w_y = w_y_tracking;
             w_x_unprobed = w_x_tracking;
             w_z_unprobed = w_z_tracking;
+
+            /* servo_phi_fast: predictive servo with internal models (continued) */
+            /* 1/s^2; predictive servo with internal models: gain on e */
+            static const float servo_phi_fast_k_e = -711.21704f;
+            /* 1/s; predictive servo with internal models: gain on de */
+            static const float servo_phi_fast_k_de = -80.14009f;
+            /* 1/s^2; predictive servo with internal models: gain on sum */
+            static const float servo_phi_fast_k_sum = -1.264911f;
+            /* 1/s^2; predictive servo with internal models: gain on p1 */
+            static const float servo_phi_fast_k_p1 = 16.527708f;
+            /* 1/s^2; predictive servo with internal models: gain on q1 */
+            static const float servo_phi_fast_k_q1 = -1.2623228f;
+            /* 1/s^2; predictive servo with internal models: k_de over the period */
+            static const float servo_phi_fast_k_step = -80140.09f;
             const float w_phi_tracking_part_2 = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
-            const float moved_w_phi_tracking = phi_ref_held - state->servo_phi_fast_r;
+            const float moved_w_phi_tracking = phi_ref_held - servo_phi_fast_r;
             float w_phi_tracking_part_3 = 0.0f;
             if (fabsf(moved_w_phi_tracking) <= servo_phi_fast_largest) {
                 w_phi_tracking_part_3 = servo_phi_fast_k_step * moved_w_phi_tracking;
@@ -1364,77 +1341,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             }
 #endif
         }
-        state->delay_w_y_last = w_y;
-        state->delay_w_phi_last = w_phi;
-        state->delay_w_theta_last = w_theta;
-
-        /* probe_x: probe at rest (continued) */
-        const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = first_push_end <= probe_x_sample;
-        float w_x = w_x_unprobed;
-        if (runs_w_x || (quiet_samples <= x_unchanged)) {
-            const float probe_x_towards = state->probe_x_towards;
-            if (runs_w_x) {
-                float pulse_w_x = 0.0f;
-                if (probe_x_sample <= last_push_end) {
-                    const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
-                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
-                        -push_w_x : push_w_x;
-                }
-                w_x = w_x_unprobed + pulse_w_x;
-                if (pair_samples <= probe_x_sample) {
-                    state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
-                        ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
-                    state->probe_x_towards = -probe_x_towards;
-                } else {
-                    state->probe_x_sample = probe_x_sample + first_push_end;
-                }
-            } else {
-                state->probe_x_sample = maglev_5dof_precise_flag(free);
-                if (probe_x_attempt < 1u) {
-                    state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
-                }
-            }
-        } else {
-            state->probe_x_sample = 0u;
-            state->probe_x_attempt = 0u;
-        }
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
         state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, ramp_end);
-
-        /* probe_z: probe at rest (continued) */
-        const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = first_push_end <= probe_z_sample;
-        float w_z = w_z_unprobed;
-        if (runs_w_z || (quiet_samples <= z_unchanged)) {
-            const float probe_z_towards = state->probe_z_towards;
-            if (runs_w_z) {
-                float pulse_w_z = 0.0f;
-                if (probe_z_sample <= last_push_end) {
-                    const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
-                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
-                        -push_w_z : push_w_z;
-                }
-                w_z = w_z_unprobed + pulse_w_z;
-                if (pair_samples <= probe_z_sample) {
-                    state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
-                        ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
-                    state->probe_z_towards = -probe_z_towards;
-                } else {
-                    state->probe_z_sample = probe_z_sample + first_push_end;
-                }
-            } else {
-                state->probe_z_sample = maglev_5dof_precise_flag(free);
-                if (probe_z_attempt < 1u) {
-                    state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
-                }
-            }
-        } else {
-            state->probe_z_sample = 0u;
-            state->probe_z_attempt = 0u;
-        }
+        const float w_x = maglev_5dof_precise_probe_update(&state->probe_x, x_unchanged, w_x_unprobed, free,
+            x_unanswered, e_x);
+        const float w_z = maglev_5dof_precise_probe_update(&state->probe_z, z_unchanged, w_z_unprobed, free,
+            z_unanswered, e_z);
 
         /* inversion: exact inversion of F(2), (6), (7)
          *     half_force = 3.45 * (w_y - G) + half_1 + half_2 + half_3 + half_4
@@ -1446,6 +1358,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         doubled_1), 0))), direct_limit); likewise i_d2_balanced, i_d3_balanced, i_d4_balanced
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
+        static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
+        static const float gap_offset = 0.009233333f;           /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
+        static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+        /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+        static const float half_c_over_h2 = 0.0007232277f;
+        static const float M_z = 8.6f;                          /* kg; Table I */
+        static const float M_x = 10.6f;                         /* kg; Table I */
+        /* A; largest direct current, rms: a little below the current limit */
+        static const float direct_limit = 4.9492526f;
+        static const float squared_current_limit = 24.5f;       /* A^2; square of the current limit, 7 A peak */
         const float tilts_3 = r * observer_phi_fast.fast_ahead;
         const float slot_effect_y1_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
@@ -1524,21 +1446,31 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float u_x_computed_part = squared_current_limit -
             maglev_5dof_precise_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced);
         const float u_x_computed = maglev_5dof_precise_limit(u_x_demand, sqrtf(u_x_computed_part));
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
         const float u_z_computed_part = squared_current_limit -
             maglev_5dof_precise_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced);
         const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_part));
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
         const float a_x = -0.094339624f * (u_x_computed * h_x);
         const float a_z = -0.11627907f * (u_z_computed * h_z);
-        state->safe_output_last_u_x = u_x_computed;
-        state->safe_output_last_u_z = u_z_computed;
+        state->delay_w_y_last = w_y;
+        state->delay_w_phi_last = w_phi;
+        state->delay_w_theta_last = w_theta;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
 
-        /* handover: direct currents without x or z (continued) */
+        /* thrust_allocation: F(6)
+         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
+
+        /* handover: direct currents without x or z
+         *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
+         *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
+        static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
+        static const float current_limit = 4.9497476f;          /* A; largest hypot(i_d, i_q) of a motor, rms */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             const float transfer = maglev_5dof_precise_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
@@ -1551,59 +1483,28 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_z = current_limit - fabsf(u_z_computed);
             state->safe_output_last_i_d1 = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z, room_z);
-            out->i_d1 = state->safe_output_last_i_d1;
             const float remainder_x = 1.0f - part_x;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
             const float room_x = current_limit - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x, room_x);
-            out->i_d2 = state->safe_output_last_i_d2;
             state->safe_output_last_i_d3 = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z, room_z);
-            out->i_d3 = state->safe_output_last_i_d3;
             state->safe_output_last_i_d4 = remainder_x * maglev_5dof_precise_limit(i_d4_balanced + handed_x, room_x);
-            out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
+            out->i_d1 = state->safe_output_last_i_d1;
+            out->i_d2 = state->safe_output_last_i_d2;
+            out->i_d3 = state->safe_output_last_i_d3;
+            out->i_d4 = state->safe_output_last_i_d4;
         } else {
-            state->safe_output_last_i_d1 = i_d1_balanced;
-
             /* safe_output: slew to the safe output once latched (continued) */
-            out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
-            out->i_d2 = i_d2_balanced;
             state->safe_output_last_i_d3 = i_d3_balanced;
-            out->i_d3 = i_d3_balanced;
             state->safe_output_last_i_d4 = i_d4_balanced;
+            out->i_d1 = i_d1_balanced;
+            out->i_d2 = i_d2_balanced;
+            out->i_d3 = i_d3_balanced;
             out->i_d4 = i_d4_balanced;
         }
-        state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = still_y1;
-        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
-        state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = still_y2;
-        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
-        state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = still_y3;
-        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
-        state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = still_y4;
-        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
-        state->redundancy_code_x = x_accepted;
-        state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_next;
-        state->redundancy_doubts_x = redundancy_doubts_x_next;
-        state->redundancy_before_x = before_x;
-        state->redundancy_code_z = z_accepted;
-        state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_next;
-        state->redundancy_doubts_z = redundancy_doubts_z_next;
-        state->redundancy_before_z = before_z;
-        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
-        state->redundancy_stuck_0 = redundancy_stuck_0_next;
-        state->redundancy_undecided_0 = redundancy_undecided_0_next;
-        state->redundancy_degraded = redundancy_degraded_next;
-        state->servo_phi_fast_r = phi_ref_held;
-        state->observer_y_d = y_disturbance;
-        state->observer_phi_d = phi_disturbance;
-        state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;

@@ -84,11 +84,6 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
 #endif
 {
-    static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
-    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
-    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
-
 #if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
@@ -125,6 +120,7 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
      *         else x_held) - 0.001); likewise last_z_next
      *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
      *         likewise left_z_next */
+    static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;
@@ -151,8 +147,6 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     state->advance_last_z = position;
     state->advance_left_x = (good_x) ? advance_patience : advance_left_x_part;
     state->advance_left_z = (good_z) ? advance_patience : advance_left_z_part;
-
-    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t faults_before = (lost_x) ? (faults | 0x00000400u) : faults;
 
     /* commutation, guard */
@@ -173,6 +167,9 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
      *         0
      *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else 0)
      *         if lost_x or lost_z or 0 < |transfer|, else 0 */
+    static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
+    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
     const float distance_x_part = (8.748906f * x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_part - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);

@@ -158,104 +158,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     planar_6dof_leadlag_output_t *out)
 #endif
 {
-    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
-    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
-    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
-    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
-    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
-    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
-    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
-    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
-    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
-    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
-    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
-    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
-    static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
-    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
-    static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
-    static const float filter_x_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
-    static const float filter_y_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
-    static const float filter_phi_fastest = 0.007f; /* rad; T times the speed beyond which the filter restarts */
-    static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-    static const float quadrature_limit = 1.134f;               /* A; largest quadrature current of a motor */
-    static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
-    static const float direct_limit = 0.54913455f;              /* A; largest direct current of a motor */
-    static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
-    static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
-    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    static const float slew_i_AA = 0.126f;                      /* A; 126 A/s times 0.001 s */
-    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
-    static const uint32_t memory = 4u;                          /* 1; samples for which a contradiction is remembered */
-    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
-    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
-    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
-    static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
-    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
-    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
-    static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
-    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
-    static const float reckoning_x_position_gain = 0.093696f;   /* 1; 1 - r^2, r = 0.952 */
-    static const float reckoning_x_rate_gain = 0.002304f;       /* 1; (1 - r)^2, r = 0.952 */
-    static const float reckoning_x_half_step = 6.315046e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_y_position_gain = 0.093696f;   /* 1; 1 - r^2, r = 0.952 */
-    static const float reckoning_y_rate_gain = 0.002304f;       /* 1; (1 - r)^2, r = 0.952 */
-    static const float reckoning_y_half_step = 6.315046e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
-    static const float reckoning_phi_rate_gain = 6.4e-05f;      /* 1; (1 - r)^2, r = 0.992 */
-    static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
-    static const float filter_x_k_p = 0.110377386f; /* 1; (16), steady: gain on the position, in units of position */
-    static const float filter_x_k_s = 0.006452916f; /* 1; (16), steady: gain on the velocity, in units of position */
-    /* 1; (16), steady: gain on the acceleration, in units of position */
-    static const float filter_x_k_h = 9.431981e-05f;
-    static const float filter_y_k_p = 0.110377386f; /* 1; (16), steady: gain on the position, in units of position */
-    static const float filter_y_k_s = 0.006452916f; /* 1; (16), steady: gain on the velocity, in units of position */
-    /* 1; (16), steady: gain on the acceleration, in units of position */
-    static const float filter_y_k_h = 9.431981e-05f;
-    static const float filter_phi_k_p = 0.30911008f; /* 1; (16), steady: gain on the position, in units of position */
-    static const float filter_phi_k_s = 0.05698819f; /* 1; (16), steady: gain on the velocity, in units of position */
-    /* 1; (16), steady: gain on the acceleration, in units of position */
-    static const float filter_phi_k_h = 0.0026284785f;
-    static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
-    static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
-    static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
-    static const float loop_y_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
-    static const float loop_phi_gain = 312.6659f;               /* A/rad; (22): gain on the error */
-    static const float loop_phi_lead_input = -223.97475f;       /* A/rad; (22): gain times (lead_pole - zero) */
-    static const float loop_z_gain = 4962.6665f;                /* A/m; (23): gain on the error */
-    static const float loop_z_lead_input = -4476.951f;          /* A/m; (23): gain times (lead_pole - zero) */
-    static const float loop_z_integral_decay = 0.9900498f;      /* 1; (23): zero of the integral action in z */
-    static const float loop_theta_gain = 528.30865f;            /* A/rad; (24): gain on the error */
-    static const float loop_theta_lead_input = -487.64932f;     /* A/rad; (24): gain times (lead_pole - zero) */
-    static const float loop_theta_integral_decay = 0.9900498f;  /* 1; (24): zero of the integral action in z */
-    static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */
-    static const float loop_psi_gain = 581.13947f;              /* A/rad; (25): gain on the error */
-    static const float loop_psi_lead_input = -536.41425f;       /* A/rad; (25): gain times (lead_pole - zero) */
-    static const float loop_psi_integral_decay = 0.9900498f;    /* 1; (25): zero of the integral action in z */
-    static const float allocation_two = 2.0f;                   /* 1; Table 3: both motors */
-    static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
-    static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
-    static const float commutation_minus_half = -0.5f;          /* 1; (17): cos 120 degrees */
-    static const float braking_x_gain = -39587.992f;            /* (A)/m; 0.5 / (b T^2) */
-    static const float braking_y_gain = -39587.992f;            /* (A)/m; 0.5 / (b T^2) */
-    static const float braking_phi_gain = -2239.5518f;          /* (A)/rad; 0.5 / (b T^2) */
-    /* 1; (23): 1 - integral_decay; times allocation_rear_share */
-    static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
-    /* 1; (25): 1 - integral_decay; times allocation_half */
-    static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -271,6 +176,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
      *         1)
      *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
      *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
         &faults);
@@ -299,22 +210,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
         0x00004000u, &faults);
-
-    /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
-     *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
-     *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
-     *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
-     *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
-     *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
-    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
-
-    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_left = state->guard_left;
+
+    /* sensing: position and yaw, (1)-(5) */
+    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
+    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
+    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
+    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
+    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
+    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -366,6 +274,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool suspect_V_by = indicated_y_V_by || is_any;
         const bool suspect_V_cx = indicated_x_V_cx || is_any;
         const bool suspect_V_cy = indicated_y_V_cy || is_any;
+        other_amplitude = common;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
@@ -386,7 +295,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
-        other_amplitude = common;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -400,6 +308,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
+    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
+    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
+    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -419,7 +332,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         faults |= 0x40000000u;
     }
     if (latched != 0u) {
+        state->guard_latched = 1u;
+
         /* safe_output: slew to the safe output once latched */
+        static const float slew_i_AA = 0.126f;                  /* A; 126 A/s times 0.001 s */
         state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
         state->safe_output_last_i_AB = planar_6dof_leadlag_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
@@ -438,25 +354,45 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
-        state->guard_latched = 1u;
-
-        /* guard: range acceptance, hold, latch (continued) */
         faults |= 0x80000000u;
     } else {
         const bool braked = guard_left < braking_from;
-
-        /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
-        const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
-        const float reckoning_y_position = state->reckoning_y_position;
-
-        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
+        const float reckoning_y_position = state->reckoning_y_position;
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
+        const float reckoning_phi_position = state->reckoning_phi_position;
+
+        /* sensing: position and yaw, (1)-(5) (continued)
+         *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
+         *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
+         *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
+         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+         *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
+         *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
+        static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 A^2: keeps a divisor from 0 */
+        static const float half_pitch = 0.0254f;                /* m; half of the pitch */
+        static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
+        static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
+        static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+        static const float yaw_innovation_weight = 0.04f;       /* 1; (0.08 / 0.4)^2 */
+        static const float squared_confirmation = 0.013780796f; /* V^2; rho = 0.5 */
+        static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
+        static const uint32_t memory = 4u;                      /* 1; samples for which a contradiction is remembered */
+        static const float sensing_position_1 = 0.009938624f;   /* m; fit of the position in the calculated field */
+        static const float sensing_position_3 = -0.0075761457f; /* m; fit of the position in the calculated field */
+        static const float sensing_position_5 = 0.0061684945f;  /* m; fit of the position in the calculated field */
+        static const float sensing_position_7 = -0.0021809724f; /* m; fit of the position in the calculated field */
+        static const float sensing_slope_0 = 0.49650046f;       /* 1/V^2; fit of the slope in the calculated field */
+        static const float sensing_slope_1 = 0.15281738f;       /* 1/V^4; fit of the slope in the calculated field */
+        static const float sensing_power_0 = 7.7654033f;        /* V^2; fit of the power in the calculated field */
+        static const float sensing_power_1 = 0.11621765f;       /* 1/V^2; fit of the power in the calculated field */
+        static const float sensing_power_2 = -0.0013770753f;    /* 1/V^6; fit of the power in the calculated field */
+        static const float sensing_amplitude_weight = 0.02322072f; /* 1/V^2; 2 W / A^2 */
+        static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+        static const float sensing_scale_gain = 3.219408e-05f;  /* 1/V^2; 0.001 / (4 g_0 A^2) */
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -465,9 +401,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
-            const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
             const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float sensing_scale = state->sensing_scale;
             const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
             const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
@@ -585,6 +521,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
                 measured = true;
                 x_raw = accepted_x;
                 y_raw = accepted_y;
@@ -594,8 +532,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                state->sensing_offset_x = offset_x;
-                state->sensing_offset_y = offset_y;
                 const float sensing_scale_part = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
                 state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_part, 0.18f);
@@ -621,8 +557,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_y = passed_y;
         }
         const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
+        state->sensing_phi_raw = phi_raw;
 
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
+        static const float reckoning_x_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
+        static const float reckoning_x_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_x_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_y_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
+        static const float reckoning_y_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_y_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
+        static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
+        static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -646,7 +594,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         } else {
             state->sensing_innovation_phi = 0.0f;
         }
-        state->sensing_phi_raw = phi_raw;
         const float a_x = reckoning_x_half_step * state->delay_x;
         const float middle_x = rate_x + a_x;
         const float x_next = corrected_x + middle_x;
@@ -679,6 +626,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *         * (x_raw - p)| <= fastest, else x_raw
          *     s_next = prediction_s if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h + k_h
          *         * (x_raw - p)| <= fastest, else 0; likewise h_next */
+        static const float filter_x_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
+        /* 1; (16), steady: gain on the position, in units of position */
+        static const float filter_x_k_p = 0.110377386f;
+        /* 1; (16), steady: gain on the velocity, in units of position */
+        static const float filter_x_k_s = 0.006452916f;
+        /* 1; (16), steady: gain on the acceleration, in units of position */
+        static const float filter_x_k_h = 9.431981e-05f;
         const float filter_x_p = state->filter_x_p;
         const float e_prediction_p = x_raw - filter_x_p;
         const float a_prediction_p = state->filter_x_h + (filter_x_k_h * e_prediction_p);
@@ -703,16 +657,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_y: Kalman filter, (6)-(16)
-         *     prediction_p = limit(p + k_p * (y_raw - p) + s + k_s * (y_raw - p) + h + k_h * (y_raw - p), 0.2)
-         *     prediction_s = limit(s + k_s * (y_raw - p) + h + k_h * (y_raw - p) + h + k_h * (y_raw - p),
-         *         0.00400004)
-         *     prediction_h = limit(h + k_h * (y_raw - p), 0.00400004)
-         *     y = p + k_p * (y_raw - p) if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h +
-         *         k_h * (y_raw - p)| <= fastest, else y_raw
-         *     p_next = prediction_p if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h + k_h
-         *         * (y_raw - p)| <= fastest, else y_raw
-         *     s_next = prediction_s if guard_ready and |s + k_s * (y_raw - p) + h + k_h * (y_raw - p)| + |h + k_h
-         *         * (y_raw - p)| <= fastest, else 0; likewise h_next */
+         *     as filter_x, with y in place of x */
+        static const float filter_y_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
+        /* 1; (16), steady: gain on the position, in units of position */
+        static const float filter_y_k_p = 0.110377386f;
+        /* 1; (16), steady: gain on the velocity, in units of position */
+        static const float filter_y_k_s = 0.006452916f;
+        /* 1; (16), steady: gain on the acceleration, in units of position */
+        static const float filter_y_k_h = 9.431981e-05f;
         const float filter_y_p = state->filter_y_p;
         const float e_prediction_p_2 = y_raw - filter_y_p;
         const float a_prediction_p_2 = state->filter_y_h + (filter_y_k_h * e_prediction_p_2);
@@ -748,6 +700,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *         k_h * (phi_raw - p)| <= fastest, else phi_raw
          *     s_next = prediction_s if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)| + |h +
          *         k_h * (phi_raw - p)| <= fastest, else 0; likewise h_next */
+        static const float filter_phi_fastest = 0.007f; /* rad; T times the speed beyond which the filter restarts */
+        /* 1; (16), steady: gain on the position, in units of position */
+        static const float filter_phi_k_p = 0.30911008f;
+        /* 1; (16), steady: gain on the velocity, in units of position */
+        static const float filter_phi_k_s = 0.05698819f;
+        /* 1; (16), steady: gain on the acceleration, in units of position */
+        static const float filter_phi_k_h = 0.0026284785f;
         const float filter_phi_p = state->filter_phi_p;
         const float e_prediction_p_3 = phi_raw - filter_phi_p;
         const float a_prediction_p_3 = state->filter_phi_h + (filter_phi_k_h * e_prediction_p_3);
@@ -774,27 +733,30 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_z = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
+
+        /* functions above: loop_output */
+        static const float loop_x_gain = 2515.072f;             /* A/m; (21): gain on the error */
+        static const float loop_y_gain = 2515.072f;             /* A/m; (21): gain on the error */
+        static const float loop_phi_gain = 312.6659f;           /* A/rad; (22): gain on the error */
+        static const float loop_z_gain = 4962.6665f;            /* A/m; (23): gain on the error */
+        static const float loop_z_lead_input = -4476.951f;      /* A/m; (23): gain times (lead_pole - zero) */
+        static const float loop_theta_gain = 528.30865f;        /* A/rad; (24): gain on the error */
+        static const float loop_theta_lead_input = -487.64932f; /* A/rad; (24): gain times (lead_pole - zero) */
+        static const float loop_psi_gain = 581.13947f;          /* A/rad; (25): gain on the error */
+        static const float loop_psi_lead_input = -536.41425f;   /* A/rad; (25): gain times (lead_pole - zero) */
         const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z,
             loop_z_gain, z_ref_held, z);
-
-        /* loop_z: lead-lag, (23)
-         *     d_z = gain * (z_ref_held - z) + lead + integral */
         state->loop_z.lead = loop_z_lead_input * loop_z_output.error;
         const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta,
             loop_theta_gain, theta_ref_held, theta);
-
-        /* loop_theta: lead-lag, (24)
-         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.error;
         const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi,
             loop_psi_gain, psi_ref_held, psi);
-
-        /* loop_psi: lead-lag, (25)
-         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
         state->loop_psi.lead = loop_psi_lead_input * loop_psi_output.error;
         const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
             loop_x_gain, x_ref_held, x);
@@ -805,6 +767,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 
         /* braking: braking before the latch
          *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+        static const float braking_x_gain = -39587.992f;        /* (A)/m; 0.5 / (b T^2) */
+        static const float braking_y_gain = -39587.992f;        /* (A)/m; 0.5 / (b T^2) */
+        static const float braking_phi_gain = -2239.5518f;      /* (A)/rad; 0.5 / (b T^2) */
         float d_phi;
         float d_x;
         float d_y;
@@ -837,6 +802,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     achieved_y = sin(phi) * i_CQ + cos(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
+        static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
+        static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
+        static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
+        static const float allocation_two = 2.0f;               /* 1; Table 3: both motors */
+        static const float allocation_rear_share = 0.33333334f; /* 1; Table 3: c/(2 (b + c)) */
+        static const float allocation_front_share = 0.16666667f; /* 1; Table 3: b/(2 (b + c)) */
         const float cos_phi_argument = phi * phi;
         const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
         const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
@@ -854,13 +825,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             direct_limit);
         const float both = allocation_two * half;
         const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
-        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
         const float achieved_y = (sin_i_CQ * i_CQ) + (cos_i_CQ * both);
-        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
         const float achieved_phi = yaw - i_CQ;
-        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
+
+        /* functions above: loop_update */
+        static const float loop_x_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
+        static const float loop_y_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
+        static const float loop_phi_lead_input = -223.97475f;   /* A/rad; (22): gain times (lead_pole - zero) */
+        static const float loop_z_integral_decay = 0.9900498f;  /* 1; (23): zero of the integral action in z */
+        static const float loop_theta_integral_decay = 0.9900498f; /* 1; (24): zero of the integral action in z */
+        static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */
+        static const float loop_psi_integral_decay = 0.9900498f; /* 1; (25): zero of the integral action in z */
+        /* 1; (23): 1 - integral_decay; times allocation_rear_share */
+        static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
+        /* 1; (25): 1 - integral_decay; times allocation_half */
+        static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
+        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
         state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
             (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
@@ -883,6 +867,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
+        static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
+        static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
+        static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
+        static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
@@ -902,42 +890,42 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AA_computed_part_2 = i_AA_computed_part_times_cy + cs;
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
-        out->i_AA = i_AA_computed;
         const float middle_A = commutation_minus_half * i_AA_computed;
         const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
-        out->i_AB = i_AB_computed;
         const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
         const float angles_B_2 = cs - i_AA_computed_part_times_cy;
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
-        out->i_BA = i_BA_computed;
         const float middle_B = commutation_minus_half * i_BA_computed;
         const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
         const float i_BB_computed = middle_B + beta_B;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
-        out->i_BB = i_BB_computed;
         const float i_BC_computed = middle_B - beta_B;
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
-        out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
         const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
         const float cos_i_CA_computed = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
         const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
-        out->i_CA = i_CA_computed;
         const float middle_C = commutation_minus_half * i_CA_computed;
         const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
         const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
-        out->i_CB = i_CB_computed;
         const float i_CC_computed = middle_C - beta_C;
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
+        out->i_AA = i_AA_computed;
+        out->i_AB = i_AB_computed;
+        out->i_AC = i_AC_computed;
+        out->i_BA = i_BA_computed;
+        out->i_BB = i_BB_computed;
+        out->i_BC = i_BC_computed;
+        out->i_CA = i_CA_computed;
+        out->i_CB = i_CB_computed;
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;
         state->safe_output_last_i_AC = i_AC_computed;

@@ -129,109 +129,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     planar_6dof_lqg_output_t *out)
 #endif
 {
-    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
-    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
-    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
-    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
-    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
-    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
-    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
-    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
     static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
-    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
-    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
-    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
-    static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
-    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
-    static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
-    static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
     static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
     static const float lqg_y_largest_error = 0.004f;            /* m; a larger error counts as this */
-    static const float quadrature_limit = 1.134f;               /* A; largest quadrature current of a motor */
-    static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
-    static const float direct_limit = 0.54913455f;              /* A; largest direct current of a motor */
-    static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
-    static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
-    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    static const float slew_i_AA = 0.1575f;                     /* A; 126 A/s times 0.00125 s */
-    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
-    static const uint32_t memory = 4u;                          /* 1; samples for which a contradiction is remembered */
-    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
-    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
-    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
-    static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
-    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
-    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
-    static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
-    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
-    static const float reckoning_x_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
-    static const float reckoning_x_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
-    static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_y_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
-    static const float reckoning_y_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
-    static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
-    static const float reckoning_phi_rate_gain = 0.000225f;     /* 1; (1 - r)^2, r = 0.985 */
-    static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
-    static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
-    static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_x_integral_input = 0.056925878f;     /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_x_achieved_gain = 0.319009f;         /* 1; (49): b T (k1 T / 2 + k2) */
-    static const float lqg_x_L = 5126.1787f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-    static const float lqg_x_F = 0.7f;                          /* 1; (35): A22 - L A12 */
-    static const float lqg_x_G = -1537.8536f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-    static const float lqg_x_H = 0.28662756f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float lqg_y_error_gain = 1117.0514f;           /* A/m; (49): k1 + k3 T */
-    static const float lqg_y_integral_decay = 0.953085f;        /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_y_integral_input = 0.046914965f;     /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_y_achieved_gain = 0.22358753f;       /* 1; (49): b T (k1 T / 2 + k2) */
-    static const float lqg_y_L = 3558.6274f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-    static const float lqg_y_F = 0.7f;                          /* 1; (35): A22 - L A12 */
-    static const float lqg_y_G = -1067.5883f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-    static const float lqg_y_H = 0.19897877f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float lqg_phi_error_gain = 550.31274f;         /* A/rad; (49): k1 + k3 T */
-    static const float lqg_phi_integral_decay = 0.9013263f;     /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_phi_integral_input = 0.098673716f;   /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_phi_achieved_gain = 0.87617064f;     /* 1; (49): b T (k1 T / 2 + k2) */
-    static const float lqg_phi_L = 275.96594f;                  /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
-    static const float lqg_phi_F = 0.9f;                        /* 1; (35): A22 - L A12 */
-    static const float lqg_phi_G = -27.596594f;                 /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
-    static const float lqg_phi_H = 0.9145512f;                  /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float loop_z_gain = 4023.7034f;                /* A/m; (23): gain on the error */
-    static const float loop_z_lead_input = -3537.3835f;         /* A/m; (23): gain times (lead_pole - zero) */
-    static const float loop_z_integral_decay = 0.9875776f;      /* 1; (23): zero of the integral action in z */
-    static const float loop_theta_gain = 427.24356f;            /* A/rad; (24): gain on the error */
-    static const float loop_theta_lead_input = -386.5337f;      /* A/rad; (24): gain times (lead_pole - zero) */
-    static const float loop_theta_integral_decay = 0.9875776f;  /* 1; (24): zero of the integral action in z */
-    static const float loop_theta_integral_input = 0.0124223605f; /* 1; (24): 1 - integral_decay */
-    static const float loop_psi_gain = 469.96793f;              /* A/rad; (25): gain on the error */
-    static const float loop_psi_lead_input = -425.18707f;       /* A/rad; (25): gain times (lead_pole - zero) */
-    static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
-    static const float allocation_two = 2.0f;                   /* 1; Table 3: both motors */
-    static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
-    static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
-    static const float commutation_minus_half = -0.5f;          /* 1; (17): cos 120 degrees */
-    static const float braking_x_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
-    static const float braking_y_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
-    static const float braking_phi_gain = -1433.3131f;          /* (A)/rad; 0.5 / (b T^2) */
-    /* 1; (23): 1 - integral_decay; times allocation_rear_share */
-    static const float loop_z_integral_input_times_allocation_rear_share = 0.004140787f;
-    /* 1; (25): 1 - integral_decay; times allocation_half */
-    static const float loop_psi_integral_input_times_allocation_half = 0.0062111802f;
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -247,6 +150,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
      *         1)
      *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
      *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
     const float V_ay_held = planar_6dof_lqg_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
@@ -269,22 +178,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
         &faults);
-
-    /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
-     *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
-     *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
-     *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
-     *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
-     *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
-    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
-
-    /* guard: range acceptance, hold, latch (continued) */
     const uint32_t guard_left = state->guard_left;
+
+    /* sensing: position and yaw, (1)-(5) */
+    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
+    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
+    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
+    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
+    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
+    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -336,6 +242,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool suspect_V_by = indicated_y_V_by || is_any;
         const bool suspect_V_cx = indicated_x_V_cx || is_any;
         const bool suspect_V_cy = indicated_y_V_cy || is_any;
+        other_amplitude = common;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
@@ -356,7 +263,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
-        other_amplitude = common;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -370,6 +276,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
+    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
+    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -393,7 +303,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
     uint32_t fault_word;
     if (latched != 0u) {
+        state->guard_latched = 1u;
+
         /* safe_output: slew to the safe output once latched */
+        static const float slew_i_AA = 0.1575f;                 /* A; 126 A/s times 0.00125 s */
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
         state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
@@ -412,25 +325,44 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
-        state->guard_latched = 1u;
-
-        /* guard: range acceptance, hold, latch (continued) */
         fault_word = faults | 0x80000000u;
     } else {
-        const bool braked = guard_left < braking_from;
-
-        /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
-        const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
-        const float reckoning_y_position = state->reckoning_y_position;
-
-        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
+        const float reckoning_y_position = state->reckoning_y_position;
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
+        const float reckoning_phi_position = state->reckoning_phi_position;
+
+        /* sensing: position and yaw, (1)-(5) (continued)
+         *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
+         *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
+         *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
+         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+         *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
+         *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
+        static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 A^2: keeps a divisor from 0 */
+        static const float half_pitch = 0.0254f;                /* m; half of the pitch */
+        static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
+        static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
+        static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+        static const float yaw_innovation_weight = 0.04f;       /* 1; (0.08 / 0.4)^2 */
+        static const float squared_confirmation = 0.013780796f; /* V^2; rho = 0.5 */
+        static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
+        static const uint32_t memory = 4u;                      /* 1; samples for which a contradiction is remembered */
+        static const float sensing_position_1 = 0.009938624f;   /* m; fit of the position in the calculated field */
+        static const float sensing_position_3 = -0.0075761457f; /* m; fit of the position in the calculated field */
+        static const float sensing_position_5 = 0.0061684945f;  /* m; fit of the position in the calculated field */
+        static const float sensing_position_7 = -0.0021809724f; /* m; fit of the position in the calculated field */
+        static const float sensing_slope_0 = 0.49650046f;       /* 1/V^2; fit of the slope in the calculated field */
+        static const float sensing_slope_1 = 0.15281738f;       /* 1/V^4; fit of the slope in the calculated field */
+        static const float sensing_power_0 = 7.7654033f;        /* V^2; fit of the power in the calculated field */
+        static const float sensing_power_1 = 0.11621765f;       /* 1/V^2; fit of the power in the calculated field */
+        static const float sensing_power_2 = -0.0013770753f;    /* 1/V^6; fit of the power in the calculated field */
+        static const float sensing_amplitude_weight = 0.02322072f; /* 1/V^2; 2 W / A^2 */
+        static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+        static const float sensing_scale_gain = 3.219408e-05f;  /* 1/V^2; 0.001 / (4 g_0 A^2) */
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -439,9 +371,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
-            const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
             const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float sensing_scale = state->sensing_scale;
             const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
             const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
@@ -559,6 +491,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
                 measured = true;
                 x_raw = accepted_x;
                 y_raw = accepted_y;
@@ -568,8 +502,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                state->sensing_offset_x = offset_x;
-                state->sensing_offset_y = offset_y;
                 const float sensing_scale_part = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
                 state->sensing_scale = 1.02f + planar_6dof_lqg_limit(sensing_scale_part, 0.18f);
@@ -595,8 +527,20 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             within_y = passed_y;
         }
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
+        state->sensing_phi_raw = phi_raw;
 
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
+        static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
+        static const float reckoning_x_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
+        static const float reckoning_x_half_step = 9.867259e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_y_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
+        static const float reckoning_y_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
+        static const float reckoning_y_half_step = 9.867259e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
+        static const float reckoning_phi_rate_gain = 0.000225f; /* 1; (1 - r)^2, r = 0.985 */
+        static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -620,16 +564,50 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         } else {
             state->sensing_innovation_phi = 0.0f;
         }
-        state->sensing_phi_raw = phi_raw;
+        const float lqg_x_achieved = state->lqg_x_achieved;
+        const float a_x = reckoning_x_half_step * lqg_x_achieved;
+        const float middle_x = rate_x + a_x;
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
+        const float x_advance = middle_x + a_x;
+        const float lqg_y_achieved = state->lqg_y_achieved;
+        const float a_y = reckoning_y_half_step * lqg_y_achieved;
+        const float middle_y = rate_y + a_y;
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
+        const float y_advance = middle_y + a_y;
+        const float lqg_phi_achieved = state->lqg_phi_achieved;
+        const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
+        const float middle_phi = rate_phi + a_phi;
+        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, 0.05f);
+        const float phi_advance = middle_phi + a_phi;
+        state->reckoning_x_position = x_next;
+        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
+        state->reckoning_y_position = y_next;
+        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
+        state->reckoning_phi_position = phi_next;
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
+        const bool braked = guard_left < braking_from;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
-        const float lqg_x_achieved = state->lqg_x_achieved;
+        static const float lqg_x_integral_decay = 0.9430741f;   /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+        static const float lqg_x_L = 5126.1787f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_law_x = lqg_x_L * x_raw;
+        const float x_ref_minus_x_raw = x_ref_held - x_raw;
+        const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const float lqg_x_integral = state->lqg_x_integral;
+        const float decayed_lqg_x_integral = lqg_x_integral_decay * lqg_x_integral;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+         *     as lqg_x, with y in place of x */
+        static const float lqg_y_integral_decay = 0.953085f;    /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+        static const float lqg_y_L = 3558.6274f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_law_y = lqg_y_L * y_raw;
+        const float y_ref_minus_y_raw = y_ref_held - y_raw;
+        const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const float lqg_y_integral = state->lqg_y_integral;
+        const float decayed_lqg_y_integral = lqg_y_integral_decay * lqg_y_integral;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
@@ -637,9 +615,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_law_phi = lqg_phi_L * phi_raw;
+        const float lqg_phi_integral = state->lqg_phi_integral;
 
         /* lqg_x, lqg_y, lqg_phi: reduced-order LQG, (28)-(35), (49) */
+        static const float lqg_x_achieved_gain = 0.319009f;     /* 1; (49): b T (k1 T / 2 + k2) */
+        static const float lqg_x_F = 0.7f;                      /* 1; (35): A22 - L A12 */
+        static const float lqg_x_G = -1537.8536f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_x_H = 0.28662756f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        static const float lqg_y_achieved_gain = 0.22358753f;   /* 1; (49): b T (k1 T / 2 + k2) */
+        static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
+        static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        static const float lqg_phi_achieved_gain = 0.87617064f; /* 1; (49): b T (k1 T / 2 + k2) */
+        static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
+        static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
         float now_law_x;
         float now_law_y;
         float now_law_phi;
@@ -653,44 +645,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_phi = -seen_law_phi;
         }
         state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = rate_x + a_x;
-        const float x_next = corrected_x + middle_x;
-        /*@ admit -0.2f <= x_next <= 0.2f; */
-        const float x_advance = middle_x + a_x;
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float lqg_y_achieved = state->lqg_y_achieved;
+        const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = rate_y + a_y;
-        const float y_next = corrected_y + middle_y;
-        /*@ admit -0.2f <= y_next <= 0.2f; */
-        const float y_advance = middle_y + a_y;
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float lqg_phi_achieved = state->lqg_phi_achieved;
+        const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-
-        /* reckoning: alpha-beta filter, dead reckoning (continued) */
-        const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = rate_phi + a_phi;
-        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, 0.05f);
-        const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = x_next;
-        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
-        state->reckoning_y_position = y_next;
-        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
-        state->reckoning_phi_position = phi_next;
-        state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
+        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_z = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
@@ -698,68 +662,58 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
+        static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
+        static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
         const float error_d_z = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
         const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
         state->loop_z_lead = loop_z_lead_input * error_d_z;
 
         /* loop_theta: lead-lag, (24)
-         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
+         *     as loop_z, with theta in place of z */
+        static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
+        static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
         const float error_d_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
         const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
         state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
 
         /* loop_psi: lead-lag, (25)
-         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
+         *     as loop_z, with psi in place of z */
+        static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
+        static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
         const float error_d_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
-        const float lqg_x_integral = state->lqg_x_integral;
-        const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
-        const float lqg_y_integral = state->lqg_y_integral;
-        const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float lqg_phi_integral = state->lqg_phi_integral;
-        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        /* braking: braking before the latch
+         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+        static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
+        static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
+        static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
+        static const float braking_x_gain = -25336.316f;        /* (A)/m; 0.5 / (b T^2) */
+        static const float braking_y_gain = -25336.316f;        /* (A)/m; 0.5 / (b T^2) */
+        static const float braking_phi_gain = -1433.3131f;      /* (A)/rad; 0.5 / (b T^2) */
         float d_phi;
         float d_x;
         float d_y;
         bool value = false;
         bool runs = false;
         if (braked) {
-            /* braking: braking before the latch
-             *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
         } else {
-            /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_x = (lqg_x_error_gain * ((is_small) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
                 -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
             d_x = law_x;
-
-            /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_y = (lqg_y_error_gain * ((is_close) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
                 -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
             d_y = law_y;
-
-            /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
             const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
                 (lqg_phi_integral - estimated_law_phi);
             d_phi = law_phi;
-
-            /* guard: range acceptance, hold, latch (continued) */
             value = !is_small;
             runs = !is_close;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
@@ -794,6 +748,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
+        static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
+        static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
+        static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
+        static const float lqg_x_integral_input = 0.056925878f; /* 1; (49): k3 T / (k1 + k3 T) */
+        static const float lqg_y_integral_input = 0.046914965f; /* 1; (49): k3 T / (k1 + k3 T) */
+        static const float lqg_phi_integral_decay = 0.9013263f; /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+        static const float lqg_phi_integral_input = 0.098673716f; /* 1; (49): k3 T / (k1 + k3 T) */
+        static const float loop_z_integral_decay = 0.9875776f;  /* 1; (23): zero of the integral action in z */
+        static const float loop_theta_integral_decay = 0.9875776f; /* 1; (24): zero of the integral action in z */
+        static const float loop_theta_integral_input = 0.0124223605f; /* 1; (24): 1 - integral_decay */
+        static const float loop_psi_integral_decay = 0.9875776f; /* 1; (25): zero of the integral action in z */
+        static const float allocation_two = 2.0f;               /* 1; Table 3: both motors */
+        static const float allocation_rear_share = 0.33333334f; /* 1; Table 3: c/(2 (b + c)) */
+        static const float allocation_front_share = 0.16666667f; /* 1; Table 3: b/(2 (b + c)) */
+        /* 1; (23): 1 - integral_decay; times allocation_rear_share */
+        static const float loop_z_integral_input_times_allocation_rear_share = 0.004140787f;
+        /* 1; (25): 1 - integral_decay; times allocation_half */
+        static const float loop_psi_integral_input_times_allocation_half = 0.0062111802f;
         const float cos_phi_raw_argument = phi_raw * phi_raw;
         const float cos_i_CQ = cos_phi_raw_polynomial(cos_phi_raw_argument);
         const float sin_i_CQ = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
@@ -814,15 +786,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
-
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float decayed_lqg_x_integral = lqg_x_integral_decay * lqg_x_integral;
         state->lqg_x_integral = (is_small) ?
             (decayed_lqg_x_integral + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : decayed_lqg_x_integral;
         state->lqg_x_achieved = achieved_x;
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
-        const float decayed_lqg_y_integral = lqg_y_integral_decay * lqg_y_integral;
         state->lqg_y_integral = (is_close) ?
             (decayed_lqg_y_integral + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : decayed_lqg_y_integral;
         state->lqg_y_achieved = achieved_y;
@@ -845,6 +811,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
+        static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
+        static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
+        static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
+        static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
@@ -864,42 +834,42 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AA_computed_part_2 = i_AA_computed_part_times_cy + cs;
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
-        out->i_AA = i_AA_computed;
         const float middle_A = commutation_minus_half * i_AA_computed;
         const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
-        out->i_AB = i_AB_computed;
         const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
         const float angles_B_2 = cs - i_AA_computed_part_times_cy;
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
-        out->i_BA = i_BA_computed;
         const float middle_B = commutation_minus_half * i_BA_computed;
         const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
         const float i_BB_computed = middle_B + beta_B;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
-        out->i_BB = i_BB_computed;
         const float i_BC_computed = middle_B - beta_B;
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
-        out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
         const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
         const float cos_i_CA_computed = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
         const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
-        out->i_CA = i_CA_computed;
         const float middle_C = commutation_minus_half * i_CA_computed;
         const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
         const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
-        out->i_CB = i_CB_computed;
         const float i_CC_computed = middle_C - beta_C;
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
+        out->i_AA = i_AA_computed;
+        out->i_AB = i_AB_computed;
+        out->i_AC = i_AC_computed;
+        out->i_BA = i_BA_computed;
+        out->i_BB = i_BB_computed;
+        out->i_BC = i_BC_computed;
+        out->i_CA = i_CA_computed;
+        out->i_CB = i_CB_computed;
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;
         state->safe_output_last_i_AC = i_AC_computed;

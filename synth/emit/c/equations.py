@@ -122,7 +122,9 @@ def _shown(equations: Sequence[Equation]) -> list[str]:
 
 
 def _wrapped(texts: Sequence[str]) -> tuple[str, ...]:
-    rows = (wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False) for text in texts)
+    rows = (
+        wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False) for text in texts
+    )
     return tuple(chain.from_iterable(rows))
 
 

@@ -63,12 +63,22 @@ class _Grouping:
         return [self.block[j] for j in self.done]
 
     def _next_block(self, waiting: Mapping[str, list[int]]) -> str:
-        """Return the Block of the earliest statement, or else one with some statements that can be completed first."""
+        """Return the Block of the earliest statement, or first one that it needs whose statements can be completed."""
         first, *others = sorted(waiting, key=lambda block: waiting[block][0])
         if self._can_complete(first, waiting[first]):
             return first
-        some = (block for block in others if self._size(block) >= FEWEST)
+        needed = self._needed_blocks(first)
+        some = (block for block in others if block in needed and self._size(block) >= FEWEST)
         return next((block for block in some if self._can_complete(block, waiting[block])), first)
+
+    def _needed_blocks(self, block: str) -> set[str]:
+        """Return the Blocks of what must be written before the statements left of a Block."""
+        stack, seen = [j for j in self.of_block[block] if j not in self.done], set[int]()
+        while stack:
+            before = self.before[stack.pop()] - self.done.keys() - seen
+            seen |= before
+            stack += before
+        return {self.blocks[j] for j in seen}
 
     def _size(self, block: str) -> int:
         """Return the number of statements left of a Block, those in branches included."""

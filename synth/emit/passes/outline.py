@@ -229,17 +229,18 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
     return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
 
 
-def alike(p: Program) -> list[list[tuple[Part, Form]]]:
-    """Return the Parts with one canonical form, where there are at least two of them with some operations."""
+def alike(p: Program, mixed: bool = True) -> list[list[tuple[Part, Form]]]:
+    """Return the Parts with one canonical form, where there are at least two of them with some operations.
+
+    Unless `mixed`, those with integer and real states are left out: in a struct they would lie beside another size.
+    """
     by_form: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     kind = kinds(p)
     for whole in parts(p):
+        if not mixed and len({state in p.integers for state in whole.local}) > 1:
+            continue
         for part in split(p, whole):
-            if len(part.region) >= FEWEST and _is_plain(p, part):
+            if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):
                 made = form(p, part, kind)
                 by_form[(part.phase, *made.shape)].append((part, made))
     return [group for group in by_form.values() if len(group) > 1]
-
-
-def _is_plain(p: Program, part: Part) -> bool:
-    return not any(p.nodes[k].op in NOT_OUTLINED for k in part.region)

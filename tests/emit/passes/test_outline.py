@@ -64,7 +64,7 @@ def test_equal_axes_are_one_function_that_is_called_for_each() -> None:
 def test_outlined_and_flat_c_have_the_same_bits(scalar: type[np.floating], monkeypatch: pytest.MonkeyPatch) -> None:
     block = composed(dict.fromkeys(AXES, plain))
     outlined = emit(block, scalar)
-    monkeypatch.setattr(outline, "alike", lambda p: [])
+    monkeypatch.setattr(outline, "alike", lambda p, mixed: [])
     flat = emit(block, scalar)
     assert "axes_axis(" in outlined.files["axes.c"] and "axes_axis(" not in flat.files["axes.c"]
     rng = np.random.default_rng(3)
@@ -88,9 +88,17 @@ def test_blocks_that_differ_are_two_functions(other: Law) -> None:
     assert groups(composed({"x": plain, "y": other})) == []
 
 
-def test_blocks_with_integer_states_stay_as_they_are() -> None:
-    """In a struct they would lie beside scalars of another size."""
-    assert groups(composed(dict.fromkeys(AXES, plain), integer=True)) == []
+def test_blocks_with_integer_states_are_one_function_where_all_states_have_one_size() -> None:
+    block = composed(dict.fromkeys(AXES, plain), integer=True)
+    outlined, flat = emit(block, F32), emit(block, np.float64)
+    assert "uint32_t n; " in outlined.files["axes.h"] and "axes_axis(&state->axis_x" in outlined.files["axes.c"]
+    assert "axes_axis(" not in flat.files["axes.c"]
+
+
+def test_an_integer_state_is_not_the_same_as_a_real_one() -> None:
+    p = pipeline.reduce(composed(dict.fromkeys(AXES, plain), integer=True).rounded(F32), F32).program
+    assert [len(g) for g in outline.alike(p)] == [len(AXES)]
+    assert outline.alike(replace(p, integers=p.integers - {"axis_x_n", "axis_y_n"})) != outline.alike(p)
 
 
 def test_a_form_is_the_same_in_another_order_of_results() -> None:
@@ -138,3 +146,48 @@ def test_a_block_that_needs_what_depends_on_it_is_cut_in_two() -> None:
     whole = next(part for part in outline.parts(p) if part.block == "regulator_x")
     assert outline._depends_on_itself(p, whole.region)
     assert not any(outline._depends_on_itself(p, half.region) for half in outline.split(p, whole))
+
+
+def probe(name: str) -> Block:
+    """Return a Block that counts while a flag is set, which follows from the count itself."""
+
+    def step(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        still = u[f"held_{name}"]
+        pushed = u[f"e_{name}"] + 0.5 * x["n"] * still + x["last"] * (still - x["last"])
+        n = ca.if_else(still > 0.5, ca.fmin(x["n"] + 1, 7), 0)
+        return Step({f"full_{name}": x["n"] >= 7, f"p_{name}": pushed}, {"n": n, "last": u[f"e_{name}"]})
+
+    states = [State(Signal("n", "1", 0, 7), 0, True), State(Signal("last", "1", -1, 1), 0)]
+    outputs = [Signal(f"full_{name}", "1", 0, 1), Signal(f"p_{name}", "1", -99, 99)]
+    inputs = [Signal(f"held_{name}", "1", 0, 1), Signal(f"e_{name}", "1", -1, 1)]
+    return build(f"probe_{name}", TIME, step, inputs=inputs, outputs=outputs, states=states)
+
+
+def judge(name: str) -> Block:
+    def step(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        return Step({f"held_{name}": ca.if_else(u[f"full_{name}"] > 0.5, 0, ca.fabs(u[f"e_{name}"]))})
+
+    inputs = [Signal(f"full_{name}", "1", 0, 1), Signal(f"e_{name}", "1", -1, 1)]
+    return build(f"judge_{name}", TIME, step, inputs=inputs, outputs=[Signal(f"held_{name}", "1", 0, 1)])
+
+
+def test_a_block_of_whose_signals_one_comes_before_the_rest_is_cut_in_two() -> None:
+    blocks = [made for name in AXES for made in (probe(name), judge(name))]
+    block = compose("probes", blocks, inputs=[f"e_{n}" for n in AXES], outputs=[f"p_{n}" for n in AXES])
+    p = pipeline.reduce(block.rounded(F32), F32).program
+    whole = next(part for part in outline.parts(p) if part.block == "probe_x")
+    flag = next(k for named, k in p.marks if named.signal.name == "full_x")
+    first, second = outline.split(p, whole)
+    assert flag in first.region and not first.next and set(second.next) == {"probe_x_n", "probe_x_last"}
+    assert outline.split(p, replace(whole, region=second.region)) == [replace(whole, region=second.region)]
+    assert [part.phase for group in outline.alike(p) for part, _ in group] == ["update"] * len(AXES)
+    u = {f"e_{n}": np.random.default_rng(4).uniform(-1, 1, 300).astype(F32) for n in AXES}
+    outlined = emit(block, F32)
+    assert outlined.files["probes.c"].count("probes_probe_update(") == 1 + len(AXES)
+    ours = host.load(outlined.files, outlined.manifest).replay(u)
+    for name in AXES:
+        held = last = n = F32(0)
+        for k, e in enumerate(u[f"e_{name}"]):
+            held = F32(0) if n >= 7 else abs(e)
+            assert ours.outputs[f"p_{name}"][k] == pytest.approx(e + 0.5 * n * held + last * (held - last), abs=1e-6)
+            n, last = (min(n + F32(1), F32(7)) if held > 0.5 else F32(0)), e
