@@ -199,55 +199,6 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
-/* probe_x, probe_z: probe at rest
- *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
- *         sample or quiet_samples <= x_unchanged, else 0
- *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
- *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
- *         quiet_samples <= x_unchanged, else 0
- *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
- *         sample or quiet_samples <= x_unchanged, else towards */
-MAGLEV_5DOF_INLINE float maglev_5dof_probe_update(maglev_5dof_probe_state_t *state, uint32_t unchanged,
-    float w_unprobed, bool free, bool unanswered, float e)
-{
-    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
-    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
-    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
-    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
-    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
-    static const float first_push = 0.46666667f;
-
-    const uint32_t sample = state->sample;
-    const bool runs = 1u <= sample;
-    float w = w_unprobed;
-    if (runs || (quiet_samples <= unchanged)) {
-        if (runs) {
-            const uint32_t attempt = state->attempt;
-            const uint32_t one_more = attempt + 1u;
-            float pulse = 0.0f;
-            if (sample <= last_push_end) {
-                const float push = state->towards * (float)one_more;
-                pulse = ((first_push_end < sample) && (sample <= reverse_push_end)) ? -push : push;
-            }
-            w = maglev_5dof_limit(w_unprobed + pulse, 10000.0f);
-            if (pair_samples <= sample) {
-                state->sample = 0u;
-                state->attempt = (pair_samples <= unchanged) ? ((unanswered) ? attempt : one_more) : 0u;
-            } else {
-                state->sample = sample + 1u;
-            }
-        } else {
-            state->sample = maglev_5dof_flag(free);
-            state->towards = (0.0f < e) ? -first_push : first_push;
-        }
-    } else {
-        state->sample = 0u;
-        state->attempt = 0u;
-    }
-    return w;
-}
-
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
@@ -368,8 +319,8 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .probe_x.towards = 0.46666667f,
-        .probe_z.towards = 0.46666667f,
+        .probe_x_towards = 0.46666667f,
+        .probe_z_towards = 0.46666667f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -392,7 +343,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float T = 0.001f;                              /* s; sample period */
+    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
+    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
+    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
+    static const float first_push = 0.46666667f;
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -405,6 +363,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *         if left <= 1, else latched))
      *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
      *         <= 1, else left - 1) */
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -426,12 +385,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_ready = 1u;
     }
     const float missed_calls = in->missed_calls;
-
-    /* functions above:  */
-    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
-    const uint32_t probe_x_attempt = state->probe_x.attempt;
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const uint32_t probe_z_attempt = state->probe_z.attempt;
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes */
@@ -1118,8 +1074,74 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
         }
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
-        const float w_x = maglev_5dof_probe_update(&state->probe_x, x_unchanged, w_x_unprobed, free, x_unanswered, e_x);
-        const float w_z = maglev_5dof_probe_update(&state->probe_z, z_unchanged, w_z_unprobed, free, z_unanswered, e_z);
+
+        /* probe_x: probe at rest
+         *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
+         *         sample or quiet_samples <= x_unchanged, else 0
+         *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+         *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
+         *         quiet_samples <= x_unchanged, else 0
+         *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
+         *         sample or quiet_samples <= x_unchanged, else towards */
+        const uint32_t probe_x_sample = state->probe_x_sample;
+        const bool runs_w_x = 1u <= probe_x_sample;
+        float w_x = w_x_unprobed;
+        if (runs_w_x || (quiet_samples <= x_unchanged)) {
+            if (runs_w_x) {
+                const uint32_t one_more_w_x = probe_x_attempt + 1u;
+                float pulse_w_x = 0.0f;
+                if (probe_x_sample <= last_push_end) {
+                    const float push_w_x = state->probe_x_towards * (float)one_more_w_x;
+                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
+                        -push_w_x : push_w_x;
+                }
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                if (pair_samples <= probe_x_sample) {
+                    state->probe_x_sample = 0u;
+                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : one_more_w_x) : 0u;
+                } else {
+                    state->probe_x_sample = probe_x_sample + 1u;
+                }
+            } else {
+                state->probe_x_sample = maglev_5dof_flag(free);
+                state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
+            }
+        } else {
+            state->probe_x_sample = 0u;
+            state->probe_x_attempt = 0u;
+        }
+
+        /* probe_z: probe at rest
+         *     as probe_x, with z in place of x */
+        const uint32_t probe_z_sample = state->probe_z_sample;
+        const bool runs_w_z = 1u <= probe_z_sample;
+        float w_z = w_z_unprobed;
+        if (runs_w_z || (quiet_samples <= z_unchanged)) {
+            if (runs_w_z) {
+                const uint32_t one_more_w_z = probe_z_attempt + 1u;
+                float pulse_w_z = 0.0f;
+                if (probe_z_sample <= last_push_end) {
+                    const float push_w_z = state->probe_z_towards * (float)one_more_w_z;
+                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
+                        -push_w_z : push_w_z;
+                }
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                if (pair_samples <= probe_z_sample) {
+                    state->probe_z_sample = 0u;
+                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : one_more_w_z) : 0u;
+                } else {
+                    state->probe_z_sample = probe_z_sample + 1u;
+                }
+            } else {
+                state->probe_z_sample = maglev_5dof_flag(free);
+                state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
+            }
+        } else {
+            state->probe_z_sample = 0u;
+            state->probe_z_attempt = 0u;
+        }
 
         /* decoupling: direct and thrust currents, F(8), F(12)
          *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /

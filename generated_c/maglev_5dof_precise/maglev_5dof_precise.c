@@ -204,59 +204,6 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
-/* probe_x, probe_z: probe at rest
- *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
- *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
- *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
- *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
- *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
- *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
- *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
- *         sample or quiet_samples <= x_unchanged, else towards */
-MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_probe_update(maglev_5dof_precise_probe_state_t *state,
-    uint32_t unchanged, float w_unprobed, bool free, bool unanswered, float e)
-{
-    static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
-    static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
-    static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
-    static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
-    static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
-    static const float first_push = 2.2f;
-
-    const uint32_t sample = state->sample;
-    const bool runs = first_push_end <= sample;
-    float w = w_unprobed;
-    if (runs || (quiet_samples <= unchanged)) {
-        const uint32_t attempt = state->attempt;
-        const float towards = state->towards;
-        if (runs) {
-            float pulse = 0.0f;
-            if (sample <= last_push_end) {
-                const float push = towards * ((0.5f * (float)attempt) + 1.0f);
-                pulse = ((first_push_end < sample) && (sample <= reverse_push_end)) ? -push : push;
-            }
-            w = w_unprobed + pulse;
-            if (pair_samples <= sample) {
-                state->sample = 0u;
-                state->attempt = (pair_samples <= unchanged) ? ((unanswered) ? attempt : (attempt + 1u)) : 0u;
-                state->towards = -towards;
-            } else {
-                state->sample = sample + first_push_end;
-            }
-        } else {
-            state->sample = maglev_5dof_precise_flag(free);
-            if (attempt < 1u) {
-                state->towards = (0.0f < e) ? -first_push : first_push;
-            }
-        }
-    } else {
-        state->sample = 0u;
-        state->attempt = 0u;
-    }
-    return w;
-}
-
 typedef struct {
     float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
     float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
@@ -406,8 +353,8 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .probe_x.towards = 2.2f,
-        .probe_z.towards = 2.2f,
+        .probe_x_towards = 2.2f,
+        .probe_z_towards = 2.2f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -437,6 +384,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* rad; a larger error counts as this in the internal models, also servo_phi_fast_largest_error, also
      * servo_phi_fast_largest_step */
     static const float servo_phi_fast_largest = 1e-04f;
+    static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
+    static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
+    static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
+    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
+    static const float first_push = 2.2f;
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -449,6 +403,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *         if left <= 1, else latched))
      *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
      *         <= 1, else left - 1) */
+    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -476,12 +431,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->guard_ready = 1u;
     }
     const float missed_calls = in->missed_calls;
-
-    /* functions above:  */
-    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
-    const uint32_t probe_x_attempt = state->probe_x.attempt;
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const uint32_t probe_z_attempt = state->probe_z.attempt;
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes */
@@ -1343,10 +1295,81 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
         state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
         state->landing_r_y = maglev_5dof_precise_min(landing_r_y_part, ramp_end);
-        const float w_x = maglev_5dof_precise_probe_update(&state->probe_x, x_unchanged, w_x_unprobed, free,
-            x_unanswered, e_x);
-        const float w_z = maglev_5dof_precise_probe_update(&state->probe_z, z_unchanged, w_z_unprobed, free,
-            z_unanswered, e_z);
+
+        /* probe_x: probe at rest
+         *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
+         *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+         *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
+         *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
+         *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+         *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
+         *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
+         *         sample or quiet_samples <= x_unchanged, else towards */
+        const uint32_t probe_x_sample = state->probe_x_sample;
+        const bool runs_w_x = first_push_end <= probe_x_sample;
+        float w_x = w_x_unprobed;
+        if (runs_w_x || (quiet_samples <= x_unchanged)) {
+            const float probe_x_towards = state->probe_x_towards;
+            if (runs_w_x) {
+                float pulse_w_x = 0.0f;
+                if (probe_x_sample <= last_push_end) {
+                    const float push_w_x = probe_x_towards * ((0.5f * (float)probe_x_attempt) + 1.0f);
+                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
+                        -push_w_x : push_w_x;
+                }
+                w_x = w_x_unprobed + pulse_w_x;
+                if (pair_samples <= probe_x_sample) {
+                    state->probe_x_sample = 0u;
+                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
+                    state->probe_x_towards = -probe_x_towards;
+                } else {
+                    state->probe_x_sample = probe_x_sample + first_push_end;
+                }
+            } else {
+                state->probe_x_sample = maglev_5dof_precise_flag(free);
+                if (probe_x_attempt < 1u) {
+                    state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
+                }
+            }
+        } else {
+            state->probe_x_sample = 0u;
+            state->probe_x_attempt = 0u;
+        }
+
+        /* probe_z: probe at rest
+         *     as probe_x, with z in place of x */
+        const uint32_t probe_z_sample = state->probe_z_sample;
+        const bool runs_w_z = first_push_end <= probe_z_sample;
+        float w_z = w_z_unprobed;
+        if (runs_w_z || (quiet_samples <= z_unchanged)) {
+            const float probe_z_towards = state->probe_z_towards;
+            if (runs_w_z) {
+                float pulse_w_z = 0.0f;
+                if (probe_z_sample <= last_push_end) {
+                    const float push_w_z = probe_z_towards * ((0.5f * (float)probe_z_attempt) + 1.0f);
+                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
+                        -push_w_z : push_w_z;
+                }
+                w_z = w_z_unprobed + pulse_w_z;
+                if (pair_samples <= probe_z_sample) {
+                    state->probe_z_sample = 0u;
+                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
+                    state->probe_z_towards = -probe_z_towards;
+                } else {
+                    state->probe_z_sample = probe_z_sample + first_push_end;
+                }
+            } else {
+                state->probe_z_sample = maglev_5dof_precise_flag(free);
+                if (probe_z_attempt < 1u) {
+                    state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
+                }
+            }
+        } else {
+            state->probe_z_sample = 0u;
+            state->probe_z_attempt = 0u;
+        }
 
         /* inversion: exact inversion of F(2), (6), (7)
          *     half_force = 3.45 * (w_y - G) + half_1 + half_2 + half_3 + half_4

@@ -86,12 +86,6 @@ typedef struct {
 } maglev_5dof_precise_servo_fast_state_t;
 
 typedef struct {
-    uint32_t sample;                    /* 1, 0 .. 7: sample of the pair, 0 for none */
-    uint32_t attempt;                   /* 1, 0 .. 8: pairs without an answer */
-    float towards;                      /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
-} maglev_5dof_precise_probe_state_t;
-
-typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
     float v;                            /* m/s, -2 .. 2: predicted rate */
     float d;                            /* m/s^2, -20 .. 20: disturbance */
@@ -209,8 +203,12 @@ typedef struct {
     float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
     float landing_r_z;                  /* m, -0.5 .. 0.5: set-point of the landing */
     float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
-    maglev_5dof_precise_probe_state_t probe_x;
-    maglev_5dof_precise_probe_state_t probe_z;
+    uint32_t probe_x_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
+    uint32_t probe_x_attempt;           /* 1, 0 .. 8: pairs without an answer */
+    float probe_x_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
+    uint32_t probe_z_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
+    uint32_t probe_z_attempt;           /* 1, 0 .. 8: pairs without an answer */
+    float probe_z_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */

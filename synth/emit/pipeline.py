@@ -141,7 +141,7 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
     composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     program = replace(program, equations=equations.by_block(composed))
     reduced = replace(reduced, block=block)
-    groups = alike.alike(program, mixed=np.dtype(scalar).itemsize == np.dtype(np.uint32).itemsize)
+    groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
         fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]

@@ -88,7 +88,7 @@ class _Printer:
         self.tag = ""
         idle = [p for p in ("in", "state") if not any(f"{p}->" in line.text for line in self.printed)]
         self.printed[:0] = [*(Line(f"    (void){pointer};") for pointer in idle), *([Line("")] if idle else [])]
-        self.printed = [*Headings(self.block.name, self.p, self.printed).printed(), Line("")]
+        self.printed = [*Headings(self.block.name, self.p, self.printed).with_comments(), Line("")]
         self._put(f"return {'0u' if self.p.word is None else self.c.integer(self.p.word).c};", 1)
         return self.printed
 

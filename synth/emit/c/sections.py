@@ -101,7 +101,7 @@ class Headings:
             return f"{CALLS}: {', '.join(names)}"
         return f"{run.heading} (continued)" if run.heading in opened and run.heading != STATES else run.heading
 
-    def printed(self) -> list[Line]:
+    def with_comments(self) -> list[Line]:
         """Return the lines with the comments that open the sections."""
         opened, printed = set[str](), list[Line]()
         for k, line in enumerate(self.lines):

@@ -16,7 +16,7 @@ FEWEST = 4  # statements of a Block that come before those of others
 _LOADS = ("input", "state")
 
 
-def grouped(p: Program, block: Sequence[Statement], owners: Owners) -> list[Statement]:
+def in_groups(p: Program, block: Sequence[Statement], owners: Owners) -> list[Statement]:
     """Return the statements of a level in an order that keeps those of a Block together."""
     return _Grouping(p, block, owners).statements()
 
@@ -35,7 +35,7 @@ class _Grouping:
         self.after: dict[int, list[int]] = defaultdict(list)
         self.missing = [0] * len(block)
         for j in range(len(block)):
-            needed = self._needed(j) if j not in self.loads else ()
+            needed = self._before_all(j) if j not in self.loads else ()
             self.missing[j] = len(needed)
             for i in needed:
                 self.after[i].append(j)
@@ -54,9 +54,8 @@ class _Grouping:
             waiting[self.blocks[j]].append(j)
         while waiting:
             block = self._next_block(waiting)
-            own = waiting[block]
-            while own:
-                for k in self._write(heappop(own)):
+            while waiting[block]:
+                for k in self._write(heappop(waiting[block])):
                     heappush(waiting[self.blocks[k]], k)
             waiting = defaultdict(list, {name: left for name, left in waiting.items() if left})
         self.done |= dict.fromkeys(range(len(self.block)))
@@ -67,11 +66,11 @@ class _Grouping:
         first, *others = sorted(waiting, key=lambda block: waiting[block][0])
         if self._can_complete(first, waiting[first]):
             return first
-        needed = self._needed_blocks(first)
+        needed = self._blocks_before(first)
         some = (block for block in others if block in needed and self._size(block) >= FEWEST)
         return next((block for block in some if self._can_complete(block, waiting[block])), first)
 
-    def _needed_blocks(self, block: str) -> set[str]:
+    def _blocks_before(self, block: str) -> set[str]:
         """Return the Blocks of what must be written before the statements left of a Block."""
         stack, seen = [j for j in self.of_block[block] if j not in self.done], set[int]()
         while stack:
@@ -108,7 +107,7 @@ class _Grouping:
     def _operands(self, s: Statement) -> set[int]:
         return {self.made[k] for k in reads(self.p, [s]) if k in self.made}
 
-    def _needed(self, j: int) -> set[int]:
+    def _before_all(self, j: int) -> set[int]:
         """Return what is computed or stored before a statement and the loads that it reads."""
         direct = self.before[j]
         return {i for k in direct & self.loads for i in self.before[k]} | (direct - self.loads)
@@ -124,7 +123,7 @@ class _Grouping:
         """Yield the pairs of statements that load and store one state, in their order."""
         last: dict[str, list[tuple[int, bool]]] = defaultdict(list)
         for j, s in enumerate(self.block):
-            for state, stores in dict.fromkeys(_touched(self.p, [s])):
+            for state, stores in dict.fromkeys(_state_accesses(self.p, [s])):
                 for i, stored in last[state]:
                     if i != j and (stores or stored):
                         yield i, j
@@ -142,11 +141,11 @@ def _count(p: Program, s: Statement) -> int:
     return FEWEST if isinstance(s, Let) and p.nodes[s.node].op == "call" else 1
 
 
-def _touched(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
+def _state_accesses(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
     """Yield the states that statements load or store, and whether they store."""
     for s in block:
         if isinstance(s, Branch):
-            yield from _touched(p, (*s.then, *s.other))
+            yield from _state_accesses(p, (*s.then, *s.other))
         elif isinstance(s, Store) and s.struct == "state":
             yield s.name, True
         elif isinstance(s, Let):

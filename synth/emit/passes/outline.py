@@ -146,7 +146,7 @@ def split(p: Program, part: Part) -> list[Part]:
     if not _depends_on_itself(p, part.region):
         return [part]
     marks = {k for _, k in p.marks} & part.region
-    for ends in (marks, _needed_outside(p, part.region)):
+    for ends in (marks, _sources_of_inputs(p, part.region)):
         halves = _halves(p, part, frozenset(_ancestors(p, ends, part.region)))
         if all(h.region and not _depends_on_itself(p, h.region) for h in halves):
             return halves
@@ -165,7 +165,7 @@ def _halves(p: Program, part: Part, first: frozenset[int]) -> list[Part]:
     ]
 
 
-def _needed_outside(p: Program, region: frozenset[int]) -> set[int]:
+def _sources_of_inputs(p: Program, region: frozenset[int]) -> set[int]:
     """Return the nodes of a region that values from outside are computed from, which the region reads."""
     leading = {a for k in region for a in p.nodes[k].args} - region
     for k in range(len(p.nodes) - 1, -1, -1):
@@ -207,7 +207,7 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
             numbers.append(k)
             return (node.op, node.value if node.op == "constant" else 0.0)
         if node.op == "state" and node.name in part.local:
-            return ("state", part.local[node.name], kind[k])
+            return ("state", part.local[node.name])
         arguments.append(k)
         return ("argument", kind[k])
 
@@ -229,15 +229,15 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
     return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
 
 
-def alike(p: Program, mixed: bool = True) -> list[list[tuple[Part, Form]]]:
+def alike(p: Program) -> list[list[tuple[Part, Form]]]:
     """Return the Parts with one canonical form, where there are at least two of them with some operations.
 
-    Unless `mixed`, those with integer and real states are left out: in a struct they would lie beside another size.
+    Blocks with integer states are left out: behind a call Eva does not relate a flag to the count that it is from.
     """
     by_form: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     kind = kinds(p)
     for whole in parts(p):
-        if not mixed and len({state in p.integers for state in whole.local}) > 1:
+        if not whole.local.keys().isdisjoint(p.integers):
             continue
         for part in split(p, whole):
             if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):

@@ -145,7 +145,6 @@ class _Builder:
             marks,
             {},
             next,
-            integers=frozenset(local for state, local in part.local.items() if state in p.integers),
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},

@@ -11,7 +11,7 @@ into an `if`. It is sunk only if the store, where the level has one, depends on 
 from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
-from synth.emit.passes.grouping import grouped
+from synth.emit.passes.grouping import in_groups
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store, reads
@@ -57,7 +57,7 @@ class _Level:
                 self._meet(d)
         for d in list(self.pending):
             self._meet(d)
-        return grouped(self.p, self.out, self.owners) if self.p.titles else self.out
+        return in_groups(self.p, self.out, self.owners) if self.p.titles else self.out
 
     def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
         """Group the demands by the last marked node, counted in order, for which each of them waits.

@@ -75,7 +75,7 @@ def in_turns(p: Program, block: Sequence[Statement], seed: int) -> list[Statemen
 def test_statements_of_a_block_stand_together_behind_what_they_need(seed: int) -> None:
     p = fold.folded(lower.program(chains()))
     mixed = in_turns(p, schedule.statements(p), seed)
-    made = grouping.grouped(p, mixed, Owners(p))
+    made = grouping.in_groups(p, mixed, Owners(p))
     assert not faults(p, mixed) and not faults(p, made)
     assert sorted(map(repr, made)) == sorted(map(repr, mixed))
     assert sections(p, made) == 3 < sections(p, mixed)
