@@ -5,7 +5,7 @@ same states with the pose, its motion and the counters at random. Where a test o
 rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
 does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred, of up to a
 thousand with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a fault, in
-which rounding is absolute, and its relative error as l^2: above its limit a level is compared so.
+which rounding is absolute, and its relative error as l^2: of three sensors a level above its limit is compared so.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,11 @@ FULL_BODIES, QUICK_BODIES = 120, 12
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
 COST_FLOORS = {config.NAME: 100.0, config.THREE: 1000.0}  # of chi_square
 USUAL = config.USUAL
-LIMITS = {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit}
+# Above them a level is compared over the square of its excess.
+LEVEL_LIMITS = {
+    config.NAME: {},
+    config.THREE: {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit},
+}
 DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
 NEAR = 1e-7  # relative change of the voltages
@@ -98,9 +102,9 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
 
 
 def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
-    """Return results, chi-square over its floor, and levels over the square by which those of c64 exceed a limit."""
+    """Return results, chi-square over its floor, and levels over the square by which those of c64 exceed LEVEL_LIMITS."""
     scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
-    for axis, limit in LIMITS.items():
+    for axis, limit in LEVEL_LIMITS[of.block.name].items():
         excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
         scaled[f"protection_{axis}"] = stepped.outputs[f"protection_{axis}"] / excess**2
     return replace(stepped, outputs={**stepped.outputs, **scaled})

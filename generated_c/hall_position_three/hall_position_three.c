@@ -4,6 +4,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -36,170 +39,203 @@ static inline uint32_t hall_position_three_flag(bool holds)
     return value;
 }
 
-#if defined(__GNUC__)
-#define HALL_POSITION_THREE_INLINE static inline __attribute__((always_inline))
-#else
-#define HALL_POSITION_THREE_INLINE static inline
-#endif
-/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
-HALL_POSITION_THREE_INLINE float hall_position_three_hold_within(float value, float high, float *last, uint32_t bit,
-    uint32_t *faults)
+static inline bool hall_position_three_equal(float a, float b)
 {
-    float held = value;
-    if (fabsf(value) <= high) {
-        *last = value;
-    } else {
-        held = *last;
-        *faults |= bit;
-    }
-    return held;
+    return (a <= b) && !(a < b);
 }
 
-/* f1_polynomial / x; x = estimator_yaw + estimator_motion_yaw in -3.28181362 .. 3.28181362, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float f1_polynomial(float t)
+/* cos_yaw; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 .. 0.209439516, t
+ * = x^2; relative error at most 6e-08. */
+static inline float cos_yaw_polynomial(float t)
 {
-    return 0.25f + (t * (-0.0026041642f + (t * (8.136648e-06f + (t * -1.18924985e-08f)))));
+    return 1.0f + (t * (-0.49999884f + (t * 0.04158157f)));
 }
 
-/* yaw_part_cosine; x = estimator_yaw + estimator_motion_yaw in -3.28181362 .. 3.28181362, t = x^2; relative error at
- * most 1.4e-07. */
-static inline float yaw_part_cosine_polynomial(float t)
+/* sin_yaw / x; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
+ * 0.209439516, t = x^2; relative error at most 1.2e-07. */
+static inline float sin_yaw_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.031249862f + (t * (0.00016270163f + (t * -3.3074548e-07f)))));
+    return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* f3_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (1.5812683 * (1 - (...)))) - (1.5833627 *
- * clamp(((...) * (...)), -1, 1))), -5.87932518, 5.87932518) in -5.87932539 .. 5.87932539, t = x^2; relative error at
- * most 1.2e-07. */
+/* f3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.75203516 * cos_yaw)) +
+ * (1.25035388 * sin_yaw)), -6.16435337, 6.16435337) in -6.15359449 .. 0.709661126, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f3_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552067f + (t * (2.5428514e-07f + (t * -9.3237806e-11f)))));
+    return 0.125f + (t * (-0.0003255206f + (t * (2.542791e-07f + (t * -9.3099445e-11f)))));
 }
 
-/* ax_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (1.5812683 * (1 - (...)))) - (1.5833627 *
- * clamp(((...) * (...)), -1, 1))), -5.87932518, 5.87932518) in -5.87932539 .. 5.87932539, t = x^2; relative error at
- * most 1.1e-07. */
+/* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.75203516 * cos_yaw)) +
+ * (1.25035388 * sin_yaw)), -6.16435337, 6.16435337) in -6.15359449 .. 0.709661126, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float ax_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812488f + (t * (1.0170485e-05f + (t * -5.1988818e-09f)))));
+    return 1.0f + (t * (-0.0078124837f + (t * (1.0170049e-05f + (t * -5.188935e-09f)))));
 }
 
-/* f5_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (0.0858701992 * (1 - (...)))) -
- * (0.081681409 * clamp(((...) * (...)), -1, 1))), -3.76010655, 3.76010655) in -3.76010656 .. 3.76010656, t = x^2;
- * relative error at most 1.2e-07. */
+/* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.25035388 * cos_yaw)) -
+ * (2.75203516 * sin_yaw)), -6.16435337, 6.16435337) in -4.96412897 .. 2.49074364, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 0.25f + (t * (-0.002604161f + (t * (8.135633e-06f + (t * -1.1823737e-08f)))));
+    return 0.125f + (t * (-0.00032552078f + (t * (2.543002e-07f + (t * -9.366587e-11f)))));
 }
 
-/* bx_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (0.0858701992 * (1 - (...)))) - (0.081681409 *
- * clamp(((...) * (...)), -1, 1))), -3.76010655, 3.76010655) in -3.76010656 .. 3.76010656, t = x^2; relative error at
- * most 1.3e-07. */
-static inline float bx_part_cosine_polynomial(float t)
+/* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.25035388 * cos_yaw)) -
+ * (2.75203516 * sin_yaw)), -6.16435337, 6.16435337) in -4.96412897 .. 2.49074364, t = x^2; relative error at most
+ * 6.6e-08. */
+static inline float ay_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.390026e-07f + (t * 3.7027664e-10f)))))));
+    return 1.0f + (t * (-0.007812496f + (t * (1.0171511e-05f + (t * -5.2279403e-09f)))));
 }
 
-/* f7_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) + (1.6671385 * (1 - (...)))) + (1.66504411 *
- * clamp(((...) * (...)), -1, 1))), -5.99780204, 5.99780204) in -5.99780226 .. 5.99780226, t = x^2; relative error at
- * most 1.2e-07. */
+/* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.420973416 * cos_yaw)) -
+ * (1.16238928 * sin_yaw)), -4.37786425, 4.37786425) in -3.80424118 .. 2.97149324, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f7_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552064f + (t * (2.5428218e-07f + (t * -9.317061e-11f)))));
+    return 0.25f + (t * (-0.0026041605f + (t * (8.135509e-06f + (t * -1.181656e-08f)))));
 }
 
-/* cx_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) + (1.6671385 * (1 - (...)))) + (1.66504411 *
- * clamp(((...) * (...)), -1, 1))), -5.99780204, 5.99780204) in -5.99780226 .. 5.99780226, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float cx_part_cosine_polynomial(float t)
+/* bx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.420973416 * cos_yaw)) -
+ * (1.16238928 * sin_yaw)), -4.37786425, 4.37786425) in -3.80424118 .. 2.97149324, t = x^2; relative error at most
+ * 1.3e-07. */
+static inline float bx_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812486f + (t * (1.0170291e-05f + (t * -5.1943916e-09f)))));
+    return 1.0f + (t * (-0.031249998f + (t * (0.00016275952f + (t * (-3.3893485e-07f + (t * 3.6801753e-10f)))))));
 }
 
-/* f9_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)), -0.140220856,
- * 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
+/* f9_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.16238928 * cos_yaw)) -
+ * (0.420973416 * sin_yaw)), -4.37786425, 4.37786425) in -2.09213066 .. 4.37786436, t = x^2; relative error at most
+ * 1.5e-07. */
 static inline float f9_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666663f + (t * 0.008327514f)));
+    return 0.24999999f + (t * (-0.0026041463f + (t * (8.133012e-06f + (t * -1.1704263e-08f)))));
 }
 
-/* f10_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 0.874383744)),
- * -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 1.2e-07. */
-static inline float f10_polynomial(float t)
+/* by_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.16238928 * cos_yaw)) -
+ * (0.420973416 * sin_yaw)), -4.37786425, 4.37786425) in -2.09213066 .. 4.37786436, t = x^2; relative error at most
+ * 1.8e-07. */
+static inline float by_part_cosine_polynomial(float t)
 {
-    return 0.5f + (t * (0.041666593f + (t * 0.004178401f)));
+    return 1.0f + (t * (-0.031249996f + (t * (0.00016275882f + (t * (-3.388595e-07f + (t * 3.6554815e-10f)))))));
 }
 
-/* f11_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...), -0.140220856,
- * 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at most
- * 1.3e-07. */
+/* f11_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.83469011 * cos_yaw)) +
+ * (1.41999988 * sin_yaw)), -5.4616115, 5.4616115) in -1.64223087 .. 5.27151966, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f11_polynomial(float t)
 {
-    return 1.0f + (t * (-0.5f + (t * (0.0416666f + (t * (-0.0013885538f + (t * 2.4265188e-05f)))))));
+    return 0.125f + (t * (-0.00032552076f + (t * (2.5429586e-07f + (t * -9.352549e-11f)))));
 }
 
-/* f12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.5812683 * (...))) - (1.5833627 * clamp((...),
- * -0.140220856, 0.140220856))), -0.943747269, 0.943747269) in -0.943747282 .. 0.943747282, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float f12_polynomial(float t)
+/* cx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.83469011 * cos_yaw)) +
+ * (1.41999988 * sin_yaw)), -5.4616115, 5.4616115) in -1.64223087 .. 5.27151966, t = x^2; relative error at most
+ * 7e-08. */
+static inline float cx_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.1666663f + (t * (0.008330877f + (t * -0.00019370353f)))));
+    return 1.0f + (t * (-0.007812494f + (t * (1.0171231e-05f + (t * -5.2188827e-09f)))));
 }
 
-/* f13_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
- * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
- * most 6e-08. */
+/* f13_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.41999988 * cos_yaw)) +
+ * (1.83469011 * sin_yaw)), -5.4616115, 5.4616115) in -4.943048 .. 2.13407803, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f13_polynomial(float t)
 {
-    return 1.0f + (t * (-0.4999999f + (t * (0.041664638f + (t * -0.0013759605f)))));
+    return 0.125f + (t * (-0.00032552078f + (t * (2.5430026e-07f + (t * -9.366913e-11f)))));
 }
 
-/* f14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.0858701992 * (...))) - (0.081681409 * clamp((...),
- * -0.140220856, 0.140220856))), -0.52349423, 0.52349423) in -0.523494244 .. 0.523494244, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float f14_polynomial(float t)
+/* cy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.41999988 * cos_yaw)) +
+ * (1.83469011 * sin_yaw)), -5.4616115, 5.4616115) in -4.943048 .. 2.13407803, t = x^2; relative error at most
+ * 6.5e-08. */
+static inline float cy_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666666f + (t * (0.008333108f + (t * -0.00019697788f)))));
+    return 1.0f + (t * (-0.007812496f + (t * (1.0171516e-05f + (t * -5.228188e-09f)))));
 }
 
-/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
- * 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at most
- * 1.3e-07. */
+/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.75203516 * (...))) + (1.25035388 * clamp((...), -0.1,
+ * 0.1))), -0.900238904, 0.900238904) in -0.685178339 .. 0.685178339, t = x^2; relative error at most 7.6e-08. */
 static inline float f15_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
+    return 1.0f + (t * (-0.4999995f + (t * (0.041660365f + (t * -0.0013662707f)))));
 }
 
-/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
- * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241466 .. 0.967241466, t = x^2; relative error at
- * most 1.2e-07. */
+/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.75203516 * (...))) + (1.25035388 * clamp((...), -0.1,
+ * 0.1))), -0.900238904, 0.900238904) in -0.685178339 .. 0.685178339, t = x^2; relative error at most 1.2e-07. */
 static inline float f16_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
+    return 1.0f + (t * (-0.16666661f + (t * (0.008332645f + (t * -0.00019591613f)))));
 }
 
-/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...), -0.140220856,
- * 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at most
- * 1.3e-07. */
+/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.420973416 * (...))) - (1.16238928 * clamp((...), -0.1,
+ * 0.1))), -0.65833627, 0.65833627) in -0.625438929 .. 0.625438929, t = x^2; relative error at most 6.5e-08. */
 static inline float f17_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882659f + (t * 2.4110182e-05f)))))));
+    return 1.0f + (t * (-0.4999997f + (t * (0.041662257f + (t * -0.0013699793f)))));
 }
 
-/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.6671385 * (...))) + (1.66504411 * clamp((...),
- * -0.140220856, 0.140220856))), -0.967241498, 0.967241498) in -0.967241526 .. 0.967241526, t = x^2; relative error at
- * most 1.2e-07. */
+/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.420973416 * (...))) - (1.16238928 * clamp((...), -0.1,
+ * 0.1))), -0.65833627, 0.65833627) in -0.625438929 .. 0.625438929, t = x^2; relative error at most 1.2e-07. */
 static inline float f18_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666624f + (t * (0.00833062f + (t * -0.00019346498f)))));
+    return 1.0f + (t * (-0.16666664f + (t * (0.0083329035f + (t * -0.0001964129f)))));
 }
 
-/* f19_polynomial; x = ((((...) || (...)) && (!estimator_searching)) ? 0 : (converged ? clamp((...), -0.140220856,
- * 0.140220856) : ((...) ? (...) : (...)))) in -0.140220851 .. 0.140220851, t = x^2; relative error at most 6e-08. */
+/* f19_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.83469011 * (...))) + (1.41999988 * clamp((...), -0.1,
+ * 0.1))), -0.825468999, 0.825468999) in -0.682095289 .. 0.682095289, t = x^2; relative error at most 7.5e-08. */
 static inline float f19_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999976f + (t * 0.041628234f)));
+    return 1.0f + (t * (-0.4999995f + (t * (0.0416604f + (t * -0.0013663636f)))));
+}
+
+/* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.83469011 * (...))) + (1.41999988 * clamp((...), -0.1,
+ * 0.1))), -0.825468999, 0.825468999) in -0.682095289 .. 0.682095289, t = x^2; relative error at most 1.2e-07. */
+static inline float f20_polynomial(float t)
+{
+    return 1.0f + (t * (-0.16666661f + (t * (0.008332648f + (t * -0.00019592655f)))));
+}
+
+/* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.25035388 * (...))) - (2.75203516 * clamp((...), -0.1,
+ * 0.1))), -0.900238904, 0.900238904) in -0.802528739 .. 0.802528739, t = x^2; relative error at most 1.3e-07. */
+static inline float f21_polynomial(float t)
+{
+    return 0.99999994f + (t * (-0.49999797f + (t * (0.041652627f + (t * -0.0013559872f)))));
+}
+
+/* f22_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.25035388 * (...))) - (2.75203516 * clamp((...), -0.1,
+ * 0.1))), -0.900238904, 0.900238904) in -0.802528739 .. 0.802528739, t = x^2; relative error at most 1.2e-07. */
+static inline float f22_polynomial(float t)
+{
+    return 1.0f + (t * (-0.16666652f + (t * (0.008332025f + (t * -0.00019497881f)))));
+}
+
+/* f23_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.16238928 * (...))) - (0.420973416 * clamp((...), -0.1,
+ * 0.1))), -0.65833627, 0.65833627) in -0.567500174 .. 0.567500174, t = x^2; relative error at most 6e-08. */
+static inline float f23_polynomial(float t)
+{
+    return 1.0f + (t * (-0.49999985f + (t * (0.04166383f + (t * -0.0013736257f)))));
+}
+
+/* f24_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.16238928 * (...))) - (0.420973416 * clamp((...), -0.1,
+ * 0.1))), -0.65833627, 0.65833627) in -0.567500174 .. 0.567500174, t = x^2; relative error at most 1.2e-07. */
+static inline float f24_polynomial(float t)
+{
+    return 1.0f + (t * (-0.16666664f + (t * (0.008332945f + (t * -0.00019656715f)))));
+}
+
+/* f25_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.41999988 * (...))) + (1.83469011 * clamp((...), -0.1,
+ * 0.1))), -0.825468999, 0.825468999) in -0.714501739 .. 0.714501739, t = x^2; relative error at most 9.2e-08. */
+static inline float f25_polynomial(float t)
+{
+    return 1.0f + (t * (-0.49999934f + (t * (0.04165919f + (t * -0.0013642677f)))));
+}
+
+/* f26_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.41999988 * (...))) + (1.83469011 * clamp((...), -0.1,
+ * 0.1))), -0.825468999, 0.825468999) in -0.714501739 .. 0.714501739, t = x^2; relative error at most 1.2e-07. */
+static inline float f26_polynomial(float t)
+{
+    return 1.0f + (t * (-0.1666666f + (t * (0.008332523f + (t * -0.00019570286f)))));
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -207,36 +243,103 @@ void hall_position_three_init(hall_position_three_state_t *state)
     /* A member that is not named is 0. */
     *state = (hall_position_three_state_t){
         .guard_left = 5u,
-        .estimator_searching = 1u,
+        .estimator_amplitude = 1.0f,
+        .estimator_candidate_amplitude = 1.0f,
     };
 }
 
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
     hall_position_three_output_t *out)
 {
+    return hall_position_three_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
+#else
+uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out)
+#endif
+{
+    static const float pi = 3.1415927f;                         /* 1; pi */
+
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    const float V_ax = in->V_ax;
+    const bool good_V_ax = fabsf(V_ax) <= 5.0f;
+    float V_ax_held = V_ax;
     uint32_t faults = 0u;
-    const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
-        &faults);
-    const float V_ay_held = hall_position_three_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u,
-        &faults);
-    const float V_bx_held = hall_position_three_hold_within(in->V_bx, 5.0f, &state->guard_last_V_bx, 0x00000004u,
-        &faults);
-    const float V_by_held = hall_position_three_hold_within(in->V_by, 5.0f, &state->guard_last_V_by, 0x00000008u,
-        &faults);
-    const float V_cx_held = hall_position_three_hold_within(in->V_cx, 5.0f, &state->guard_last_V_cx, 0x00000010u,
-        &faults);
-    const float V_cy_held = hall_position_three_hold_within(in->V_cy, 5.0f, &state->guard_last_V_cy, 0x00000020u,
-        &faults);
-    const bool fault_V_ax = !((faults & 0x00000001u) == 0u);
-    const bool fault_V_ay = !((faults & 0x00000002u) == 0u);
-    const bool fault_V_bx = !((faults & 0x00000004u) == 0u);
-    const bool fault_V_by = !((faults & 0x00000008u) == 0u);
-    const bool fault_V_cx = !((faults & 0x00000010u) == 0u);
-    const bool fault_V_cy = !((faults & 0x00000020u) == 0u);
-    const bool complete = (faults & 0x0000003fu) == 0u;
+    if (good_V_ax) {
+        state->guard_last_V_ax = V_ax;
+    } else {
+        V_ax_held = state->guard_last_V_ax;
+        faults = 0x00000001u;
+    }
+    const float V_ay = in->V_ay;
+    const bool good_V_ay = fabsf(V_ay) <= 5.0f;
+    float V_ay_held = V_ay;
+    bool complete = good_V_ax;
+    if (good_V_ay) {
+        state->guard_last_V_ay = V_ay;
+    } else {
+        V_ay_held = state->guard_last_V_ay;
+        complete = false;
+        faults |= 0x00000002u;
+    }
+    const float V_bx = in->V_bx;
+    const bool good_V_bx = fabsf(V_bx) <= 5.0f;
+    float V_bx_held = V_bx;
+    if (good_V_bx) {
+        state->guard_last_V_bx = V_bx;
+    } else {
+        V_bx_held = state->guard_last_V_bx;
+        complete = false;
+        faults |= 0x00000004u;
+    }
+    const float V_by = in->V_by;
+    const bool good_V_by = fabsf(V_by) <= 5.0f;
+    float V_by_held = V_by;
+    if (good_V_by) {
+        state->guard_last_V_by = V_by;
+    } else {
+        V_by_held = state->guard_last_V_by;
+        complete = false;
+        faults |= 0x00000008u;
+    }
+    const float V_cx = in->V_cx;
+    const bool good_V_cx = fabsf(V_cx) <= 5.0f;
+    float V_cx_held = V_cx;
+    if (good_V_cx) {
+        state->guard_last_V_cx = V_cx;
+    } else {
+        V_cx_held = state->guard_last_V_cx;
+        complete = false;
+        faults |= 0x00000010u;
+    }
+    const float V_cy = in->V_cy;
+    const bool good_V_cy = fabsf(V_cy) <= 5.0f;
+    float V_cy_held = V_cy;
+    if (good_V_cy) {
+        state->guard_last_V_cy = V_cy;
+    } else {
+        V_cy_held = state->guard_last_V_cy;
+        complete = false;
+        faults |= 0x00000020u;
+    }
+    const bool fault_V_ax = !good_V_ax;
+    const bool fault_V_ay = !good_V_ay;
+    const bool fault_V_bx = !good_V_bx;
+    const bool fault_V_by = !good_V_by;
+    const bool fault_V_cx = !good_V_cx;
+    const bool fault_V_cy = !good_V_cy;
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
@@ -255,31 +358,113 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         faults |= 0x80000000u;
     }
 
-    /* estimator: GLSDC, Fig. 9
-     *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
-     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw))
+    /* screen: refused and repeated codes
+     *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else 0))) if screened, else 0
+     *     repeats_1_next = min(repeats_1 + 1, 6) if |V_ax_held - last_V_ax| <= 0 or |V_ay_held - last_V_ay| <=
+     *         0, else 0; likewise repeats_2_next, repeats_3_next */
+    bool screened_test = false;
+    if ((fabsf(V_ax_held - state->screen_last_V_ax) <= 0.0f) || (fabsf(V_ay_held - state->screen_last_V_ay) <= 0.0f)) {
+        const uint32_t screen_repeats_1 = state->screen_repeats_1;
+        const uint32_t screened_part = screen_repeats_1 + 1u;
+        const float screened_part_2 = hall_position_three_min((float)screened_part, 6.0f);
+        screened_test = 6.0f <= screened_part_2;
+        state->screen_repeats_1 = (uint32_t)screened_part_2;
+    } else {
+        state->screen_repeats_1 = 0u;
+    }
+    const bool flag = fault_V_ax || fault_V_ay || screened_test;
+    bool screened_test_2 = false;
+    if ((fabsf(V_bx_held - state->screen_last_V_bx) <= 0.0f) || (fabsf(V_by_held - state->screen_last_V_by) <= 0.0f)) {
+        const uint32_t screen_repeats_2 = state->screen_repeats_2;
+        const uint32_t screened_part_3 = screen_repeats_2 + 1u;
+        const float screened_part_4 = hall_position_three_min((float)screened_part_3, 6.0f);
+        screened_test_2 = 6.0f <= screened_part_4;
+        state->screen_repeats_2 = (uint32_t)screened_part_4;
+    } else {
+        state->screen_repeats_2 = 0u;
+    }
+    const bool flags_2 = fault_V_bx || fault_V_by || screened_test_2;
+    bool frozen = false;
+    if ((fabsf(V_cx_held - state->screen_last_V_cx) <= 0.0f) || (fabsf(V_cy_held - state->screen_last_V_cy) <= 0.0f)) {
+        const uint32_t screen_repeats_3 = state->screen_repeats_3;
+        const uint32_t screened_part_5 = screen_repeats_3 + 1u;
+        const float count_screened = hall_position_three_min((float)screened_part_5, 6.0f);
+        frozen = 6.0f <= count_screened;
+        state->screen_repeats_3 = (uint32_t)count_screened;
+    } else {
+        state->screen_repeats_3 = 0u;
+    }
+    const bool flags_3 = fault_V_cx || fault_V_cy || frozen;
+    const bool screened = (hall_position_three_flag(flag) + hall_position_three_flag(flags_2) +
+        hall_position_three_flag(flags_3)) <= 1u;
+    float rejected = 0.0f;
+    if (screened) {
+        rejected = (flag) ? 1.0f : ((flags_2) ? 2.0f : ((flags_3) ? 3.0f : 0.0f));
+    }
+    state->screen_last_V_ax = V_ax_held;
+    state->screen_last_V_ay = V_ay_held;
+    state->screen_last_V_bx = V_bx_held;
+    state->screen_last_V_by = V_by_held;
+    state->screen_last_V_cx = V_cx_held;
+    state->screen_last_V_cy = V_cy_held;
+
+    /* estimator: weighted least squares
+     *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
+     *     sin_yaw = sin(limit(yaw + motion_yaw, 0.20944))
      *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, cx_part_sine, cy_part_sine
-     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, cx_part_cosine, cy_part_cosine
+     *     ax_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
+     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
+     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 2.75204 * cos_yaw + 1.25035 *
+     *         sin_yaw))
      *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
      *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, cx_part_doubled, cy_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
      *         bx_part_full, by_part_full, cx_part_full, cy_part_full
+     *     ay_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
+     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
+     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
+     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.25035 * cos_yaw - 2.75204 *
+     *         sin_yaw))
      *     bx_part_sine = 4 * sin(0.25 * limited_bx); likewise by_part_sine
-     *     bx_part_cosine = cos(0.25 * limited_bx); likewise by_part_cosine
+     *     bx_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
+     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
+     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 0.420973 * cos_yaw - 1.16239 *
+     *         sin_yaw))
      *     bx_part_doubled = limit(4 * (sin(0.25 * limited_bx) * bx_part_cosine), 2.002); likewise
      *         by_part_doubled
-     *     X = 0.00808507 * pose_phase_x + 0.0508 * pose_pitch_x - lever_cosine; likewise Y
-     *     deviation_X = 8.08507e-06 * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise deviation_Y
-     *     phase_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
-     *         restart, else pose_phase_x
-     *     phase_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
-     *         restart, else pose_phase_y
-     *     start_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
-     *         restart, else start_x
-     *     start_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
-     *         restart, else start_y */
-    static const float pi = 3.1415927f;                         /* 1; pi */
+     *     by_part_cosine = cos(0.25 * limited_by)
+     *     cx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
+     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
+     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 1.83469 * cos_yaw + 1.42 *
+     *         sin_yaw))
+     *     cy_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
+     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
+     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
+     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.42 * cos_yaw + 1.83469 *
+     *         sin_yaw))
+     *     weak = not factors_2 or 20.6541 <= variances_1 or 20.6541 <= variances_2 or 3.30466 <= variances_3
+     *         or 13.2186 <= variances_4
+     *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,
+     *         23))
+     *     missed_next = (0 if accepted and not lost, else min(missed + 1, 8)) if tracking, else 0
+     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
+     *     begin_phase_x_next = begin_phase_x if tracking, else ((begin_phase_x + 5.14701 - two_pi if pi <
+     *         begin_phase_x + 5.14701, else begin_phase_x + 5.14701) if converged or last_age <= age, else
+     *         begin_phase_x)
+     *     begin_phase_y_next = begin_phase_y if tracking, else ((begin_phase_y + 4.21629 - two_pi if pi <
+     *         begin_phase_y + 4.21629, else begin_phase_y + 4.21629) if converged or last_age <= age, else
+     *         begin_phase_y)
+     *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + 0.230258 - 0.418879 if 0.20944 <
+     *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or last_age <= age, else
+     *         begin_yaw) */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const uint32_t starts = 24u;                         /* 1; of a sweep */
+    static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
+    static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
+    static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -287,20 +472,23 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
-    const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
-    const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
-    const float f1 = prediction_yaw * f1_polynomial(yaw_part_cosine_argument);
-    const float yaw_part_sine = 4.0f * f1;
-    const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
-    const float estimator_motion_x = state->estimator_motion_x;
-    const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_yaw = hall_position_three_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
-    const float heading_sine = hall_position_three_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))),
-        1.0f);
-    const float heading_sine_scaled = 1.5833627f * heading_sine;
-    const float limited_ax = hall_position_three_limit(prediction_phase_x - (1.5812683f * heading_cosine) -
-        heading_sine_scaled, 5.8793254f);
+    const float starts_3 = hall_position_three_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
+    const float cos_yaw_argument = starts_3 * starts_3;
+    const float cos_yaw = cos_yaw_polynomial(cos_yaw_argument);
+    const float sin_yaw = starts_3 * sin_yaw_polynomial(cos_yaw_argument);
+    const float estimator_motion_phase_x = state->estimator_motion_phase_x;
+    const float ax_part_sine_part = state->estimator_phase_x + estimator_motion_phase_x;
+    float ax_part_sine_part_2 = ax_part_sine_part;
+    if (pi < ax_part_sine_part) {
+        ax_part_sine_part_2 = ax_part_sine_part - two_pi;
+    }
+    float starts_1 = ax_part_sine_part_2;
+    if (ax_part_sine_part_2 < -pi) {
+        starts_1 = ax_part_sine_part_2 + two_pi;
+    }
+    const float cos_yaw_scaled = 2.7520351f * cos_yaw;
+    const float sin_yaw_scaled = 1.2503539f * sin_yaw;
+    const float limited_ax = starts_1 - cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * f3;
@@ -312,1046 +500,911 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
-    const float estimator_motion_y = state->estimator_motion_y;
-    const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float heading_cosine_scaled = 1.5833627f * heading_cosine;
-    const float heading_sine_scaled_2 = 1.5812683f * heading_sine;
-    const float limited_ay = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled -
-        heading_sine_scaled_2, 5.8793254f);
+    const float estimator_motion_phase_y = state->estimator_motion_phase_y;
+    const float ay_part_sine_part = state->estimator_phase_y + estimator_motion_phase_y;
+    float ay_part_sine_part_2 = ay_part_sine_part;
+    if (pi < ay_part_sine_part) {
+        ay_part_sine_part_2 = ay_part_sine_part - two_pi;
+    }
+    float starts_2 = ay_part_sine_part_2;
+    if (ay_part_sine_part_2 < -pi) {
+        starts_2 = ay_part_sine_part_2 + two_pi;
+    }
+    const float cos_yaw_scaled_2 = 1.2503539f * cos_yaw;
+    const float sin_yaw_scaled_2 = 2.7520351f * sin_yaw;
+    const float limited_ay = starts_2 - cos_yaw_scaled_2 - sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float f3_2 = limited_ay * f3_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 8.0f * f3_2;
-    const float ay_part_cosine = ax_part_cosine_polynomial(ay_part_cosine_argument);
-    const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
+    const float f5 = limited_ay * f5_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 8.0f * f5;
+    const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
+    const float f5_times_ay_part_cosine = f5 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
-        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+        (f5_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float sines_2_ay = 8.0f * f5_times_ay_part_cosine;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float heading_sine_scaled_3 = 0.08168141f * heading_sine;
-    const float limited_bx = hall_position_three_limit(prediction_phase_x - (0.0858702f * heading_cosine) -
-        heading_sine_scaled_3, 3.7601066f);
+    const float sin_yaw_scaled_3 = 1.1623893f * sin_yaw;
+    const float limited_bx = starts_1 - (0.42097342f * cos_yaw) - sin_yaw_scaled_3;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
-    const float f5 = limited_bx * f5_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 4.0f * f5;
+    const float f7 = limited_bx * f7_polynomial(bx_part_cosine_argument);
+    const float bx_part_sine = 4.0f * f7;
     const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
-    const float bx_part_doubled = 4.0f * (f5 * bx_part_cosine);
+    const float bx_part_doubled = 4.0f * (f7 * bx_part_cosine);
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float heading_cosine_scaled_2 = 0.08168141f * heading_cosine;
-    const float heading_sine_scaled_4 = 0.0858702f * heading_sine;
-    const float limited_by = hall_position_three_limit(prediction_phase_y + heading_cosine_scaled_2 -
-        heading_sine_scaled_4, 3.7601066f);
+    const float cos_yaw_scaled_3 = 1.1623893f * cos_yaw;
+    const float sin_yaw_scaled_4 = 0.42097342f * sin_yaw;
+    const float limited_by = hall_position_three_limit(starts_2 + cos_yaw_scaled_3 - sin_yaw_scaled_4, 4.3778644f);
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float f5_2 = limited_by * f5_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 4.0f * f5_2;
-    const float by_part_cosine = bx_part_cosine_polynomial(by_part_cosine_argument);
-    const float by_part_doubled = 4.0f * (f5_2 * by_part_cosine);
+    const float f9 = limited_by * f9_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 4.0f * f9;
+    const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
+    const float by_part_doubled = 4.0f * (f9 * by_part_cosine);
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
-    const float heading_cosine_scaled_3 = 1.6671385f * heading_cosine;
-    const float heading_sine_scaled_5 = 1.6650441f * heading_sine;
-    const float limited_cx = hall_position_three_limit(prediction_phase_x + heading_cosine_scaled_3 +
-        heading_sine_scaled_5, 5.9978023f);
+    const float cos_yaw_scaled_4 = 1.8346901f * cos_yaw;
+    const float sin_yaw_scaled_5 = 1.4199998f * sin_yaw;
+    const float limited_cx = starts_1 + cos_yaw_scaled_4 + sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
-    const float f7 = limited_cx * f7_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 8.0f * f7;
+    const float f11 = limited_cx * f11_polynomial(cx_part_cosine_argument);
+    const float cx_part_sine = 8.0f * f11;
     const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float f7_times_cx_part_cosine = f7 * cx_part_cosine;
+    const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
     const float cx_part_doubled = 8.0f *
-        (f7_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+        (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx = 8.0f * f7_times_cx_part_cosine;
+    const float sines_2_cx = 8.0f * f11_times_cx_part_cosine;
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
-    const float heading_cosine_scaled_4 = 1.6650441f * heading_cosine;
-    const float heading_sine_scaled_6 = 1.6671385f * heading_sine;
-    const float limited_cy = hall_position_three_limit(prediction_phase_y - heading_cosine_scaled_4 +
-        heading_sine_scaled_6, 5.9978023f);
+    const float cos_yaw_scaled_5 = 1.4199998f * cos_yaw;
+    const float sin_yaw_scaled_6 = 1.8346901f * sin_yaw;
+    const float limited_cy = starts_2 - cos_yaw_scaled_5 + sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
-    const float f7_2 = limited_cy * f7_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 8.0f * f7_2;
-    const float cy_part_cosine = cx_part_cosine_polynomial(cy_part_cosine_argument);
-    const float f7_2_times_cy_part_cosine = f7_2 * cy_part_cosine;
+    const float f13 = limited_cy * f13_polynomial(cy_part_cosine_argument);
+    const float cy_part_sine = 8.0f * f13;
+    const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
+    const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
     const float cy_part_doubled = 8.0f *
-        (f7_2_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+        (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy = 8.0f * f7_2_times_cy_part_cosine;
+    const float sines_2_cy = 8.0f * f13_times_cy_part_cosine;
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
-    const uint32_t estimator_excluded_sensor = state->estimator_excluded_sensor;
-    const bool excluded_1 = fault_V_ax || fault_V_ay || (estimator_excluded_sensor == 1u);
-    const bool excluded_2 = fault_V_bx || fault_V_by || (estimator_excluded_sensor == 2u);
-    const bool excluded_3 = fault_V_cx || fault_V_cy || (estimator_excluded_sensor == 3u);
-    const float freedom = (excluded_1 || excluded_2 || excluded_3) ? 1.0f : 3.0f;
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
-    const float used_1 = 1.0f - (excluded_1 ? 1.0f : 0.0f);
-    const float converged_part = used_1 * estimator_field_1;
+    const float estimator_amplitude = state->estimator_amplitude;
+    const float phase_x_part = estimator_amplitude * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float converged_part_2 = used_1 * estimator_field_3;
-    const float converged_part_2_scaled = 3.0f * converged_part_2;
-    const float converged_part_3 = used_1 * estimator_field_5;
-    const float converged_part_4 = ax_part_full_squared * converged_part_3;
-    const float rows_1_1_converged = start_cosine_ax * (converged_part +
-        (ax_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_4))));
-    const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float converged_part_5 = ay_part_full_squared * converged_part_3;
-    const float converged_part_6 = ay_part_full * (converged_part +
-        (ay_part_full_squared * (converged_part_2 + converged_part_5)));
-    const float rows_1_3_converged = (rows_1_1_converged * (heading_sine_scaled_2 - heading_cosine_scaled)) +
-        converged_part_6;
-    const float measured_1 = used_1 * V_ax_held;
-    const float measured_2 = used_1 * V_ay_held;
-    const float converged_part_7 = ax_part_full * (converged_part +
-        (ax_part_full_squared * (converged_part_2 + converged_part_4)));
-    const float residuals_1_converged = (heading_cosine * measured_1) - (heading_sine * measured_2) - converged_part_7;
-    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2_converged = start_cosine_ay * (converged_part +
-        (ay_part_full_squared * (converged_part_2_scaled + (5.0f * converged_part_5))));
-    const float converged_part_8 = converged_part_7 -
-        (rows_2_2_converged * ((-1.5812683f * heading_cosine) - heading_sine_scaled));
-    const float residuals_2_converged = (heading_cosine * measured_2) + (heading_sine * measured_1) - converged_part_6;
+    const float phase_x_part_2 = 3.0f * (estimator_amplitude * estimator_field_3);
+    const float phase_x_part_3 = estimator_amplitude * estimator_field_5;
+    const float rows_1_1 = start_cosine_ax * (phase_x_part +
+        (ax_part_full_squared * (phase_x_part_2 + (5.0f * (ax_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_4 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
+    const float rows_1_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
+    const float residuals_1_phase_x = phase_x_part_4 - (estimator_amplitude * rows_1_4);
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
-    const float used_2 = 1.0f - (excluded_2 ? 1.0f : 0.0f);
-    const float converged_part_9 = used_2 * estimator_field_1;
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_part_10 = used_2 * estimator_field_3;
-    const float converged_part_10_scaled = 3.0f * converged_part_10;
-    const float converged_part_11 = used_2 * estimator_field_5;
-    const float converged_part_12 = bx_part_full_squared * converged_part_11;
-    const float rows_3_1_converged = start_cosine_bx * (converged_part_9 +
-        (bx_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_12))));
-    const float by_part_full_squared = by_part_full * by_part_full;
-    const float converged_part_13 = by_part_full_squared * converged_part_11;
-    const float converged_part_14 = by_part_full * (converged_part_9 +
-        (by_part_full_squared * (converged_part_10 + converged_part_13)));
-    const float rows_3_3_converged = (rows_3_1_converged * (heading_sine_scaled_4 - heading_cosine_scaled_2)) +
-        converged_part_14;
-    const float measured_3 = used_2 * V_bx_held;
-    const float measured_4 = used_2 * V_by_held;
-    const float converged_part_15 = bx_part_full * (converged_part_9 +
-        (bx_part_full_squared * (converged_part_10 + converged_part_12)));
-    const float residuals_3_converged = (heading_cosine * measured_3) - (heading_sine * measured_4) - converged_part_15;
-    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2_converged = start_cosine_by * (converged_part_9 +
-        (by_part_full_squared * (converged_part_10_scaled + (5.0f * converged_part_13))));
-    const float converged_part_16 = converged_part_15 -
-        (rows_4_2_converged * ((-0.0858702f * heading_cosine) - heading_sine_scaled_3));
-    const float residuals_4_converged = (heading_cosine * measured_4) + (heading_sine * measured_3) - converged_part_14;
+    const float rows_3_1 = start_cosine_bx * (phase_x_part +
+        (bx_part_full_squared * (phase_x_part_2 + (5.0f * (bx_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_5 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
+    const float rows_3_4 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
+    const float residuals_3_phase_x = phase_x_part_5 - (estimator_amplitude * rows_3_4);
     const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
-    const float used_3 = 1.0f - (excluded_3 ? 1.0f : 0.0f);
-    const float converged_part_17 = used_3 * estimator_field_1;
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float converged_part_18 = used_3 * estimator_field_3;
-    const float converged_part_18_scaled = 3.0f * converged_part_18;
-    const float converged_part_19 = used_3 * estimator_field_5;
-    const float converged_part_20 = cx_part_full_squared * converged_part_19;
-    const float rows_5_1_converged = start_cosine_cx * (converged_part_17 +
-        (cx_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_20))));
-    const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float converged_part_21 = cy_part_full_squared * converged_part_19;
-    const float converged_part_22 = cy_part_full * (converged_part_17 +
-        (cy_part_full_squared * (converged_part_18 + converged_part_21)));
-    const float rows_5_3_converged = (rows_5_1_converged * (heading_cosine_scaled_4 - heading_sine_scaled_6)) +
-        converged_part_22;
-    const float measured_5 = used_3 * V_cx_held;
-    const float measured_6 = used_3 * V_cy_held;
-    const float converged_part_23 = cx_part_full * (converged_part_17 +
-        (cx_part_full_squared * (converged_part_18 + converged_part_20)));
-    const float residuals_5_converged = (heading_cosine * measured_5) - (heading_sine * measured_6) - converged_part_23;
+    const float rows_5_1 = start_cosine_cx * (phase_x_part +
+        (cx_part_full_squared * (phase_x_part_2 + (5.0f * (cx_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
+    const float rows_5_4 = cx_part_full * (estimator_field_1 +
+        (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
+    const float residuals_5_phase_x = phase_x_part_6 - (estimator_amplitude * rows_5_4);
+    const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
+        (rows_5_1 * residuals_5_phase_x);
+    const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
+    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.048416f);
+    const float phase_x_part_7 = gradient_1_phase_x * terms_1_phase_x;
+    const float phase_x_part_8 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
+    const float rows_1_3 = phase_x_part_8 + (rows_1_1 * (cos_yaw_scaled_2 + sin_yaw_scaled_2));
+    const float phase_x_part_9 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
+    const float rows_3_3 = phase_x_part_9 + (rows_3_1 * (sin_yaw_scaled_4 - cos_yaw_scaled_3));
+    const float phase_x_part_10 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
+    const float rows_5_3 = phase_x_part_10 + (rows_5_1 * (cos_yaw_scaled_5 - sin_yaw_scaled_6));
+    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
+    const float terms_1_phase_x_2 = hall_position_three_limit(left_3_1 * terms_1_phase_x, 1250.0f);
+    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float ay_part_full_squared = ay_part_full * ay_part_full;
+    const float rows_2_2 = start_cosine_ay * (phase_x_part +
+        (ay_part_full_squared * (phase_x_part_2 + (5.0f * (ay_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_11 = phase_x_part_4 - (rows_2_2 * (sin_yaw_scaled - cos_yaw_scaled));
+    const float rows_2_4 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
+    const float residuals_2_phase_x = phase_x_part_8 - (estimator_amplitude * rows_2_4);
+    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float by_part_full_squared = by_part_full * by_part_full;
+    const float rows_4_2 = start_cosine_by * (phase_x_part +
+        (by_part_full_squared * (phase_x_part_2 + (5.0f * (by_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_12 = phase_x_part_5 - (rows_4_2 * ((-0.42097342f * cos_yaw) - sin_yaw_scaled_3));
+    const float rows_4_4 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
+    const float residuals_4_phase_x = phase_x_part_9 - (estimator_amplitude * rows_4_4);
     const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
-    const float rows_6_2_converged = start_cosine_cy * (converged_part_17 +
-        (cy_part_full_squared * (converged_part_18_scaled + (5.0f * converged_part_21))));
-    const float converged_part_24 = converged_part_23 -
-        (rows_6_2_converged * (heading_cosine_scaled_3 + heading_sine_scaled_5));
-    const float residuals_6_converged = (heading_cosine * measured_6) + (heading_sine * measured_5) - converged_part_22;
-    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
-        (rows_3_3_converged * rows_3_1_converged) + (rows_5_3_converged * rows_5_1_converged);
-    const float converged_part_25 = 1.0f / ((rows_1_1_converged * rows_1_1_converged) +
-        (rows_3_1_converged * rows_3_1_converged) + (rows_5_1_converged * rows_5_1_converged) + 0.00992376f);
-    const float row_1_converged = hall_position_three_limit(left_3_1_converged * converged_part_25, 4693.3496f);
-    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
-        (rows_3_1_converged * residuals_3_converged) + (rows_5_1_converged * residuals_5_converged);
-    const float converged_part_26 = (converged_part_8 * rows_2_2_converged) + (converged_part_16 * rows_4_2_converged) +
-        (converged_part_24 * rows_6_2_converged);
-    const float converged_part_27 = 1.0f / ((rows_2_2_converged * rows_2_2_converged) +
-        (rows_4_2_converged * rows_4_2_converged) + (rows_6_2_converged * rows_6_2_converged) + 0.00992376f);
-    const float row_2_converged = hall_position_three_limit(-(converged_part_26 * converged_part_27), 4693.3496f);
-    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
-        (rows_4_2_converged * residuals_4_converged) + (rows_6_2_converged * residuals_6_converged);
-    const float converged_part_28 = hall_position_three_max((rows_1_3_converged * rows_1_3_converged) +
-        (converged_part_8 * converged_part_8) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_16 *
-        converged_part_16) + (rows_5_3_converged * rows_5_3_converged) + (converged_part_24 * converged_part_24) +
-        0.87438375f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_26), 0.87438375f);
-    const float then_3_converged = hall_position_three_limit(((rows_1_3_converged * residuals_1_converged) -
-        (converged_part_8 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
-        (converged_part_16 * residuals_4_converged) + (rows_5_3_converged * residuals_5_converged) -
-        (converged_part_24 * residuals_6_converged) - (row_1_converged * gradient_1_converged) -
-        (row_2_converged * gradient_2_converged)) / converged_part_28, 0.14022085f);
-    const float then_3_converged_squared = then_3_converged * then_3_converged;
-    const float sine_converged = then_3_converged * f9_polynomial(then_3_converged_squared);
-    const float half_converged = then_3_converged * f10_polynomial(then_3_converged_squared);
-    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged = heading_cosine - fall_converged;
-    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
-    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
-    const float then_1_converged = hall_position_three_limit((gradient_1_converged * converged_part_25) -
-        (row_1_converged * then_3_converged), 0.5f);
-    const float limited_3_cosine_converged = hall_position_three_limit(-fall_converged, 0.14022085f);
-    const float limited_3_sine_converged = hall_position_three_limit(chords_3_sine_converged, 0.14022085f);
-    const float by_ax_converged = then_1_converged - (1.5812683f * limited_3_cosine_converged) -
-        (1.5833627f * limited_3_sine_converged);
-    const float f11_argument = by_ax_converged * by_ax_converged;
-    const float by_cosine_ax_converged = f11_polynomial(f11_argument);
-    const float by_sine_ax_converged = by_ax_converged * f12_polynomial(f11_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
-        (start_cosine_ax * by_sine_ax_converged);
-    const float converged_part_29 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_30 = converged_part_29 * converged_part_3;
-    const float converged_part_31 = phasors_1_sine_converged * (converged_part +
-        (converged_part_29 * (converged_part_2 + converged_part_30)));
-    const float residuals_1_converged_2 = (turns_3_cosine_converged * measured_1) -
-        (turns_3_sine_converged * measured_2) - converged_part_31;
-    const float then_2_converged = hall_position_three_limit((gradient_2_converged * converged_part_27) -
-        (row_2_converged * then_3_converged), 0.5f);
-    const float by_ay_converged = then_2_converged + (1.5833627f * limited_3_cosine_converged) -
-        (1.5812683f * limited_3_sine_converged);
-    const float f11_argument_2 = by_ay_converged * by_ay_converged;
-    const float by_cosine_ay_converged = f11_polynomial(f11_argument_2);
-    const float by_sine_ay_converged = by_ay_converged * f12_polynomial(f11_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
-        (start_cosine_ay * by_sine_ay_converged);
-    const float converged_part_32 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_33 = converged_part_32 * converged_part_3;
-    const float converged_part_34 = phasors_2_sine_converged * (converged_part +
-        (converged_part_32 * (converged_part_2 + converged_part_33)));
-    const float residuals_2_converged_2 = (turns_3_cosine_converged * measured_2) +
-        (turns_3_sine_converged * measured_1) - converged_part_34;
-    const float by_bx_converged = then_1_converged - (0.0858702f * limited_3_cosine_converged) -
-        (0.08168141f * limited_3_sine_converged);
-    const float f13_argument = by_bx_converged * by_bx_converged;
-    const float by_cosine_bx_converged = f13_polynomial(f13_argument);
-    const float by_sine_bx_converged = by_bx_converged * f14_polynomial(f13_argument);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
-        (start_cosine_bx * by_sine_bx_converged);
-    const float converged_part_35 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_36 = converged_part_35 * converged_part_11;
-    const float converged_part_37 = phasors_3_sine_converged * (converged_part_9 +
-        (converged_part_35 * (converged_part_10 + converged_part_36)));
-    const float residuals_3_converged_2 = (turns_3_cosine_converged * measured_3) -
-        (turns_3_sine_converged * measured_4) - converged_part_37;
-    const float by_converged = then_2_converged + (0.08168141f * limited_3_cosine_converged) -
-        (0.0858702f * limited_3_sine_converged);
-    const float f13_argument_2 = by_converged * by_converged;
-    const float by_cosine_converged = f13_polynomial(f13_argument_2);
-    const float by_sine_converged = by_converged * f14_polynomial(f13_argument_2);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
-    const float converged_part_38 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_39 = converged_part_38 * converged_part_11;
-    const float converged_part_40 = phasors_4_sine_converged * (converged_part_9 +
-        (converged_part_38 * (converged_part_10 + converged_part_39)));
-    const float residuals_4_converged_2 = (turns_3_cosine_converged * measured_4) +
-        (turns_3_sine_converged * measured_3) - converged_part_40;
-    const float by_cx_converged = then_1_converged + (1.6671385f * limited_3_cosine_converged) +
-        (1.6650441f * limited_3_sine_converged);
-    const float f15_argument = by_cx_converged * by_cx_converged;
-    const float by_cosine_cx_converged = f15_polynomial(f15_argument);
-    const float by_sine_cx_converged = by_cx_converged * f16_polynomial(f15_argument);
-    const float phasors_5_sine_converged = (cx_part_full * by_cosine_cx_converged) +
-        (start_cosine_cx * by_sine_cx_converged);
-    const float converged_part_41 = phasors_5_sine_converged * phasors_5_sine_converged;
-    const float converged_part_42 = converged_part_41 * converged_part_19;
-    const float converged_part_43 = phasors_5_sine_converged * (converged_part_17 +
-        (converged_part_41 * (converged_part_18 + converged_part_42)));
-    const float residuals_5_converged_2 = (turns_3_cosine_converged * measured_5) -
-        (turns_3_sine_converged * measured_6) - converged_part_43;
-    const float by_cy_converged = then_2_converged - (1.6650441f * limited_3_cosine_converged) +
-        (1.6671385f * limited_3_sine_converged);
-    const float f15_argument_2 = by_cy_converged * by_cy_converged;
-    const float by_cosine_cy_converged = f15_polynomial(f15_argument_2);
-    const float by_sine_cy_converged = by_cy_converged * f16_polynomial(f15_argument_2);
-    const float phasors_6_sine_converged = (cy_part_full * by_cosine_cy_converged) +
-        (start_cosine_cy * by_sine_cy_converged);
-    const float converged_part_44 = phasors_6_sine_converged * phasors_6_sine_converged;
-    const float converged_part_45 = converged_part_44 * converged_part_19;
-    const float converged_part_46 = phasors_6_sine_converged * (converged_part_17 +
-        (converged_part_44 * (converged_part_18 + converged_part_45)));
-    const float residuals_6_converged_2 = (turns_3_cosine_converged * measured_6) +
-        (turns_3_sine_converged * measured_5) - converged_part_46;
-    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
-        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
-        (residuals_4_converged_2 * residuals_4_converged_2) + (residuals_5_converged_2 * residuals_5_converged_2) +
-        (residuals_6_converged_2 * residuals_6_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
-        (0.00992376f * (then_2_converged * then_2_converged)) + (0.87438375f * then_3_converged_squared));
-    const float squares_1 = (residuals_1_converged * residuals_1_converged) +
-        (residuals_2_converged * residuals_2_converged);
-    const float terms_3_converged = residuals_3_converged * residuals_3_converged;
-    const float terms_4_converged = residuals_4_converged * residuals_4_converged;
-    const float terms_5_converged = residuals_5_converged * residuals_5_converged;
-    const float terms_6_converged = residuals_6_converged * residuals_6_converged;
-    const float squares_converged = squares_1 + terms_3_converged + terms_4_converged + terms_5_converged +
-        terms_6_converged;
-    const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
-    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
-        (ax_part_full * by_sine_ax_converged)) * (converged_part +
-        (converged_part_29 * (converged_part_2_scaled + (5.0f * converged_part_30))));
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * ((1.5812683f * turns_3_sine_converged) -
-        (1.5833627f * turns_3_cosine_converged))) + converged_part_34;
-    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
-        (ay_part_full * by_sine_ay_converged)) * (converged_part +
-        (converged_part_32 * (converged_part_2_scaled + (5.0f * converged_part_33))));
-    const float converged_part_47 = converged_part_31 -
-        (rows_2_2_converged_2 * ((-1.5812683f * turns_3_cosine_converged) - (1.5833627f * turns_3_sine_converged)));
-    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
-        (bx_part_full * by_sine_bx_converged)) * (converged_part_9 +
-        (converged_part_35 * (converged_part_10_scaled + (5.0f * converged_part_36))));
-    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((0.0858702f * turns_3_sine_converged) -
-        (0.08168141f * turns_3_cosine_converged))) + converged_part_40;
-    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (converged_part_9 + (converged_part_38 * (converged_part_10_scaled + (5.0f * converged_part_39))));
-    const float converged_part_48 = converged_part_37 -
-        (rows_4_2_converged_2 * ((-0.0858702f * turns_3_cosine_converged) - (0.08168141f * turns_3_sine_converged)));
-    const float rows_5_1_converged_2 = ((start_cosine_cx * by_cosine_cx_converged) -
-        (cx_part_full * by_sine_cx_converged)) * (converged_part_17 +
-        (converged_part_41 * (converged_part_18_scaled + (5.0f * converged_part_42))));
-    const float rows_5_3_converged_2 = (rows_5_1_converged_2 * ((1.6650441f * turns_3_cosine_converged) -
-        (1.6671385f * turns_3_sine_converged))) + converged_part_46;
-    const float rows_6_2_converged_2 = ((start_cosine_cy * by_cosine_cy_converged) -
-        (cy_part_full * by_sine_cy_converged)) * (converged_part_17 +
-        (converged_part_44 * (converged_part_18_scaled + (5.0f * converged_part_45))));
-    const float converged_part_49 = converged_part_43 -
-        (rows_6_2_converged_2 * ((1.6671385f * turns_3_cosine_converged) + (1.6650441f * turns_3_sine_converged)));
-    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
-        (rows_3_3_converged_2 * rows_3_1_converged_2) + (rows_5_3_converged_2 * rows_5_1_converged_2);
-    const float converged_part_50 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
-        (rows_3_1_converged_2 * rows_3_1_converged_2) + (rows_5_1_converged_2 * rows_5_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_three_limit(left_3_1_converged_2 * converged_part_50, 4693.3496f);
-    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) + (rows_3_1_converged_2 *
-        residuals_3_converged_2) + (rows_5_1_converged_2 * residuals_5_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_51 = (converged_part_47 * rows_2_2_converged_2) +
-        (converged_part_48 * rows_4_2_converged_2) + (converged_part_49 * rows_6_2_converged_2);
-    const float converged_part_52 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
-        (rows_4_2_converged_2 * rows_4_2_converged_2) + (rows_6_2_converged_2 * rows_6_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_three_limit(-(converged_part_51 * converged_part_52), 4693.3496f);
-    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) + (rows_4_2_converged_2 *
-        residuals_4_converged_2) + (rows_6_2_converged_2 * residuals_6_converged_2) - (0.00992376f * then_2_converged);
-    const float forward_3_converged = (rows_1_3_converged_2 * residuals_1_converged_2) -
-        (converged_part_47 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
-        (converged_part_48 * residuals_4_converged_2) + (rows_5_3_converged_2 * residuals_5_converged_2) -
-        (converged_part_49 * residuals_6_converged_2) - (0.87438375f * then_3_converged) -
-        (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2);
-    const float converged_part_53 = hall_position_three_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-        (converged_part_47 * converged_part_47) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-        (converged_part_48 * converged_part_48) + (rows_5_3_converged_2 * rows_5_3_converged_2) +
-        (converged_part_49 * converged_part_49) + 0.87438375f - (row_1_converged_2 * left_3_1_converged_2) +
-        (row_2_converged_2 * converged_part_51), 0.87438375f);
-    float other_3_converged = then_3_converged;
-    float other_1_converged = then_1_converged;
-    float other_2_converged = then_2_converged;
-    float converged_part_54 = cost_converged;
-    if (!better_converged) {
-        other_3_converged = 0.0f;
-        other_1_converged = 0.0f;
-        other_2_converged = 0.0f;
-        converged_part_54 = squares_converged;
-    }
-    const float then_3_converged_2 = hall_position_three_limit((better_converged) ? (then_3_converged +
-        (forward_3_converged / converged_part_53)) : (0.5f * (then_3_converged + other_3_converged)), 0.14022085f);
-    const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
-    const float sine_converged_2 = then_3_converged_2 * f9_polynomial(then_3_converged_2_squared);
-    const float half_converged_2 = then_3_converged_2 * f10_polynomial(then_3_converged_2_squared);
-    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
-    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
-    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
-    const float moves_3_converged = then_3_converged_2 - then_3_converged;
-    const float then_1_converged_2 = hall_position_three_limit((better_converged) ?
-        (then_1_converged + ((gradient_1_converged_2 * converged_part_50) - (row_1_converged_2 * moves_3_converged))) :
-        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
-    const float limited_3_cosine_converged_2 = hall_position_three_limit(-fall_converged_2, 0.14022085f);
-    const float limited_3_sine_converged_2 = hall_position_three_limit(chords_3_sine_converged_2, 0.14022085f);
-    const float by_ax_converged_2 = hall_position_three_limit(then_1_converged_2 -
-        (1.5812683f * limited_3_cosine_converged_2) - (1.5833627f * limited_3_sine_converged_2), 0.9437473f);
-    const float f11_argument_3 = by_ax_converged_2 * by_ax_converged_2;
-    const float by_cosine_ax_converged_2 = f11_polynomial(f11_argument_3);
-    const float by_sine_ax_converged_2 = by_ax_converged_2 * f12_polynomial(f11_argument_3);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
-        (start_cosine_ax * by_sine_ax_converged_2);
-    const float converged_part_55 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_56 = converged_part_55 * converged_part_3;
-    const float converged_part_57 = phasors_1_sine_converged_2 * (converged_part +
-        (converged_part_55 * (converged_part_2 + converged_part_56)));
-    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * measured_1) -
-        (turns_3_sine_converged_2 * measured_2) - converged_part_57;
-    const float then_2_converged_2 = hall_position_three_limit((better_converged) ?
-        (then_2_converged + ((gradient_2_converged_2 * converged_part_52) - (row_2_converged_2 * moves_3_converged))) :
-        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
-    const float by_ay_converged_2 = then_2_converged_2 + (1.5833627f * limited_3_cosine_converged_2) -
-        (1.5812683f * limited_3_sine_converged_2);
-    const float f11_argument_4 = by_ay_converged_2 * by_ay_converged_2;
-    const float by_cosine_ay_converged_2 = f11_polynomial(f11_argument_4);
-    const float by_sine_ay_converged_2 = by_ay_converged_2 * f12_polynomial(f11_argument_4);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
-        (start_cosine_ay * by_sine_ay_converged_2);
-    const float converged_part_58 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_59 = converged_part_58 * converged_part_3;
-    const float converged_part_60 = phasors_2_sine_converged_2 * (converged_part +
-        (converged_part_58 * (converged_part_2 + converged_part_59)));
-    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * measured_2) +
-        (turns_3_sine_converged_2 * measured_1) - converged_part_60;
-    const float by_bx_converged_2 = hall_position_three_limit(then_1_converged_2 -
-        (0.0858702f * limited_3_cosine_converged_2) - (0.08168141f * limited_3_sine_converged_2), 0.52349424f);
-    const float f13_argument_3 = by_bx_converged_2 * by_bx_converged_2;
-    const float by_cosine_bx_converged_2 = f13_polynomial(f13_argument_3);
-    const float by_sine_bx_converged_2 = by_bx_converged_2 * f14_polynomial(f13_argument_3);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
-        (start_cosine_bx * by_sine_bx_converged_2);
-    const float converged_part_61 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_62 = converged_part_61 * converged_part_11;
-    const float converged_part_63 = phasors_3_sine_converged_2 * (converged_part_9 +
-        (converged_part_61 * (converged_part_10 + converged_part_62)));
-    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * measured_3) -
-        (turns_3_sine_converged_2 * measured_4) - converged_part_63;
-    const float by_converged_2 = hall_position_three_limit(then_2_converged_2 +
-        (0.08168141f * limited_3_cosine_converged_2) - (0.0858702f * limited_3_sine_converged_2), 0.52349424f);
-    const float f13_argument_4 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f13_polynomial(f13_argument_4);
-    const float by_sine_converged_2 = by_converged_2 * f14_polynomial(f13_argument_4);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
-        (start_cosine_by * by_sine_converged_2);
-    const float converged_part_64 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_65 = converged_part_64 * converged_part_11;
-    const float converged_part_66 = phasors_4_sine_converged_2 * (converged_part_9 +
-        (converged_part_64 * (converged_part_10 + converged_part_65)));
-    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * measured_4) +
-        (turns_3_sine_converged_2 * measured_3) - converged_part_66;
-    const float by_cx_converged_2 = then_1_converged_2 + (1.6671385f * limited_3_cosine_converged_2) +
-        (1.6650441f * limited_3_sine_converged_2);
-    const float f17_argument = by_cx_converged_2 * by_cx_converged_2;
-    const float by_cosine_cx_converged_2 = f17_polynomial(f17_argument);
-    const float by_sine_cx_converged_2 = by_cx_converged_2 * f18_polynomial(f17_argument);
-    const float phasors_5_sine_converged_2 = (cx_part_full * by_cosine_cx_converged_2) +
-        (start_cosine_cx * by_sine_cx_converged_2);
-    const float converged_part_67 = phasors_5_sine_converged_2 * phasors_5_sine_converged_2;
-    const float converged_part_68 = converged_part_67 * converged_part_19;
-    const float converged_part_69 = phasors_5_sine_converged_2 * (converged_part_17 +
-        (converged_part_67 * (converged_part_18 + converged_part_68)));
-    const float residuals_5_converged_3 = (turns_3_cosine_converged_2 * measured_5) -
-        (turns_3_sine_converged_2 * measured_6) - converged_part_69;
-    const float by_cy_converged_2 = then_2_converged_2 - (1.6650441f * limited_3_cosine_converged_2) +
-        (1.6671385f * limited_3_sine_converged_2);
-    const float f17_argument_2 = by_cy_converged_2 * by_cy_converged_2;
-    const float by_cosine_cy_converged_2 = f17_polynomial(f17_argument_2);
-    const float by_sine_cy_converged_2 = by_cy_converged_2 * f18_polynomial(f17_argument_2);
-    const float phasors_6_sine_converged_2 = (cy_part_full * by_cosine_cy_converged_2) +
-        (start_cosine_cy * by_sine_cy_converged_2);
-    const float converged_part_70 = phasors_6_sine_converged_2 * phasors_6_sine_converged_2;
-    const float converged_part_71 = converged_part_70 * converged_part_19;
-    const float converged_part_72 = phasors_6_sine_converged_2 * (converged_part_17 +
-        (converged_part_70 * (converged_part_18 + converged_part_71)));
-    const float residuals_6_converged_3 = (turns_3_cosine_converged_2 * measured_6) +
-        (turns_3_sine_converged_2 * measured_5) - converged_part_72;
-    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
-        residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
-        residuals_4_converged_3) + (residuals_5_converged_3 * residuals_5_converged_3) + (residuals_6_converged_3 *
-        residuals_6_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
-        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (0.87438375f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_54) + 1e-08f);
-    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
-        (ax_part_full * by_sine_ax_converged_2)) * (converged_part +
-        (converged_part_55 * (converged_part_2_scaled + (5.0f * converged_part_56))));
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * ((1.5812683f * turns_3_sine_converged_2) -
-        (1.5833627f * turns_3_cosine_converged_2))) + converged_part_60;
-    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
-        (ay_part_full * by_sine_ay_converged_2)) * (converged_part +
-        (converged_part_58 * (converged_part_2_scaled + (5.0f * converged_part_59))));
-    const float converged_part_73 = converged_part_57 -
-        (rows_2_2_converged_3 * ((-1.5812683f * turns_3_cosine_converged_2) - (1.5833627f * turns_3_sine_converged_2)));
-    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
-        (bx_part_full * by_sine_bx_converged_2)) * (converged_part_9 +
-        (converged_part_61 * (converged_part_10_scaled + (5.0f * converged_part_62))));
-    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((0.0858702f * turns_3_sine_converged_2) -
-        (0.08168141f * turns_3_cosine_converged_2))) + converged_part_66;
-    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
-        (by_part_full * by_sine_converged_2)) * (converged_part_9 +
-        (converged_part_64 * (converged_part_10_scaled + (5.0f * converged_part_65))));
-    const float converged_part_74 = converged_part_63 - (rows_4_2_converged_3 *
-        ((-0.0858702f * turns_3_cosine_converged_2) - (0.08168141f * turns_3_sine_converged_2)));
-    const float rows_5_1_converged_3 = ((start_cosine_cx * by_cosine_cx_converged_2) -
-        (cx_part_full * by_sine_cx_converged_2)) * (converged_part_17 +
-        (converged_part_67 * (converged_part_18_scaled + (5.0f * converged_part_68))));
-    const float rows_5_3_converged_3 = (rows_5_1_converged_3 * ((1.6650441f * turns_3_cosine_converged_2) -
-        (1.6671385f * turns_3_sine_converged_2))) + converged_part_72;
-    const float rows_6_2_converged_3 = ((start_cosine_cy * by_cosine_cy_converged_2) -
-        (cy_part_full * by_sine_cy_converged_2)) * (converged_part_17 +
-        (converged_part_70 * (converged_part_18_scaled + (5.0f * converged_part_71))));
-    const float converged_part_75 = converged_part_69 -
-        (rows_6_2_converged_3 * ((1.6671385f * turns_3_cosine_converged_2) + (1.6650441f * turns_3_sine_converged_2)));
-    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
-        (rows_3_3_converged_3 * rows_3_1_converged_3) + (rows_5_3_converged_3 * rows_5_1_converged_3);
-    const float converged_part_76 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
-        (rows_3_1_converged_3 * rows_3_1_converged_3) + (rows_5_1_converged_3 * rows_5_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_three_limit(left_3_1_converged_3 * converged_part_76, 4693.3496f);
-    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
-        (rows_3_1_converged_3 * residuals_3_converged_3) + (rows_5_1_converged_3 * residuals_5_converged_3) -
-        (0.00992376f * then_1_converged_2);
-    const float converged_part_77 = (converged_part_73 * rows_2_2_converged_3) +
-        (converged_part_74 * rows_4_2_converged_3) + (converged_part_75 * rows_6_2_converged_3);
-    const float converged_part_78 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
-        (rows_4_2_converged_3 * rows_4_2_converged_3) + (rows_6_2_converged_3 * rows_6_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_three_limit(-(converged_part_77 * converged_part_78), 4693.3496f);
-    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
-        (rows_4_2_converged_3 * residuals_4_converged_3) + (rows_6_2_converged_3 * residuals_6_converged_3) -
-        (0.00992376f * then_2_converged_2);
-    const float forward_3_converged_2 = (rows_1_3_converged_3 * residuals_1_converged_3) -
-        (converged_part_73 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
-        (converged_part_74 * residuals_4_converged_3) + (rows_5_3_converged_3 * residuals_5_converged_3) -
-        (converged_part_75 * residuals_6_converged_3) - (0.87438375f * then_3_converged_2) -
-        (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3);
-    const float converged_part_79 = hall_position_three_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-        (converged_part_73 * converged_part_73) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-        (converged_part_74 * converged_part_74) + (rows_5_3_converged_3 * rows_5_3_converged_3) +
-        (converged_part_75 * converged_part_75) + 0.87438375f - (row_1_converged_3 * left_3_1_converged_3) +
-        (row_2_converged_3 * converged_part_77), 0.87438375f);
-    float other_3_converged_2 = then_3_converged_2;
-    float other_1_converged_2 = then_1_converged_2;
-    float other_2_converged_2 = then_2_converged_2;
-    float converged_part_80 = cost_converged_2;
-    if (!better_converged_2) {
-        other_3_converged_2 = other_3_converged;
-        other_1_converged_2 = other_1_converged;
-        other_2_converged_2 = other_2_converged;
-        converged_part_80 = converged_part_54;
-    }
-    const float then_3_converged_3 = hall_position_three_limit((better_converged_2) ?
-        (then_3_converged_2 + (forward_3_converged_2 / converged_part_79)) :
-        (0.5f * (then_3_converged_2 + other_3_converged_2)), 0.14022085f);
-    const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
-    const float sine_converged_3 = then_3_converged_3 * f9_polynomial(then_3_converged_3_squared);
-    const float half_converged_3 = then_3_converged_3 * f10_polynomial(then_3_converged_3_squared);
-    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
-    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
-    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
-    const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
-    const float then_1_converged_3 = hall_position_three_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_76) - (row_1_converged_3 * moves_3_converged_2))) :
-        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float limited_3_cosine_converged_3 = hall_position_three_limit(-fall_converged_3, 0.14022085f);
-    const float limited_3_sine_converged_3 = hall_position_three_limit(chords_3_sine_converged_3, 0.14022085f);
-    const float by_ax_converged_3 = hall_position_three_limit(then_1_converged_3 -
-        (1.5812683f * limited_3_cosine_converged_3) - (1.5833627f * limited_3_sine_converged_3), 0.9437473f);
-    const float f11_argument_5 = by_ax_converged_3 * by_ax_converged_3;
-    const float by_cosine_ax_converged_3 = f11_polynomial(f11_argument_5);
-    const float by_sine_ax_converged_3 = by_ax_converged_3 * f12_polynomial(f11_argument_5);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
-        (start_cosine_ax * by_sine_ax_converged_3);
-    const float converged_part_81 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_82 = converged_part_81 * converged_part_3;
-    const float converged_part_83 = phasors_1_sine_converged_3 * (converged_part +
-        (converged_part_81 * (converged_part_2 + converged_part_82)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * measured_1) -
-        (turns_3_sine_converged_3 * measured_2) - converged_part_83;
-    const float then_2_converged_3 = hall_position_three_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_78) - (row_2_converged_3 * moves_3_converged_2))) :
-        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_ay_converged_3 = then_2_converged_3 + (1.5833627f * limited_3_cosine_converged_3) -
-        (1.5812683f * limited_3_sine_converged_3);
-    const float f11_argument_6 = by_ay_converged_3 * by_ay_converged_3;
-    const float by_cosine_ay_converged_3 = f11_polynomial(f11_argument_6);
-    const float by_sine_ay_converged_3 = by_ay_converged_3 * f12_polynomial(f11_argument_6);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
-        (start_cosine_ay * by_sine_ay_converged_3);
-    const float converged_part_84 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_85 = converged_part_84 * converged_part_3;
-    const float converged_part_86 = phasors_2_sine_converged_3 * (converged_part +
-        (converged_part_84 * (converged_part_2 + converged_part_85)));
-    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * measured_2) +
-        (turns_3_sine_converged_3 * measured_1) - converged_part_86;
-    const float by_bx_converged_3 = hall_position_three_limit(then_1_converged_3 -
-        (0.0858702f * limited_3_cosine_converged_3) - (0.08168141f * limited_3_sine_converged_3), 0.52349424f);
-    const float f13_argument_5 = by_bx_converged_3 * by_bx_converged_3;
-    const float by_cosine_bx_converged_3 = f13_polynomial(f13_argument_5);
-    const float by_sine_bx_converged_3 = by_bx_converged_3 * f14_polynomial(f13_argument_5);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
-        (start_cosine_bx * by_sine_bx_converged_3);
-    const float converged_part_87 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_88 = converged_part_87 * converged_part_11;
-    const float converged_part_89 = phasors_3_sine_converged_3 * (converged_part_9 +
-        (converged_part_87 * (converged_part_10 + converged_part_88)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * measured_3) -
-        (turns_3_sine_converged_3 * measured_4) - converged_part_89;
-    const float by_converged_3 = hall_position_three_limit(then_2_converged_3 +
-        (0.08168141f * limited_3_cosine_converged_3) - (0.0858702f * limited_3_sine_converged_3), 0.52349424f);
-    const float f13_argument_6 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f13_polynomial(f13_argument_6);
-    const float by_sine_converged_3 = by_converged_3 * f14_polynomial(f13_argument_6);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
-        (start_cosine_by * by_sine_converged_3);
-    const float converged_part_90 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_91 = converged_part_90 * converged_part_11;
-    const float converged_part_92 = phasors_4_sine_converged_3 * (converged_part_9 +
-        (converged_part_90 * (converged_part_10 + converged_part_91)));
-    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * measured_4) +
-        (turns_3_sine_converged_3 * measured_3) - converged_part_92;
-    const float by_cx_converged_3 = then_1_converged_3 + (1.6671385f * limited_3_cosine_converged_3) +
-        (1.6650441f * limited_3_sine_converged_3);
-    const float f17_argument_3 = by_cx_converged_3 * by_cx_converged_3;
-    const float by_cosine_cx_converged_3 = f17_polynomial(f17_argument_3);
-    const float by_sine_cx_converged_3 = by_cx_converged_3 * f18_polynomial(f17_argument_3);
-    const float phasors_5_sine_converged_3 = (cx_part_full * by_cosine_cx_converged_3) +
-        (start_cosine_cx * by_sine_cx_converged_3);
-    const float converged_part_93 = phasors_5_sine_converged_3 * phasors_5_sine_converged_3;
-    const float converged_part_94 = converged_part_93 * converged_part_19;
-    const float converged_part_95 = phasors_5_sine_converged_3 * (converged_part_17 +
-        (converged_part_93 * (converged_part_18 + converged_part_94)));
-    const float residuals_5_converged_4 = (turns_3_cosine_converged_3 * measured_5) -
-        (turns_3_sine_converged_3 * measured_6) - converged_part_95;
-    const float by_cy_converged_3 = then_2_converged_3 - (1.6650441f * limited_3_cosine_converged_3) +
-        (1.6671385f * limited_3_sine_converged_3);
-    const float f17_argument_4 = by_cy_converged_3 * by_cy_converged_3;
-    const float by_cosine_cy_converged_3 = f17_polynomial(f17_argument_4);
-    const float by_sine_cy_converged_3 = by_cy_converged_3 * f18_polynomial(f17_argument_4);
-    const float phasors_6_sine_converged_3 = (cy_part_full * by_cosine_cy_converged_3) +
-        (start_cosine_cy * by_sine_cy_converged_3);
-    const float converged_part_96 = phasors_6_sine_converged_3 * phasors_6_sine_converged_3;
-    const float converged_part_97 = converged_part_96 * converged_part_19;
-    const float converged_part_98 = phasors_6_sine_converged_3 * (converged_part_17 +
-        (converged_part_96 * (converged_part_18 + converged_part_97)));
-    const float residuals_6_converged_4 = (turns_3_cosine_converged_3 * measured_6) +
-        (turns_3_sine_converged_3 * measured_5) - converged_part_98;
-    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
-        residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
-        residuals_4_converged_4) + (residuals_5_converged_4 * residuals_5_converged_4) + (residuals_6_converged_4 *
-        residuals_6_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
-        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (0.87438375f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_80) + 1e-08f);
-    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
-        (ax_part_full * by_sine_ax_converged_3)) * (converged_part +
-        (converged_part_81 * (converged_part_2_scaled + (5.0f * converged_part_82))));
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * ((1.5812683f * turns_3_sine_converged_3) -
-        (1.5833627f * turns_3_cosine_converged_3))) + converged_part_86;
-    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
-        (ay_part_full * by_sine_ay_converged_3)) * (converged_part +
-        (converged_part_84 * (converged_part_2_scaled + (5.0f * converged_part_85))));
-    const float converged_part_99 = converged_part_83 -
-        (rows_2_2_converged_4 * ((-1.5812683f * turns_3_cosine_converged_3) - (1.5833627f * turns_3_sine_converged_3)));
-    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
-        (bx_part_full * by_sine_bx_converged_3)) * (converged_part_9 +
-        (converged_part_87 * (converged_part_10_scaled + (5.0f * converged_part_88))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((0.0858702f * turns_3_sine_converged_3) -
-        (0.08168141f * turns_3_cosine_converged_3))) + converged_part_92;
-    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
-        (by_part_full * by_sine_converged_3)) * (converged_part_9 +
-        (converged_part_90 * (converged_part_10_scaled + (5.0f * converged_part_91))));
-    const float converged_part_100 = converged_part_89 - (rows_4_2_converged_4 *
-        ((-0.0858702f * turns_3_cosine_converged_3) - (0.08168141f * turns_3_sine_converged_3)));
-    const float rows_5_1_converged_4 = ((start_cosine_cx * by_cosine_cx_converged_3) -
-        (cx_part_full * by_sine_cx_converged_3)) * (converged_part_17 +
-        (converged_part_93 * (converged_part_18_scaled + (5.0f * converged_part_94))));
-    const float rows_5_3_converged_4 = (rows_5_1_converged_4 * ((1.6650441f * turns_3_cosine_converged_3) -
-        (1.6671385f * turns_3_sine_converged_3))) + converged_part_98;
-    const float rows_6_2_converged_4 = ((start_cosine_cy * by_cosine_cy_converged_3) -
-        (cy_part_full * by_sine_cy_converged_3)) * (converged_part_17 +
-        (converged_part_96 * (converged_part_18_scaled + (5.0f * converged_part_97))));
-    const float converged_part_101 = converged_part_95 -
-        (rows_6_2_converged_4 * ((1.6671385f * turns_3_cosine_converged_3) + (1.6650441f * turns_3_sine_converged_3)));
-    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
-        (rows_3_3_converged_4 * rows_3_1_converged_4) + (rows_5_3_converged_4 * rows_5_1_converged_4);
-    const float converged_part_102 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
-        (rows_3_1_converged_4 * rows_3_1_converged_4) + (rows_5_1_converged_4 * rows_5_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_three_limit(left_3_1_converged_4 * converged_part_102, 4693.3496f);
-    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
-        (rows_3_1_converged_4 * residuals_3_converged_4) + (rows_5_1_converged_4 * residuals_5_converged_4) -
-        (0.00992376f * then_1_converged_3);
-    const float converged_part_103 = (converged_part_99 * rows_2_2_converged_4) +
-        (converged_part_100 * rows_4_2_converged_4) + (converged_part_101 * rows_6_2_converged_4);
-    const float converged_part_104 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
-        (rows_4_2_converged_4 * rows_4_2_converged_4) + (rows_6_2_converged_4 * rows_6_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_three_limit(-(converged_part_103 * converged_part_104), 4693.3496f);
-    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
-        (rows_4_2_converged_4 * residuals_4_converged_4) + (rows_6_2_converged_4 * residuals_6_converged_4) -
-        (0.00992376f * then_2_converged_3);
-    const float forward_3_converged_3 = (rows_1_3_converged_4 * residuals_1_converged_4) -
-        (converged_part_99 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
-        (converged_part_100 * residuals_4_converged_4) + (rows_5_3_converged_4 * residuals_5_converged_4) -
-        (converged_part_101 * residuals_6_converged_4) - (0.87438375f * then_3_converged_3) -
-        (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4);
-    const float converged_part_105 = hall_position_three_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-        (converged_part_99 * converged_part_99) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-        (converged_part_100 * converged_part_100) + (rows_5_3_converged_4 * rows_5_3_converged_4) +
-        (converged_part_101 * converged_part_101) + 0.87438375f - (row_1_converged_4 * left_3_1_converged_4) +
-        (row_2_converged_4 * converged_part_103), 0.87438375f);
-    float other_3_converged_3 = then_3_converged_3;
-    float other_1_converged_3 = then_1_converged_3;
-    float other_2_converged_3 = then_2_converged_3;
-    float converged_part_106 = cost_converged_3;
-    if (!better_converged_3) {
-        other_3_converged_3 = other_3_converged_2;
-        other_1_converged_3 = other_1_converged_2;
-        other_2_converged_3 = other_2_converged_2;
-        converged_part_106 = converged_part_80;
-    }
-    const float then_3_converged_4 = hall_position_three_limit((better_converged_3) ?
-        (then_3_converged_3 + (forward_3_converged_3 / converged_part_105)) :
-        (0.5f * (then_3_converged_3 + other_3_converged_3)), 0.14022085f);
-    const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
-    const float sine_converged_4 = then_3_converged_4 * f9_polynomial(then_3_converged_4_squared);
-    const float half_converged_4 = then_3_converged_4 * f10_polynomial(then_3_converged_4_squared);
-    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
-    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
-    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
-    const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
-    const float then_1_converged_4 = hall_position_three_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_102) - (row_1_converged_4 * moves_3_converged_3))) :
-        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float limited_3_cosine_converged_4 = hall_position_three_limit(-fall_converged_4, 0.14022085f);
-    const float limited_3_sine_converged_4 = hall_position_three_limit(chords_3_sine_converged_4, 0.14022085f);
-    const float by_ax_converged_4 = hall_position_three_limit(then_1_converged_4 -
-        (1.5812683f * limited_3_cosine_converged_4) - (1.5833627f * limited_3_sine_converged_4), 0.9437473f);
-    const float f11_argument_7 = by_ax_converged_4 * by_ax_converged_4;
-    const float by_cosine_ax_converged_4 = f11_polynomial(f11_argument_7);
-    const float by_sine_ax_converged_4 = by_ax_converged_4 * f12_polynomial(f11_argument_7);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
-        (start_cosine_ax * by_sine_ax_converged_4);
-    const float converged_part_107 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_108 = converged_part_107 * converged_part_3;
-    const float converged_part_109 = phasors_1_sine_converged_4 * (converged_part +
-        (converged_part_107 * (converged_part_2 + converged_part_108)));
-    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * measured_1) -
-        (turns_3_sine_converged_4 * measured_2) - converged_part_109;
-    const float then_2_converged_4 = hall_position_three_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_104) - (row_2_converged_4 * moves_3_converged_3))) :
-        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_ay_converged_4 = then_2_converged_4 + (1.5833627f * limited_3_cosine_converged_4) -
-        (1.5812683f * limited_3_sine_converged_4);
-    const float f11_argument_8 = by_ay_converged_4 * by_ay_converged_4;
-    const float by_cosine_ay_converged_4 = f11_polynomial(f11_argument_8);
-    const float by_sine_ay_converged_4 = by_ay_converged_4 * f12_polynomial(f11_argument_8);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
-        (start_cosine_ay * by_sine_ay_converged_4);
-    const float converged_part_110 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_111 = converged_part_110 * converged_part_3;
-    const float converged_part_112 = phasors_2_sine_converged_4 * (converged_part +
-        (converged_part_110 * (converged_part_2 + converged_part_111)));
-    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * measured_2) +
-        (turns_3_sine_converged_4 * measured_1) - converged_part_112;
-    const float by_bx_converged_4 = hall_position_three_limit(then_1_converged_4 -
-        (0.0858702f * limited_3_cosine_converged_4) - (0.08168141f * limited_3_sine_converged_4), 0.52349424f);
-    const float f13_argument_7 = by_bx_converged_4 * by_bx_converged_4;
-    const float by_cosine_bx_converged_4 = f13_polynomial(f13_argument_7);
-    const float by_sine_bx_converged_4 = by_bx_converged_4 * f14_polynomial(f13_argument_7);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
-        (start_cosine_bx * by_sine_bx_converged_4);
-    const float converged_part_113 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_114 = converged_part_113 * converged_part_11;
-    const float converged_part_115 = phasors_3_sine_converged_4 * (converged_part_9 +
-        (converged_part_113 * (converged_part_10 + converged_part_114)));
-    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * measured_3) -
-        (turns_3_sine_converged_4 * measured_4) - converged_part_115;
-    const float by_converged_4 = hall_position_three_limit(then_2_converged_4 +
-        (0.08168141f * limited_3_cosine_converged_4) - (0.0858702f * limited_3_sine_converged_4), 0.52349424f);
-    const float f13_argument_8 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f13_polynomial(f13_argument_8);
-    const float by_sine_converged_4 = by_converged_4 * f14_polynomial(f13_argument_8);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
-        (start_cosine_by * by_sine_converged_4);
-    const float converged_part_116 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_117 = converged_part_116 * converged_part_11;
-    const float converged_part_118 = phasors_4_sine_converged_4 * (converged_part_9 +
-        (converged_part_116 * (converged_part_10 + converged_part_117)));
-    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * measured_4) +
-        (turns_3_sine_converged_4 * measured_3) - converged_part_118;
-    const float by_cx_converged_4 = then_1_converged_4 + (1.6671385f * limited_3_cosine_converged_4) +
-        (1.6650441f * limited_3_sine_converged_4);
-    const float f17_argument_5 = by_cx_converged_4 * by_cx_converged_4;
-    const float by_cosine_cx_converged_4 = f17_polynomial(f17_argument_5);
-    const float by_sine_cx_converged_4 = by_cx_converged_4 * f18_polynomial(f17_argument_5);
-    const float phasors_5_sine_converged_4 = (cx_part_full * by_cosine_cx_converged_4) +
-        (start_cosine_cx * by_sine_cx_converged_4);
-    const float converged_part_119 = phasors_5_sine_converged_4 * phasors_5_sine_converged_4;
-    const float converged_part_120 = converged_part_119 * converged_part_19;
-    const float converged_part_121 = phasors_5_sine_converged_4 * (converged_part_17 +
-        (converged_part_119 * (converged_part_18 + converged_part_120)));
-    const float residuals_5_converged_5 = (turns_3_cosine_converged_4 * measured_5) -
-        (turns_3_sine_converged_4 * measured_6) - converged_part_121;
-    const float by_cy_converged_4 = then_2_converged_4 - (1.6650441f * limited_3_cosine_converged_4) +
-        (1.6671385f * limited_3_sine_converged_4);
-    const float f17_argument_6 = by_cy_converged_4 * by_cy_converged_4;
-    const float by_cosine_cy_converged_4 = f17_polynomial(f17_argument_6);
-    const float by_sine_cy_converged_4 = by_cy_converged_4 * f18_polynomial(f17_argument_6);
-    const float phasors_6_sine_converged_4 = (cy_part_full * by_cosine_cy_converged_4) +
-        (start_cosine_cy * by_sine_cy_converged_4);
-    const float converged_part_122 = phasors_6_sine_converged_4 * phasors_6_sine_converged_4;
-    const float converged_part_123 = converged_part_122 * converged_part_19;
-    const float converged_part_124 = phasors_6_sine_converged_4 * (converged_part_17 +
-        (converged_part_122 * (converged_part_18 + converged_part_123)));
-    const float residuals_6_converged_5 = (turns_3_cosine_converged_4 * measured_6) +
-        (turns_3_sine_converged_4 * measured_5) - converged_part_124;
-    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
-        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
-        (residuals_4_converged_5 * residuals_4_converged_5) + (residuals_5_converged_5 * residuals_5_converged_5) +
-        (residuals_6_converged_5 * residuals_6_converged_5);
-    const uint32_t estimator_residual_faults = state->estimator_residual_faults;
-    const float growing_gate = 0.030115018f + (0.030115018f * (float)estimator_residual_faults);
-    const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
-    const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
-    const bool gate_exceeded = (growing_gate * growing_gate) <
-        (then_1_converged_4_squared + then_2_converged_4_squared + (3.524405f * then_3_converged_4_squared));
-    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
-        (0.00992376f * then_2_converged_4_squared) + (0.87438375f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_part_106) + 1e-08f);
-    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
-        (ax_part_full * by_sine_ax_converged_4)) * (converged_part +
-        (converged_part_107 * (converged_part_2_scaled + (5.0f * converged_part_108))));
-    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
-        (bx_part_full * by_sine_bx_converged_4)) * (converged_part_9 +
-        (converged_part_113 * (converged_part_10_scaled + (5.0f * converged_part_114))));
-    const float rows_5_1_converged_5 = ((start_cosine_cx * by_cosine_cx_converged_4) -
-        (cx_part_full * by_sine_cx_converged_4)) * (converged_part_17 +
-        (converged_part_119 * (converged_part_18_scaled + (5.0f * converged_part_120))));
-    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
-        (rows_3_1_converged_5 * residuals_3_converged_5) + (rows_5_1_converged_5 * residuals_5_converged_5) -
-        (0.00992376f * then_1_converged_4);
-    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
-        (rows_3_1_converged_5 * rows_3_1_converged_5) + (rows_5_1_converged_5 * rows_5_1_converged_5) + 0.00992376f);
-    const float converged_part_125 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
-        (ay_part_full * by_sine_ay_converged_4)) * (converged_part +
-        (converged_part_110 * (converged_part_2_scaled + (5.0f * converged_part_111))));
-    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
-        (by_part_full * by_sine_converged_4)) * (converged_part_9 +
-        (converged_part_116 * (converged_part_10_scaled + (5.0f * converged_part_117))));
-    const float rows_6_2_converged_5 = ((start_cosine_cy * by_cosine_cy_converged_4) -
-        (cy_part_full * by_sine_cy_converged_4)) * (converged_part_17 +
-        (converged_part_122 * (converged_part_18_scaled + (5.0f * converged_part_123))));
-    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
-        (rows_4_2_converged_5 * residuals_4_converged_5) + (rows_6_2_converged_5 * residuals_6_converged_5) -
-        (0.00992376f * then_2_converged_4);
-    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
-        (rows_4_2_converged_5 * rows_4_2_converged_5) + (rows_6_2_converged_5 * rows_6_2_converged_5) + 0.00992376f);
-    const float converged_part_126 = gradient_2_converged_5 * inverse_2;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * ((1.5812683f * turns_3_sine_converged_4) -
-        (1.5833627f * turns_3_cosine_converged_4))) + converged_part_112;
-    const float converged_part_127 = converged_part_109 -
-        (rows_2_2_converged_5 * ((-1.5812683f * turns_3_cosine_converged_4) - (1.5833627f * turns_3_sine_converged_4)));
-    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((0.0858702f * turns_3_sine_converged_4) -
-        (0.08168141f * turns_3_cosine_converged_4))) + converged_part_118;
-    const float converged_part_128 = converged_part_115 - (rows_4_2_converged_5 *
-        ((-0.0858702f * turns_3_cosine_converged_4) - (0.08168141f * turns_3_sine_converged_4)));
-    const float rows_5_3_converged_5 = (rows_5_1_converged_5 * ((1.6650441f * turns_3_cosine_converged_4) -
-        (1.6671385f * turns_3_sine_converged_4))) + converged_part_124;
-    const float converged_part_129 = converged_part_121 -
-        (rows_6_2_converged_5 * ((1.6671385f * turns_3_cosine_converged_4) + (1.6650441f * turns_3_sine_converged_4)));
-    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
-        (rows_3_3_converged_5 * rows_3_1_converged_5) + (rows_5_3_converged_5 * rows_5_1_converged_5);
-    const float x_converged = hall_position_three_limit(left_3_1_converged_5 * inverse_1, 4693.3496f);
-    const float converged_part_130 = (converged_part_127 * rows_2_2_converged_5) +
-        (converged_part_128 * rows_4_2_converged_5) + (converged_part_129 * rows_6_2_converged_5);
-    const float y_converged = hall_position_three_limit(-(converged_part_130 * inverse_2), 4693.3496f);
-    const float forward_3_converged_4 = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (converged_part_127 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_part_128 * residuals_4_converged_5) + (rows_5_3_converged_5 * residuals_5_converged_5) -
-        (converged_part_129 * residuals_6_converged_5) - (0.87438375f * then_3_converged_4) -
-        (x_converged * gradient_1_converged_5) - (y_converged * gradient_2_converged_5);
-    const float pivot = hall_position_three_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_127 *
-        converged_part_127) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_128 * converged_part_128)
-        + (rows_5_3_converged_5 * rows_5_3_converged_5) + (converged_part_129 * converged_part_129) + 0.87438375f -
-        (x_converged * left_3_1_converged_5) + (y_converged * converged_part_130), 0.87438375f);
-    const float step_converged = forward_3_converged_4 / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_125) +
-        (gradient_2_converged_5 * converged_part_126) + (forward_3_converged_4 * step_converged)) <= 1e-08f);
-    float at_3;
-    float at_1;
-    float at_2;
-    if (converged) {
-        const float untried_3 = hall_position_three_limit(then_3_converged_4 + step_converged, 0.14022085f);
-        at_3 = untried_3;
-        const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_three_limit(then_1_converged_4 + (converged_part_125 - (x_converged * moves_3_X)), 0.5f);
-        at_2 = hall_position_three_limit(then_2_converged_4 + (converged_part_126 - (y_converged * moves_3_X)), 0.5f);
+    const float cy_part_full_squared = cy_part_full * cy_part_full;
+    const float rows_6_2 = start_cosine_cy * (phase_x_part +
+        (cy_part_full_squared * (phase_x_part_2 + (5.0f * (cy_part_full_squared * phase_x_part_3)))));
+    const float phase_x_part_13 = phase_x_part_6 - (rows_6_2 * (cos_yaw_scaled_4 + sin_yaw_scaled_5));
+    const float rows_6_4 = cy_part_full * (estimator_field_1 +
+        (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
+    const float residuals_6_phase_x = phase_x_part_10 - (estimator_amplitude * rows_6_4);
+    const float phase_x_part_14 = (phase_x_part_11 * rows_2_2) + (phase_x_part_12 * rows_4_2) +
+        (phase_x_part_13 * rows_6_2);
+    const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
+    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.048416f);
+    const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_part_14 * terms_1_phase_x_3), 1250.0f);
+    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
+        (rows_6_2 * residuals_6_phase_x);
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_part_11 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (phase_x_part_12 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (phase_x_part_13 * residuals_6_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) -
+        (terms_1_phase_x_4 * gradient_2_phase_x);
+    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_part_11 * phase_x_part_11) + (rows_3_3 * rows_3_3) +
+        (phase_x_part_12 * phase_x_part_12) + (rows_5_3 * rows_5_3) + (phase_x_part_13 * phase_x_part_13);
+    const float terms_1_phase_x_5 = 1.0f / hall_position_three_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
+        (terms_1_phase_x_4 * phase_x_part_14), 0.3026f);
+    const float phase_x_part_15 = forward_3_phase_x * terms_1_phase_x_5;
+    const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
+    const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, 625.0f);
+    const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
+    const float terms_1_phase_x_7 = hall_position_three_limit(left_4_2 * terms_1_phase_x_3, 625.0f);
+    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_part_11) + (rows_3_4 * rows_3_3) -
+        (rows_4_4 * phase_x_part_12) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_part_13) -
+        (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_14);
+    const float terms_1_phase_x_8 = hall_position_three_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
+    const float offsets_4_phase_x = estimator_amplitude - 1.0f;
+    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
+        (rows_6_4 * residuals_6_phase_x) - (0.84055555f * offsets_4_phase_x) - (terms_1_phase_x_6 *
+        gradient_1_phase_x) - (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
+    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
+        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + 0.84055555f;
+    const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
+        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
+    const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
+    const float steps_3_phase_x = phase_x_part_15 - (terms_1_phase_x_8 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_part_7 - (terms_1_phase_x_2 * steps_3_phase_x) -
+        (terms_1_phase_x_6 * steps_4_phase_x);
+    const uint32_t estimator_excluded = state->estimator_excluded;
+    const float excluded = hall_position_three_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
+    const bool none_phase_x = excluded < 1.0f;
+    const float phase_x_part_16 = rows_1_1 * terms_1_phase_x;
+    const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
+    const float phase_x_part_17 = b_3_phase_x * terms_1_phase_x_5;
+    const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
+    const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
+    const float moves_1_3_phase_x = phase_x_part_17 - (terms_1_phase_x_8 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = phase_x_part_16 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
+        (terms_1_phase_x_6 * moves_1_4_phase_x);
+    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f -
+        ((rows_1_1 * phase_x_part_16) + (b_3_phase_x * phase_x_part_17) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
+    const float scores_1_phase_x = residuals_1_phase_x -
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
+    const float phase_x_part_18 = phase_x_part_11 + (terms_1_phase_x_4 * rows_2_2);
+    const float phase_x_part_19 = phase_x_part_18 * terms_1_phase_x_5;
+    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_part_18);
+    const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
+    const float phase_x_part_20 = phase_x_part_19 + (terms_1_phase_x_8 * weighted_4_phase_x);
+    const float phase_x_part_21 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_part_19 * b_3_phase_x);
+    const float lower_2_1_phase_x = hall_position_three_limit(-(phase_x_part_21 * gains_1_phase_x), 31.622776f);
+    const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_part_20) - (terms_1_phase_x_6 * weighted_4_phase_x) -
+        (lower_2_1_phase_x * moves_1_1_phase_x);
+    const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
+    const float gains_2_phase_x = 1.0f /
+        hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_part_18 * phase_x_part_19) +
+        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_part_21), 0.001f);
+    const float phase_x_part_22 = gradient_2_phase_x * terms_1_phase_x_3;
+    const float steps_2_phase_x = phase_x_part_22 - (terms_1_phase_x_4 * steps_3_phase_x) -
+        (terms_1_phase_x_7 * steps_4_phase_x);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (phase_x_part_11 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float phase_x_part_23 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_part_20) -
+        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_part_23);
+    const float phase_x_part_24 = phase_x_part_20 + (lower_2_1_phase_x * moves_1_3_phase_x);
+    const float phase_x_part_25 = rows_3_1 * terms_1_phase_x;
+    const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
+    const float phase_x_part_26 = b_3_phase_x_2 * terms_1_phase_x_5;
+    const float b_4_phase_x_2 = rows_3_4 - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
+    const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
+    const float moves_3_3 = phase_x_part_26 - (terms_1_phase_x_8 * moves_3_4);
+    const float moves_3_1 = phase_x_part_25 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
+    const float gains_3 = 1.0f / hall_position_three_max(1.0f -
+        ((rows_3_1 * phase_x_part_25) + (b_3_phase_x_2 * phase_x_part_26) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
+    const float scores_3 = residuals_3_phase_x -
+        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
+    const float phase_x_part_27 = phase_x_part_12 + (terms_1_phase_x_4 * rows_4_2);
+    const float phase_x_part_28 = phase_x_part_27 * terms_1_phase_x_5;
+    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_part_27);
+    const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
+    const float phase_x_part_29 = phase_x_part_28 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
+    const float phase_x_part_30 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_part_28 * b_3_phase_x_2);
+    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(phase_x_part_30 * gains_3), 31.622776f);
+    const float moves_4_1 = (terms_1_phase_x_2 * phase_x_part_29) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
+        (lower_2_1_phase_x_2 * moves_3_1);
+    const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
+    const float gains_4 = 1.0f /
+        hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_part_27 * phase_x_part_28) +
+        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_part_30), 0.001f);
+    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
+        (phase_x_part_12 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
+    const float phase_x_part_31 = phase_x_part_29 + (lower_2_1_phase_x_2 * moves_3_3);
+    const float phase_x_part_32 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_part_29) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_part_32);
+    const float phase_x_part_33 = rows_5_1 * terms_1_phase_x;
+    const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
+    const float phase_x_part_34 = b_3_phase_x_3 * terms_1_phase_x_5;
+    const float b_4_phase_x_3 = rows_5_4 - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
+    const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
+    const float moves_5_3 = phase_x_part_34 - (terms_1_phase_x_8 * moves_5_4);
+    const float moves_5_1 = phase_x_part_33 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
+    const float gains_5 = 1.0f / hall_position_three_max(1.0f -
+        ((rows_5_1 * phase_x_part_33) + (b_3_phase_x_3 * phase_x_part_34) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
+    const float scores_5 = residuals_5_phase_x -
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
+    const float phase_x_part_35 = phase_x_part_13 + (terms_1_phase_x_4 * rows_6_2);
+    const float phase_x_part_36 = phase_x_part_35 * terms_1_phase_x_5;
+    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_part_35);
+    const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
+    const float phase_x_part_37 = phase_x_part_36 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
+    const float phase_x_part_38 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_part_36 * b_3_phase_x_3);
+    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(phase_x_part_38 * gains_5), 31.622776f);
+    const float moves_6_1 = (terms_1_phase_x_2 * phase_x_part_37) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
+        (lower_2_1_phase_x_3 * moves_5_1);
+    const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
+    const float gain = 1.0f /
+        hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_part_35 * phase_x_part_36) +
+        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_part_38), 0.001f);
+    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
+        (phase_x_part_13 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+    const float phase_x_part_39 = phase_x_part_37 + (lower_2_1_phase_x_3 * moves_5_3);
+    const float phase_x_part_40 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
+    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_part_37) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_part_40);
+    float moves_1_1_phase_x_2 = moves_1_1_phase_x;
+    float gains_1_phase_x_2 = gains_1_phase_x;
+    float scores_1_phase_x_2 = scores_1_phase_x;
+    float moves_2_1_phase_x_2 = moves_2_1_phase_x;
+    float gains_2_phase_x_2 = gains_2_phase_x;
+    float scores_2_phase_x_2 = scores_2_phase_x;
+    bool phase_x_part_41 = false;
+    float moves_1_3_phase_x_2 = moves_1_3_phase_x;
+    float moves_2_3_phase_x;
+    float moves_1_4_phase_x_2 = moves_1_4_phase_x;
+    float moves_2_4_phase_x;
+    bool phase_x_part_42 = true;
+    bool phase_x_test = true;
+    float moves_1_2_phase_x;
+    float moves_2_2_phase_x_2 = moves_2_2_phase_x;
+    if (excluded < 2.0f) {
+        moves_2_3_phase_x = -phase_x_part_24;
+        moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
+        moves_1_2_phase_x = -phase_x_part_23;
     } else {
-        if (better_converged_4) {
-            at_3 = then_3_converged_4;
-            at_1 = then_1_converged_4;
-            at_2 = then_2_converged_4;
+        const bool excluded_below_3 = excluded < 3.0f;
+        if (excluded_below_3) {
+            moves_1_1_phase_x_2 = moves_3_1;
+            gains_1_phase_x_2 = gains_3;
+            scores_1_phase_x_2 = scores_3;
+            moves_2_1_phase_x_2 = moves_4_1;
+            gains_2_phase_x_2 = gains_4;
+            scores_2_phase_x_2 = scores_4_phase_x;
+            moves_1_3_phase_x_2 = moves_3_3;
+            moves_2_3_phase_x = -phase_x_part_31;
+            moves_1_4_phase_x_2 = moves_3_4;
+            moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
+            moves_1_2_phase_x = -phase_x_part_32;
+            moves_2_2_phase_x_2 = moves_4_2;
+            phase_x_part_42 = false;
         } else {
-            at_3 = other_3_converged_3;
-            at_1 = other_1_converged_3;
-            at_2 = other_2_converged_3;
+            moves_1_1_phase_x_2 = moves_5_1;
+            gains_1_phase_x_2 = gains_5;
+            scores_1_phase_x_2 = scores_5;
+            moves_2_1_phase_x_2 = moves_6_1;
+            gains_2_phase_x_2 = gain;
+            scores_2_phase_x_2 = scores_6_phase_x;
+            moves_1_3_phase_x_2 = moves_5_3;
+            moves_2_3_phase_x = -phase_x_part_39;
+            moves_1_4_phase_x_2 = moves_5_4;
+            moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
+            moves_1_2_phase_x = -phase_x_part_40;
+            moves_2_2_phase_x_2 = moves_6_2;
         }
+        phase_x_test = excluded_below_3;
+        phase_x_part_41 = true;
     }
-    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
-    const float estimator_yaw_last_good = state->estimator_yaw_last_good;
-    const uint32_t estimator_searching = state->estimator_searching;
-    bool lost_X = gate_exceeded;
-    if (estimator_ambiguity_resolved == 0u) {
-        lost_X = (estimator_searching != 0u) &&
-            !(fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f);
+    float added_1_phase_x = 0.0f;
+    bool weights_1 = true;
+    float added_3_phase_x = 0.0f;
+    float added_4_phase_x = 0.0f;
+    bool weights_3 = true;
+    bool weights_5 = true;
+    float added_2_phase_x = 0.0f;
+    float added_1_deviation_phase_x = 0.0f;
+    float added_2_deviation_phase_y = 0.0f;
+    float added_3_deviation_yaw = 0.0f;
+    float added_4_deviation_amplitude = 0.0f;
+    if (!none_phase_x) {
+        const float phase_x_part_43 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_part_44 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_part_43) + (moves_2_1_phase_x_2 * phase_x_part_44));
+        weights_1 = phase_x_part_41;
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_part_43) + (moves_2_3_phase_x * phase_x_part_44));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_part_43) + (moves_2_4_phase_x * phase_x_part_44));
+        weights_3 = phase_x_part_42;
+        weights_5 = phase_x_test;
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_part_43) + (moves_2_2_phase_x_2 * phase_x_part_44));
+        added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
+            (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
+        added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
+            (gains_2_phase_x_2 * (moves_2_2_phase_x_2 * moves_2_2_phase_x_2));
+        added_3_deviation_yaw = (gains_1_phase_x_2 * (moves_1_3_phase_x_2 * moves_1_3_phase_x_2)) +
+            (gains_2_phase_x_2 * (moves_2_3_phase_x * moves_2_3_phase_x));
+        added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
+            (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
-    const bool integrity_residual_fault = ((0.01f * freedom) < squares_converged_2) || lost_X;
-    const bool tracking = estimator_searching == 0u;
-    float by_phase_x = 0.0f;
-    float yaw_X = 0.0f;
-    float by_phase_y = 0.0f;
-    float estimator_motion_x_part = 0.0f;
-    float estimator_motion_y_part = 0.0f;
-    float estimator_motion_yaw_part = 0.0f;
-    if (!(integrity_residual_fault && tracking)) {
-        by_phase_x = at_1;
-        yaw_X = at_3;
-        by_phase_y = at_2;
-        estimator_motion_x_part = 0.5f * at_1;
-        estimator_motion_y_part = 0.5f * at_2;
-        estimator_motion_yaw_part = 0.1f * at_3;
+    const float best_1 = hall_position_three_limit(steps_1_phase_x + added_1_phase_x, 0.5f);
+    const float best_3 = hall_position_three_limit(steps_3_phase_x + added_3_phase_x, 0.1f);
+    const float moved_3_2 = hall_position_three_limit(starts_3 + best_3, 0.20943952f);
+    const float cos_yaw_argument_2 = moved_3_2 * moved_3_2;
+    const float turns_3_cosine = cos_yaw_polynomial(cos_yaw_argument_2);
+    const float turns_3_sine = moved_3_2 * sin_yaw_polynomial(cos_yaw_argument_2);
+    const float limited_3_cosine = turns_3_cosine - cos_yaw;
+    const float limited_3_sine = hall_position_three_limit(turns_3_sine - sin_yaw, 0.1f);
+    const float best_4 = hall_position_three_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
+    const float phase_x_part_45 = hall_position_three_max(hall_position_three_min(estimator_amplitude + best_4, 1.25f),
+        0.75f);
+    const float best_2 = hall_position_three_limit(steps_2_phase_x + added_2_phase_x, 0.5f);
+    float terms_1_phase_x_9 = 0.0f;
+    float phase_x_part_46 = 0.0f;
+    float terms_2_phase_x = 0.0f;
+    float phase_x_part_47 = 0.0f;
+    float chi_square_part = 0.0f;
+    if (weights_1) {
+        const float by_ax = best_1 - (2.7520351f * limited_3_cosine) + (1.2503539f * limited_3_sine);
+        const float f15_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * f15_polynomial(f15_argument)) +
+            (start_cosine_ax * (by_ax * f16_polynomial(f15_argument)));
+        const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
+        const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
+            (phase_x_part_45 * (phasors_1_sine * (estimator_field_1 +
+            (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
+        terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
+        const float by_ay = best_2 - (1.2503539f * limited_3_cosine) - (2.7520351f * limited_3_sine);
+        const float f21_argument = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * f21_polynomial(f21_argument)) +
+            (start_cosine_ay * (by_ay * f22_polynomial(f21_argument)));
+        const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
+        const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
+            (phase_x_part_45 * (phasors_2_sine * (estimator_field_1 +
+            (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
+        phase_x_part_46 = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_part_11 * residuals_2_phase_x_2);
+        terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
+        phase_x_part_47 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
+        chi_square_part = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
+            (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
-    const float moved_x = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < moved_x;
-    float angle_x = moved_x;
-    if (turns_x_X) {
-        angle_x = moved_x - two_pi;
+    float terms_3_phase_x = 0.0f;
+    float terms_3_phase_x_2 = 0.0f;
+    float terms_4_phase_x = 0.0f;
+    float terms_4_phase_x_2 = 0.0f;
+    float terms_3_phase_x_3 = 0.0f;
+    float terms_4_phase_x_3 = 0.0f;
+    float terms_3_chi_square = 0.0f;
+    float terms_4_chi_square = 0.0f;
+    if (weights_3) {
+        const float by_bx = best_1 - (0.42097342f * limited_3_cosine) - (1.1623893f * limited_3_sine);
+        const float f17_argument = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * f17_polynomial(f17_argument)) +
+            (start_cosine_bx * (by_bx * f18_polynomial(f17_argument)));
+        const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
+        const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
+            (phase_x_part_45 * (phasors_3_sine * (estimator_field_1 +
+            (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
+        terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
+        terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
+        const float by = best_2 + (1.1623893f * limited_3_cosine) - (0.42097342f * limited_3_sine);
+        const float f23_argument = by * by;
+        const float phasors_4_sine = (by_part_full * f23_polynomial(f23_argument)) +
+            (start_cosine_by * (by * f24_polynomial(f23_argument)));
+        const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
+        const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
+            (phase_x_part_45 * (phasors_4_sine * (estimator_field_1 +
+            (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
+        terms_4_phase_x = -(phase_x_part_12 * residuals_4_phase_x_2);
+        terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
+        terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
+        terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
+        terms_3_chi_square = residuals_3_phase_x_2 * residuals_3_phase_x_2;
+        terms_4_chi_square = residuals_4_phase_x_2 * residuals_4_phase_x_2;
     }
-    float pose_phase_x = angle_x;
-    float turns_x_X_2 = -1.0f;
-    if (angle_x < -pi) {
-        pose_phase_x = angle_x + two_pi;
+    float terms_5_phase_x = 0.0f;
+    float terms_5_phase_x_2 = 0.0f;
+    float terms_6_phase_x = 0.0f;
+    float terms_6_phase_x_2 = 0.0f;
+    float terms_5_phase_x_3 = 0.0f;
+    float terms_6_phase_x_3 = 0.0f;
+    float terms_5_chi_square = 0.0f;
+    float terms_6_chi_square = 0.0f;
+    if (weights_5) {
+        const float by_cx = best_1 + (1.8346901f * limited_3_cosine) + (1.4199998f * limited_3_sine);
+        const float f19_argument = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * f19_polynomial(f19_argument)) +
+            (start_cosine_cx * (by_cx * f20_polynomial(f19_argument)));
+        const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
+        const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
+            (phase_x_part_45 * (phasors_5_sine * (estimator_field_1 +
+            (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
+        terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
+        terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
+        const float by_cy = best_2 - (1.4199998f * limited_3_cosine) + (1.8346901f * limited_3_sine);
+        const float f25_argument = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * f25_polynomial(f25_argument)) +
+            (start_cosine_cy * (by_cy * f26_polynomial(f25_argument)));
+        const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
+        const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
+            (phase_x_part_45 * (phasors_6_sine * (estimator_field_1 +
+            (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
+        terms_6_phase_x = -(phase_x_part_13 * residuals_6_phase_x_2);
+        terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
+        terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
+        terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
+        terms_5_chi_square = residuals_5_phase_x_2 * residuals_5_phase_x_2;
+        terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
+    }
+    const float gradient_1_phase_x_2 = terms_1_phase_x_9 + terms_3_phase_x + terms_5_phase_x;
+    const float phase_x_part_48 = gradient_1_phase_x_2 * terms_1_phase_x;
+    const float gradient_3_phase_x = phase_x_part_46 + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
+        terms_6_phase_x;
+    const float gradient_2_phase_x_2 = terms_2_phase_x + terms_4_phase_x_2 + terms_6_phase_x_2;
+    const float forward_3_phase_x_2 = gradient_3_phase_x - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
+        (terms_1_phase_x_4 * gradient_2_phase_x_2);
+    const float phase_x_part_49 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
+    const float gradient_4_phase_x = phase_x_part_47 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
+        terms_6_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
+    const float forward_4_phase_x_5 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
+        (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
+    const float steps_4_phase_x_2 = forward_4_phase_x_5 * diagonal_4;
+    const float steps_3_phase_x_2 = phase_x_part_49 - (terms_1_phase_x_8 * steps_4_phase_x_2);
+    const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
+        (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
+        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1598.253f);
+    const float phase_x_part_50 = gains_1_phase_x_2 * projections_1;
+    const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
+        (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
+        (moves_2_4_phase_x * gradient_4_phase_x), 1598.253f);
+    const float phase_x_part_51 = gains_2_phase_x_2 * projections_2;
+    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_part_48 -
+        (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
+        ((moves_1_1_phase_x_2 * phase_x_part_50) + (moves_2_1_phase_x_2 * phase_x_part_51)))), 0.5f);
+    const float starts_1_plus_moved_1 = starts_1 + moved_1;
+    float phase_x_part_52 = starts_1_plus_moved_1;
+    if (pi < starts_1_plus_moved_1) {
+        phase_x_part_52 = starts_1_plus_moved_1 - two_pi;
+    }
+    float phase_x_part_53 = phase_x_part_52;
+    if (phase_x_part_52 < -pi) {
+        phase_x_part_53 = phase_x_part_52 + two_pi;
+    }
+    const float phase_x = hall_position_three_limit(phase_x_part_53, pi);
+    const float phase_y_part = gradient_2_phase_x_2 * terms_1_phase_x_3;
+    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * steps_3_phase_x_2) -
+        (terms_1_phase_x_7 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
+        ((moves_1_2_phase_x * phase_x_part_50) + (moves_2_2_phase_x_2 * phase_x_part_51)))), 0.5f);
+    const float starts_2_plus_moved_2 = starts_2 + moved_2;
+    float phase_y_part_2 = starts_2_plus_moved_2;
+    if (pi < starts_2_plus_moved_2) {
+        phase_y_part_2 = starts_2_plus_moved_2 - two_pi;
+    }
+    float phase_y_part_3 = phase_y_part_2;
+    if (phase_y_part_2 < -pi) {
+        phase_y_part_3 = phase_y_part_2 + two_pi;
+    }
+    const float phase_y = hall_position_three_limit(phase_y_part_3, pi);
+    const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + ((none_phase_x) ? 0.0f :
+        ((moves_1_3_phase_x_2 * phase_x_part_50) + (moves_2_3_phase_x * phase_x_part_51)))), 0.1f);
+    const float yaw = hall_position_three_limit(starts_3 + moved_3, 0.20943952f);
+    const float amplitude_part = estimator_amplitude + hall_position_three_limit(best_4 + (steps_4_phase_x_2 +
+        ((none_phase_x) ? 0.0f : ((moves_1_4_phase_x_2 * phase_x_part_50) + (moves_2_4_phase_x * phase_x_part_51)))),
+        0.125f);
+    const float amplitude = hall_position_three_max(hall_position_three_min(amplitude_part, 1.25f), 0.75f);
+    const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
+    const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
+        (deviation_phase_x_part * deviation_phase_x_part * diagonal_4);
+    const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
+    const float deviation_phase_x = hall_position_three_min(0.05500909f * sqrtf(variances_1), 0.25f);
+    const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
+    const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
+        (deviation_phase_y_part * deviation_phase_y_part * diagonal_4);
+    const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
+    const float deviation_phase_y = hall_position_three_min(0.05500909f * sqrtf(variances_2), 0.25f);
+    const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
+    const float variances_3 = diagonal_3 + added_3_deviation_yaw;
+    const float deviation_yaw = hall_position_three_min(0.05500909f * sqrtf(variances_3), 0.1f);
+    const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
+    const float deviation_amplitude = hall_position_three_min(0.05500909f * sqrtf(variances_4), 0.2f);
+    const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_48) + (gradient_2_phase_x_2 * phase_y_part) +
+        (forward_3_phase_x_2 * phase_x_part_49) + (forward_4_phase_x_5 * steps_4_phase_x_2) +
+        ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
+        (gains_2_phase_x_2 * (projections_2 * projections_2))));
+    const float cost_chi_square = hall_position_three_max(chi_square_part + terms_3_chi_square + terms_4_chi_square +
+        terms_5_chi_square + terms_6_chi_square + (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) -
+        chi_square_part_2, 0.0f);
+    const float chi_square = hall_position_three_min(330.46927f * cost_chi_square, 1e+09f);
+    const bool converged = chi_square_part_2 <= 3.026e-05f;
+    const bool factors_2 = (left_1_1 <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <= 75650.0f) &&
+        (left_4_4_phase_x <= 18912.5f);
+    const bool weak = !factors_2 || (20.654123f <= variances_1) || (20.654123f <= variances_2) ||
+        (3.3046596f <= variances_3) || (13.218638f <= variances_4);
+    const bool phases_valid_test = screened && !weak;
+    const float protection_phase_x_part = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
+        gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
+    const float protection_phase_x_part_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_part_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
+    const float protection_phase_y_part = hall_position_three_max(0.0f, (phase_x_part_23 * phase_x_part_23 *
+        gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
+    const float protection_phase_y_part_2 = (phase_x_part_32 * phase_x_part_32 * gains_3) +
+        (moves_4_2 * moves_4_2 * gains_4);
+    const float protection_phase_y_part_3 = (phase_x_part_40 * phase_x_part_40 * gains_5) +
+        (moves_6_2 * moves_6_2 * gain);
+    const float protection_yaw_part = hall_position_three_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
+        gains_1_phase_x) + (phase_x_part_24 * phase_x_part_24 * gains_2_phase_x));
+    const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) +
+        (phase_x_part_31 * phase_x_part_31 * gains_4);
+    const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_part_39 * phase_x_part_39 * gain);
+    const float protection_phase_x_part_4 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
+        residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
+        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) + (0.84055555f *
+        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_part_7) + (gradient_2_phase_x *
+        phase_x_part_22) + (forward_3_phase_x * phase_x_part_15) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_three_max(protection_phase_x_part_4, 0.0f);
+    const float scores_5_times_gains_5 = scores_5 * gains_5;
+    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
+    const float protection_phase_x_part_5 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_5));
+    const float protection_phase_x_part_6 = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_part_7 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_part_6) + (scores_2_phase_x * protection_phase_x_part_7));
+    float limit = 16.266235f;
+    float protection_phase_x_part_8;
+    float protection_phase_y_part_4;
+    float level;
+    if (hall_position_three_equal(excluded, 0.0f)) {
+        protection_phase_x_part_8 = (0.3815057f *
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_part, protection_phase_x_part_2),
+            protection_phase_x_part_3))) + (3.4807565f * deviation_phase_x);
+        protection_phase_y_part_4 = (0.3815057f *
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_part, protection_phase_y_part_2),
+            protection_phase_y_part_3))) + (3.4807565f * deviation_phase_y);
+        level = (0.3815057f * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_part,
+            protection_yaw_part_2), protection_yaw_part_3))) + (3.4807565f * deviation_yaw);
     } else {
-        turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
-    }
-    const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
-    const float f19_argument = yaw_X * yaw_X;
-    const float by_cosine_X = f19_polynomial(f19_argument);
-    const float by_sine_X = yaw_X * f9_polynomial(f19_argument);
-    const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * by_sine_X);
-    const float sine_X = (heading_sine * by_cosine_X) + (heading_cosine * by_sine_X);
-    const float lever_cosine = (0.0060790665f * cosine) + (0.0040132f * sine_X);
-    const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x) - lever_cosine;
-    const float moved_y = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < moved_y;
-    float angle_y = moved_y;
-    if (turns_y_Y) {
-        angle_y = moved_y - two_pi;
-    }
-    float pose_phase_y = angle_y;
-    float turns_y_Y_2 = -1.0f;
-    if (angle_y < -pi) {
-        pose_phase_y = angle_y + two_pi;
-    } else {
-        turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
-    }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
-    const float lever_sine = (0.0060790665f * sine_X) - (0.0040132f * cosine);
-    const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y) - lever_sine;
-    const float prediction_yaw_plus_yaw_X = prediction_yaw + yaw_X;
-    float angle = prediction_yaw_plus_yaw_X;
-    if (pi < prediction_yaw_plus_yaw_X) {
-        angle = prediction_yaw_plus_yaw_X - two_pi;
-    }
-    float yaw = angle;
-    if (angle < -pi) {
-        yaw = angle + two_pi;
-    }
-    const float by_yaw_X = x_converged - (123.68475f * lever_sine);
-    const float yaw_variance = 1.0f / (pivot + -0.8394084f);
-    const float deviation_X = 8.085071e-06f * sqrtf(inverse_1 + (by_yaw_X * by_yaw_X * yaw_variance));
-    const float by_yaw_Y = y_converged + (123.68475f * lever_cosine);
-    const float deviation_Y = 8.085071e-06f * sqrtf(inverse_2 + (by_yaw_Y * by_yaw_Y * yaw_variance));
-    const float deviation_yaw = 0.001f * sqrtf(yaw_variance);
-    const float residual = sqrtf(1e-30f + (squares_converged_2 / freedom));
-    const float weight = ((3.524405f + (x_converged * x_converged) + (y_converged * y_converged)) * yaw_variance) +
-        inverse_1 + inverse_2;
-    const bool damped = 15.115238f < weight;
-    const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
-    const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
-    const float size = fabsf(yaw);
-    const bool accepted = counted && (size <= 0.17453292f);
-    const bool resolved_valid = (integrity_good && ((hall_position_three_flag(excluded_1) +
-        hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) && (weight <= 1.612292f) &&
-        tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
-    const uint32_t estimator_lock_lost = state->estimator_lock_lost;
-    const bool valid = integrity_good && resolved_valid && (estimator_lock_lost == 0u) && accepted;
-    out->lock_lost = (float)estimator_lock_lost;
-    const bool exhausted = 4u <= estimator_residual_faults;
-    const bool restart = integrity_residual_fault && exhausted;
-    const bool faultless = !integrity_residual_fault;
-    if (restart) {
-        state->estimator_yaw = estimator_yaw_last_good;
-        state->estimator_searching = 1u;
-        state->estimator_ambiguity_resolved = 0u;
-        state->estimator_excluded_sensor = 0u;
-        const float start_x = state->estimator_start_x + -1.5401491f;
-        if (start_x < -pi) {
-            state->estimator_phase_x = start_x + two_pi;
-            state->estimator_start_x = state->estimator_phase_x;
+        limit = 12.115665f;
+        const float protection_phase_x_part_9 = 0.036662f + (1e-05f * full_cost);
+        const float protection_phase_x_part_10 = steps_1_phase_x - moved_1;
+        const float protection_phase_y_part_5 = steps_2_phase_x - moved_2;
+        const float protection_yaw_part_4 = steps_3_phase_x - moved_3;
+        float apart_protection_phase_x = 0.0f;
+        float added_protection_phase_x = protection_phase_x_part;
+        float apart_protection_phase_y = 0.0f;
+        float added_protection_phase_y = protection_phase_y_part;
+        float apart_protection_yaw = 0.0f;
+        float added_protection_yaw = protection_yaw_part;
+        if (costs_1 <= protection_phase_x_part_9) {
+            apart_protection_phase_x = fabsf(protection_phase_x_part_10 -
+                ((moves_1_1_phase_x * protection_phase_x_part_6) + (moves_2_1_phase_x * protection_phase_x_part_7)));
+            apart_protection_phase_y = fabsf(protection_phase_y_part_5 -
+                ((moves_2_2_phase_x * protection_phase_x_part_7) - (phase_x_part_23 * protection_phase_x_part_6)));
+            apart_protection_yaw = fabsf(protection_yaw_part_4 -
+                ((moves_1_3_phase_x * protection_phase_x_part_6) - (phase_x_part_24 * protection_phase_x_part_7)));
         } else {
-            state->estimator_phase_x = start_x;
-            state->estimator_start_x = start_x;
+            added_protection_phase_x = 0.0f;
+            added_protection_phase_y = 0.0f;
+            added_protection_yaw = 0.0f;
         }
-        const float start_y = state->estimator_start_y + -2.702773f;
-        if (start_y < -pi) {
-            state->estimator_phase_y = start_y + two_pi;
-            state->estimator_start_y = state->estimator_phase_y;
-        } else {
-            state->estimator_phase_y = start_y;
-            state->estimator_start_y = start_y;
+        if (costs_2 <= protection_phase_x_part_9) {
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x,
+                fabsf(protection_phase_x_part_10 -
+                ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_5))));
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_part_2);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_part_5
+                - ((moves_4_2 * protection_phase_x_part_5) - (phase_x_part_32 * scores_3_times_gains_3))));
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_part_2);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_part_4 -
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_31 * protection_phase_x_part_5))));
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_part_2);
         }
-    } else {
-        state->estimator_phase_x = pose_phase_x;
-        state->estimator_phase_y = pose_phase_y;
-        state->estimator_yaw = yaw;
-        state->estimator_ambiguity_resolved = hall_position_three_flag(resolved_valid);
-        if (converged && faultless) {
-            state->estimator_searching = 0u;
+        if (costs_3 <= protection_phase_x_part_9) {
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x,
+                fabsf(protection_phase_x_part_10 -
+                ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_part_3);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_part_5
+                - ((moves_6_2 * scores_6_phase_x_times_gain) - (phase_x_part_40 * scores_5_times_gains_5))));
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_part_3);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_part_4 -
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_39 * scores_6_phase_x_times_gain))));
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_part_3);
         }
-        const float squares_2 = terms_3_converged + terms_4_converged;
-        const float square = terms_5_converged + terms_6_converged;
-        const float squares_2_max_squares_1 = hall_position_three_max(squares_2, squares_1);
-        const float others = hall_position_three_min(squares_2, squares_1) +
-            hall_position_three_min(square, squares_2_max_squares_1);
-        if (integrity_residual_fault && ((1.6e-05f * freedom) < squares_converged_2) &&
-                (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (others <= 0.076f) &&
-                ((25.0f * others) <= hall_position_three_max(square, squares_2_max_squares_1))) {
-            state->estimator_excluded_sensor = (uint32_t)((squares_2_max_squares_1 < square) ? 3.0f :
-                ((squares_1 < squares_2) ? 2.0f : 1.0f));
-        }
+        protection_phase_x_part_8 = apart_protection_phase_x +
+            (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
+        protection_phase_y_part_4 = apart_protection_phase_y +
+            (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
+        level = apart_protection_yaw + (0.19147325f * sqrtf(diagonal_3 + added_protection_yaw));
     }
-    if (resolved_valid && faultless) {
-        state->estimator_yaw_last_good = yaw;
+    const bool passes = factors_2 && (cost_chi_square <= (0.003026f * limit));
+    const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
+        (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gain < 999.99f);
+    if (!detectable) {
+        protection_phase_x_part_8 = 61.842377f;
+        protection_phase_y_part_4 = 61.842377f;
+        level = 22.0f;
     }
-    state->estimator_pitch_x = hall_position_three_limit(pose_pitch_x, 8.0f);
-    state->estimator_pitch_y = hall_position_three_limit(pose_pitch_y, 8.0f);
-    float continued_motion_x = 0.0f;
-    float continued_motion_y = 0.0f;
-    float continued_motion_yaw = 0.0f;
-    if (estimator_searching == 0u) {
-        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
-        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
-        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
-    }
-    state->estimator_motion_x = hall_position_three_limit(continued_motion_x, 0.5f);
-    state->estimator_motion_y = hall_position_three_limit(continued_motion_y, 0.5f);
-    state->estimator_motion_yaw = hall_position_three_limit(continued_motion_yaw, 0.14022085f);
-    state->estimator_residual_faults = (integrity_residual_fault) ?
-        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
-    const uint32_t estimator_acquired = state->estimator_acquired;
-    state->estimator_acquired = hall_position_three_flag(resolved_valid || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
-        (restart || !counted || (((resolved_valid) ? 0.17453292f : 0.34906584f) < size))));
-    out->X = X;
-    out->Y = Y;
+    const float protection_phase_x = hall_position_three_min(protection_phase_x_part_8, 61.842377f);
+    const float protection_phase_y = hall_position_three_min(protection_phase_y_part_4, 61.842377f);
+    const float protection_yaw = hall_position_three_min(level, 22.0f);
+    const uint32_t estimator_start_number = state->estimator_start_number;
+    const bool tracking = starts <= estimator_start_number;
+    const uint32_t estimator_missed = state->estimator_missed;
+    const bool lost = track_patience <= estimator_missed;
+    const bool phases_valid_test_2 = !lost;
+    const bool phases_valid = converged && phases_valid_test && passes && detectable &&
+        (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) &&
+        tracking && phases_valid_test_2;
     out->yaw = yaw;
-    out->deviation_X = deviation_X;
-    out->deviation_Y = deviation_Y;
+    out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
-    out->residual = residual;
+    out->deviation_amplitude = deviation_amplitude;
+    out->protection_yaw = protection_yaw;
+    out->chi_square = chi_square;
     out->converged = converged ? 1.0f : 0.0f;
-    out->damped = damped ? 1.0f : 0.0f;
-    out->valid = valid ? 1.0f : 0.0f;
-    out->excluded_sensor = (float)estimator_excluded_sensor;
+    out->weak = weak ? 1.0f : 0.0f;
+    out->excluded = excluded;
+    out->tracking = tracking ? 1.0f : 0.0f;
+    const bool accepted = phases_valid_test && passes;
+    const uint32_t metres_counting = state->metres_counting;
+    float X_part = 0.0f;
+    float Y_part = 0.0f;
+    float count_x = 0.0f;
+    float count_y = 0.0f;
+    float tracked_2_motion_phase_x = 0.0f;
+    float tracked_2_motion_phase_y = 0.0f;
+    float tracked_2_motion_yaw = 0.0f;
+    if (tracking) {
+        state->estimator_start_number = starts;
+        state->estimator_candidates = 0u;
+        state->estimator_age = 0u;
 
+        /* metres
+         *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
+         *         pitch_x) if tracking, else 0); likewise Y
+         *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
+         *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
+         *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
+         *         likewise pitch_y_next */
+        const float metres_pitch_x = state->metres_pitch_x;
+        float X_part_2 = metres_pitch_x;
+        if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
+            const float change_x = phase_x - state->metres_last_x;
+            float turned_x;
+            if (change_x < -pi) {
+                turned_x = metres_pitch_x + 1.0f;
+            } else {
+                if (pi < change_x) {
+                    turned_x = metres_pitch_x - 1.0f;
+                } else {
+                    turned_x = metres_pitch_x;
+                }
+            }
+            X_part_2 = hall_position_three_limit(turned_x, 9.0f);
+        }
+        X_part = 0.0508f * X_part_2;
+        const float metres_pitch_y = state->metres_pitch_y;
+        float Y_part_2 = metres_pitch_y;
+        if ((fabsf(metres_pitch_y) <= 8.0f) && (metres_counting != 0u)) {
+            const float change_y = phase_y - state->metres_last_y;
+            float turned_y;
+            if (change_y < -pi) {
+                turned_y = metres_pitch_y + 1.0f;
+            } else {
+                if (pi < change_y) {
+                    turned_y = metres_pitch_y - 1.0f;
+                } else {
+                    turned_y = metres_pitch_y;
+                }
+            }
+            Y_part_2 = hall_position_three_limit(turned_y, 9.0f);
+        }
+        Y_part = 0.0508f * Y_part_2;
+        count_x = X_part_2;
+        count_y = Y_part_2;
+
+        /* estimator: weighted least squares (continued) */
+        if (accepted) {
+            state->estimator_phase_x = phase_x;
+            state->estimator_phase_y = phase_y;
+            state->estimator_yaw = yaw;
+            state->estimator_amplitude = amplitude;
+            if (fabsf(moved_1) < 0.5f) {
+                tracked_2_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
+            }
+            if (fabsf(moved_2) < 0.5f) {
+                tracked_2_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
+            }
+            if (fabsf(moved_3) < 0.1f) {
+                tracked_2_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
+            }
+        } else {
+            state->estimator_phase_x = starts_1;
+            state->estimator_phase_y = starts_2;
+            state->estimator_yaw = starts_3;
+            tracked_2_motion_phase_x = estimator_motion_phase_x;
+            tracked_2_motion_phase_y = estimator_motion_phase_y;
+            tracked_2_motion_yaw = estimator_motion_yaw;
+        }
+        float best = 0.0f;
+        if (!(full_cost <= 0.04922163f)) {
+            best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
+        }
+        state->estimator_excluded = (uint32_t)hall_position_three_max(best, 0.0f);
+        const uint32_t estimator_missed_part = estimator_missed + 1u;
+        state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
+            hall_position_three_min((float)estimator_missed_part, 8.0f));
+    } else {
+        state->estimator_excluded = 0u;
+        state->estimator_missed = 0u;
+        const uint32_t estimator_age = state->estimator_age;
+        const bool ends = converged || (last_age <= estimator_age);
+        const bool last = ends && (last_start <= estimator_start_number);
+        const bool solves = converged && accepted;
+        const uint32_t estimator_candidates = state->estimator_candidates;
+        const bool first = estimator_candidates == 0u;
+        const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
+        const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
+        const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
+        const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
+        const float estimator_candidate_yaw = state->estimator_candidate_yaw;
+        const float estimator_phase_x_part = 2.0f - ((first || ((hall_position_three_min(apart_phase_x,
+            fabsf(apart_phase_x - two_pi)) <= 0.15f) && (hall_position_three_min(apart_phase_y, fabsf(apart_phase_y -
+            two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
+        const float count_estimator_phase_x = hall_position_three_max((float)estimator_candidates,
+            (solves ? 1.0f : 0.0f) * estimator_phase_x_part);
+        const bool unique = last && hall_position_three_equal(count_estimator_phase_x, 1.0f);
+        float candidate_phase_x = phase_x;
+        float candidate_phase_y = phase_y;
+        float candidate_yaw = yaw;
+        float candidate_amplitude = amplitude;
+        if (first && solves) {
+            state->estimator_candidate_phase_x = phase_x;
+            state->estimator_candidate_phase_y = phase_y;
+            state->estimator_candidate_yaw = yaw;
+            state->estimator_candidate_amplitude = amplitude;
+        } else {
+            candidate_phase_x = estimator_candidate_phase_x;
+            candidate_phase_y = estimator_candidate_phase_y;
+            candidate_yaw = estimator_candidate_yaw;
+            candidate_amplitude = state->estimator_candidate_amplitude;
+        }
+        float estimator_phase_x_part_2 = phase_x;
+        float estimator_phase_y_part = phase_y;
+        float estimator_yaw_part = yaw;
+        float estimator_amplitude_part = 1.0f;
+        if (ends) {
+            state->estimator_age = 0u;
+            const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
+            if (pi < estimator_phase_x_part_3) {
+                const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
+                estimator_phase_x_part_2 = estimator_phase_x_part_4;
+                state->estimator_begin_phase_x = estimator_phase_x_part_4;
+            } else {
+                state->estimator_begin_phase_x = estimator_phase_x_part_3;
+                estimator_phase_x_part_2 = estimator_phase_x_part_3;
+            }
+            const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
+            if (pi < estimator_phase_y_part_2) {
+                const float estimator_phase_y_part_3 = estimator_phase_y_part_2 - two_pi;
+                estimator_phase_y_part = estimator_phase_y_part_3;
+                state->estimator_begin_phase_y = estimator_phase_y_part_3;
+            } else {
+                state->estimator_begin_phase_y = estimator_phase_y_part_2;
+                estimator_phase_y_part = estimator_phase_y_part_2;
+            }
+            const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
+            if (0.20943952f < estimator_yaw_part_2) {
+                const float estimator_yaw_part_3 = estimator_yaw_part_2 - 0.41887903f;
+                estimator_yaw_part = estimator_yaw_part_3;
+                state->estimator_begin_yaw = estimator_yaw_part_3;
+            } else {
+                state->estimator_begin_yaw = estimator_yaw_part_2;
+                estimator_yaw_part = estimator_yaw_part_2;
+            }
+        } else {
+            estimator_amplitude_part = amplitude;
+            const uint32_t estimator_age_part = estimator_age + 1u;
+            state->estimator_age = (uint32_t)hall_position_three_min((float)estimator_age_part, 3.0f);
+        }
+        if (unique) {
+            state->estimator_phase_x = candidate_phase_x;
+            state->estimator_phase_y = candidate_phase_y;
+            state->estimator_yaw = candidate_yaw;
+            state->estimator_amplitude = candidate_amplitude;
+        } else {
+            state->estimator_phase_x = estimator_phase_x_part_2;
+            state->estimator_phase_y = estimator_phase_y_part;
+            state->estimator_yaw = estimator_yaw_part;
+            state->estimator_amplitude = estimator_amplitude_part;
+        }
+        if (last) {
+            const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
+            state->estimator_start_number = (uint32_t)unique_scaled;
+        } else {
+            const uint32_t estimator_start_number_part = estimator_start_number + hall_position_three_flag(ends);
+            state->estimator_start_number = (uint32_t)hall_position_three_min((float)estimator_start_number_part,
+                23.0f);
+        }
+        state->estimator_candidates = (uint32_t)((!last || unique) ? count_estimator_phase_x : 0.0f);
+    }
+    state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, 0.5f);
+    state->estimator_motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, 0.5f);
+    state->estimator_motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, 0.1f);
+    out->lost = lost ? 1.0f : 0.0f;
+
+    /* metres (continued) */
+    const float X = (0.008085071f * phase_x) + X_part;
+    out->X = X;
+    const float Y = (0.008085071f * phase_y) + Y_part;
+    out->Y = Y;
+    const float deviation_X = 0.008085071f * deviation_phase_x;
+    out->deviation_X = deviation_X;
+    const float deviation_Y = 0.008085071f * deviation_phase_y;
+    out->deviation_Y = deviation_Y;
+    const float protection_X = 0.008085071f * protection_phase_x;
+    out->protection_X = protection_X;
+    const float protection_Y = 0.008085071f * protection_phase_y;
+    out->protection_Y = protection_Y;
+    const bool valid = phases_valid && (fabsf(count_x) <= 8.0f) && (fabsf(count_y) <= 8.0f);
+    state->metres_last_x = phase_x;
+    state->metres_last_y = phase_y;
+    state->metres_pitch_x = count_x;
+    state->metres_pitch_y = count_y;
+    state->metres_counting = hall_position_three_flag(tracking);
+    out->valid = valid ? 1.0f : 0.0f;
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->screened = screened ? 1.0f : 0.0f;
+        diagnostics->rejected = rejected;
+        diagnostics->phase_x = phase_x;
+        diagnostics->phase_y = phase_y;
+        diagnostics->deviation_phase_x = deviation_phase_x;
+        diagnostics->deviation_phase_y = deviation_phase_y;
+        diagnostics->protection_phase_x = protection_phase_x;
+        diagnostics->protection_phase_y = protection_phase_y;
+        diagnostics->phases_valid = phases_valid ? 1.0f : 0.0f;
+        diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(yaw) >= 0.20943952f) ? 0x00000004u : 0u;
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }
