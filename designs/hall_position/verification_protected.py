@@ -102,7 +102,7 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
 
 
 def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
-    """Return results, chi-square over its floor, and levels over the squared excess of those of c64 over LEVEL_LIMITS."""
+    """Return results, chi-square over its floor, levels over the squared excess of those of c64 over a limit."""
     scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
     for axis, limit in LEVEL_LIMITS[of.block.name].items():
         excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
