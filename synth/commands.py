@@ -162,8 +162,7 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def run_experiments(design: workspace.Design, report: Progress) -> list[Verified]:
-        experiments = tasks.simulation(design).result(report)
-        return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
+        return [Verified(_experiment(e), e.checks, e.figures) for e in tasks.experiments(design, report)]
 
     results = _for_each_design(names, as_json, fresh, run_experiments)
     documents, every = [], [v for each in successful(results) for v in each]

@@ -8,7 +8,7 @@ A long function calls `progress` with a line for each part of its work, and may 
 `bar` makes such a callable for a prompt, a script or a notebook:
 
     with progress.bar("experiments") as report:
-        runs = DESIGN.simulate(report)
+        runs = tasks.experiments(DESIGN, report)
 """
 
 import os

@@ -260,7 +260,7 @@ def design(
     *,
     emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = standard_tasks.emit,
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
-    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = standard_tasks.simulate,
+    simulate: Mapping[str, Callable[[Stage, Progress], Sequence[Experiment]]] = standard_tasks.SIMULATE,
     audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
     cost_stimuli: Callable[[Stage], CostStimuli] = standard_tasks.cost_stimuli,
     report: Callable[..., str] = standard_tasks.report,
@@ -268,8 +268,8 @@ def design(
 ) -> Design:
     """Return the design of a stage; `fields` are further ones of `declaration.Stage`.
 
-    Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`. A design may replace
-    any of them.
+    Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`, `simulate` one for each
+    part of the experiments, which a build runs side by side. A design may replace any of them.
 
     Raises DesignError for a stage without `reference` that uses the standard verification, SignalError for a required
     margin that is not known and for a tolerance of a parameter that the plant does not have.
@@ -283,7 +283,7 @@ def design(
         scalar=stage.scalar,
         emit=partial(emit, stage),
         verify=partial(verify, stage),
-        simulate=partial(simulate, stage),
+        simulate={part: partial(run, stage) for part, run in simulate.items()},
         audit=partial(audit, stage),
         cost_stimuli=cost_stimuli(stage),
         report=partial(report, stage),

@@ -13,6 +13,7 @@ the commutation of a motor (`synth.companion`).
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -157,6 +158,9 @@ def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     loop, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
     runs = experiments.run(loop, stage.experiments, progress)
     return [headroom.with_headroom(run, double, stage.limited, loop.call_counts) for run in runs]
+
+
+SIMULATE: Mapping[str, Callable[[Stage, Progress], list[Experiment]]] = MappingProxyType({"experiments": simulate})
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:

@@ -89,9 +89,18 @@ def verification(design: Design, whole: bool) -> Task[Evidence]:
     return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
 
 
-def simulation(design: Design) -> Task[list[Experiment]]:
-    """Return the task of running the experiments."""
-    return Task("experiments", lambda say: list(design.simulate(say)), (design.simulate,))
+def simulations(design: Design) -> dict[str, Task[list[Experiment]]]:
+    """Return the tasks of running the parts of the experiments, by name."""
+
+    def task(part: str, run: Callable[[Progress], Sequence[Experiment]]) -> Task[list[Experiment]]:
+        return Task(part, lambda say: list(run(say)), (run,))
+
+    return {part: task(part, run) for part, run in design.simulate.items()}
+
+
+def experiments(design: Design, say: Progress) -> list[Experiment]:
+    """Return the experiments of all parts, in their order."""
+    return [e for task in simulations(design).values() for e in task.result(say)]
 
 
 def faults(design: Design) -> Task[Campaign | None]:
@@ -187,7 +196,7 @@ def build(design: Design) -> Task[Built]:
     emit, verify, simulate, study, campaign, rows, cost = (
         emission(design, design.scalar),
         verification(design, False),
-        simulation(design),
+        simulations(design),
         brief_study(design),
         faults(design),
         audit(design),
@@ -196,15 +205,16 @@ def build(design: Design) -> Task[Built]:
 
     def compute(say: Progress) -> Built:
         evidence = replace(verify.result(_silent), faults=campaign.result(_silent), study=study.result(_silent))
-        experiments = simulate.result(_silent)
-        parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
+        runs = experiments(design, _silent)
+        parts = emit.result(_silent), evidence, runs, rows.result(_silent), cost.result(_silent)
         say("report")
-        checks = (*evidence.checks, *(_with_title(c, e.title) for e in experiments for c in e.checks))
+        checks = (*evidence.checks, *(_with_title(c, e.title) for e in runs for c in e.checks))
         checks += evidence.faults.checks if evidence.faults else ()
         return Built(design.report(*parts), replace(evidence, checks=checks).document(), checks)
 
     try:
-        keys = [task.key() for task in (emit, verify, simulate, study, campaign, rows, cost)]
+        inputs: tuple[Task[Any], ...] = (emit, verify, *simulate.values(), study, campaign, rows, cost)
+        keys = [task.key() for task in inputs]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     return Task("report", compute, (design.report, *keys))
@@ -238,9 +248,10 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
     except ContentError:
         pass
     first = f"{name} emit"
+    parts = {f"simulate {part}": task for part, task in simulations(design).items()}
     tasks: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
-        ("simulate", simulation(design), (first,)),
-        ("study", brief_study(design), (first, f"{name} simulate")),
+        *((what, task, (first,)) for what, task in parts.items()),
+        ("study", brief_study(design), (first, *(f"{name} {what}" for what in parts))),
         ("verify", verification(design, False), (first,)),
         ("cost", brief_cost(design), (first, *library)),
         ("audit", audit(design), (first,)),

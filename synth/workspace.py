@@ -54,16 +54,17 @@ def _no_rows() -> Iterator[Row]:
 class Design:
     """A design and its tasks, which report their progress.
 
-    `emit(scalar)` returns the files of generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
-    experiments, `audit` the recomputed published values, if there are any, and `report` the page of all these and of
-    the cost, which is None where it could not be measured. `stage` is the declaration, where there is one.
+    `emit(scalar)` returns the files of generated_c/<name>/, by folder. `verify` returns evidence, each part of
+    `simulate` some of the experiments, `audit` the recomputed published values, if there are any, and `report` the page
+    of all these and of the cost, which is None where it could not be measured. `stage` is the declaration, where there
+    is one.
     """
 
     name: str
     scalar: type[np.floating]
     emit: Callable[[type[np.floating]], Mapping[str, EmittedCode]]
     verify: Callable[[Progress, bool], Evidence]
-    simulate: Callable[[Progress], Sequence[Experiment]]
+    simulate: Mapping[str, Callable[[Progress], Sequence[Experiment]]]
     cost_stimuli: CostStimuli
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows

@@ -56,7 +56,7 @@ AXES = workspace.Design(
     scalar=np.float32,
     emit=EMITTED.__getitem__,
     verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
-    simulate=lambda report: (),
+    simulate={"experiments": lambda report: ()},
     audit=lambda: iter(()),
     cost_stimuli=workspace.CostStimuli(lambda: axes.block(2), replay, sequences, 1.0),
     report=report,
@@ -217,7 +217,7 @@ def miss(report: Progress) -> list[Experiment]:
 def test_the_evidence_file_does_not_pass_where_an_experiment_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The file must say what the exit status and the last line say."""
     monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
-    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(AXES, simulate=miss)])
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(AXES, simulate={"experiments": miss})])
     result = RUNNER.invoke(cli.app, ["build"])
     evidence = json.loads(Path("reports/axes_2.evidence.json").read_text())
     failed = [c["about"] for c in evidence["checks"] if not c["passed"]]

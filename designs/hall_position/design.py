@@ -44,7 +44,11 @@ DESIGN = stage.design(
         for name in protected.PLACES
     ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
-    simulate=lambda of, progress: [*experiments.run(progress), *four_experiments.run(progress)],
+    simulate={
+        "experiments": lambda of, progress: experiments.run(progress),
+        "sources": lambda of, progress: experiments.compare_sources(progress),
+        "four sensors": lambda of, progress: four_experiments.run(progress),
+    },
     audit=lambda of: rows.rows(),
     cost_stimuli=lambda of: CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR),
     report=lambda of, *parts: report(*parts),

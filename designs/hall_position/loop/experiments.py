@@ -72,7 +72,7 @@ def loops(libm: bool = False) -> Mapping[str, Loop]:
 
 
 def run(progress: Callable[[str], None]) -> list[Experiment]:
-    """Run every experiment; `progress` is called with the name of the next part."""
+    """Run the experiments of the loop itself; `progress` is called with the name of the next part."""
     progress("calibration")
     both = loops()
     calibrated = both["calibrated"]
@@ -82,9 +82,13 @@ def run(progress: Callable[[str], None]) -> list[Experiment]:
     progress("zigzags and staircase")
     done += [*zigzags(both), staircase(calibrated)]
     progress("dropouts")
-    done += [dropouts(calibrated), loss(calibrated)]
+    return [*done, dropouts(calibrated), loss(calibrated)]
+
+
+def compare_sources(progress: Callable[[str], None]) -> list[Experiment]:
+    """Run the comparison of the position sources."""
     progress("sources")
-    return [*done, sources.experiment({**sources.others(), sources.OPTIMISED: calibrated})]
+    return [sources.experiment({**sources.others(), sources.OPTIMISED: loops()["calibrated"]})]
 
 
 def standstill(loop: Loop) -> Experiment:

@@ -22,7 +22,7 @@ from synth.simulate.rig import Rig
 
 @pytest.fixture(scope="module")
 def all_runs() -> dict[str, Experiment]:
-    return {e.name: e for e in tasks.simulation(DESIGN).result(lambda _: None)}
+    return {e.name: e for e in tasks.experiments(DESIGN, lambda _: None)}
 
 
 def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:

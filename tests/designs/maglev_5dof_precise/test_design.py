@@ -30,7 +30,7 @@ LEAST_DELAY = 3e-3  # s
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Experiment]:
-    return {e.name: e for e in tasks.simulation(DESIGN).result(lambda _: None)}
+    return {e.name: e for e in tasks.experiments(DESIGN, lambda _: None)}
 
 
 def test_every_experiment_keeps_its_limits(runs: dict[str, Experiment]) -> None:
