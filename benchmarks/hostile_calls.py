@@ -19,6 +19,7 @@ from benchmarks.hostile_examples import (
     T,
     U,
     Y,
+    example_lead_lag,
     example_linear,
     example_linear_signals,
     example_loop,
@@ -215,6 +216,8 @@ def examples() -> Mapping[str, Call]:
         "kalman.discrete": white,
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"half_width": 1.0, "spacing": 0.5},
+        "lead_lag.block": {**example_lead_lag(), "source": "(21)"},
+        "lead_lag.pole": {"K": example_lead_lag()["K"]},
         "lead_lag.Compensator": {"gain": 1.0, "zeros": (-1.0,), "poles": (-10.0,), "time": Continuous()},
         "lead_lag.from_time_constants": {
             "gain": 1.0,

@@ -17,6 +17,7 @@ from synth.analyse import discretise, equilibrium, operating_points, singularity
 from synth.block import Block, Constant, State, Step
 from synth.block import build as block
 from synth.blocks import predictive_servo
+from synth.blocks.lead_lag import Loop
 from synth.plant import build as plant
 from synth.signals import Parameter, Signal
 from synth.statespace import StateSpace
@@ -191,3 +192,11 @@ def usual() -> Call:
 
 def example_lead() -> lead_lag.Compensator:
     return lead_lag.from_time_constants(10.0, [0.1], [0.01])
+
+
+def example_lead_lag() -> Call:
+    """Return a lead-lag loop with integral action."""
+    K = lead_lag.tustin(lead_lag.Compensator(10.0, (-10.0, -1.0), (-100.0, 0.0)), TIME.period_s, 3.0)
+    set_point = Signal("gap_ref", "m", 0.01, 0.03)
+    force, achieved = (Signal(name, "N", -10, 10) for name in ("force", "achieved"))
+    return {"K": K, "of": Loop(GAP, set_point, force, achieved, 1.0, 10.0)}

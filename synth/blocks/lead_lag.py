@@ -10,7 +10,9 @@ d_a with the time constant of the zero. This is anti-windup without a separate l
 
 from dataclasses import dataclass
 
+from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.errors import SignalError, TimingError
 from synth.signals import Signal
 from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
@@ -31,19 +33,41 @@ class Loop:
     achievable: float
 
 
+@arguments.checked
 def pole(K: lead_lag.LeadLag) -> float:
-    """Return the pole in z beside the integrator, 0 where it was at 2/T."""
+    """Return the pole in z beside the integrator, 0 where it was at 2/T.
+
+    Raises SignalError for a compensator other than two zeros, a stable pole and, last, an integrator, all real.
+    """
+    real = not any(v.imag for v in (*K.zeros, *K.poles))
+    if not (real and len(K.zeros) == len(K.poles) == 2 and K.poles[1] == 1 and abs(K.poles[0]) < 1):
+        raise SignalError(
+            f"the compensator has zeros {K.zeros} and poles {K.poles} in z: the loop needs two real zeros, a stable "
+            "real pole and, last, an integrator, as `lead_lag.tustin` of k (s - z1) (s - z2) / ((s - p) s)"
+        )
     p = float(K.poles[0].real)
     return p if abs(p) > AT_ZERO else 0.0
 
 
+@arguments.checked
 def block(name: str, time: Discrete, K: lead_lag.LeadLag, of: Loop, source: str) -> Block:
     """Return the Block of one loop, from the position, the set-point and the achieved demand to the demand.
 
     K has two zeros, the second one that of the integral, a pole and an integrator, in this order. Both states stay in
     their ranges while the position does and the achieved demand is `achievable`. `source` names the equation.
+
+    Raises SignalError for a compensator as `pole`, for a `scale` or an `achievable` that is not positive and finite,
+    and as `block.build`; TimingError for a compensator of another period.
     """
-    (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
+    p = pole(K)
+    z1, z2 = (float(z.real) for z in K.zeros)
+    if K.discrete.time != time:
+        raise TimingError(
+            f"the compensator is for {K.discrete.time} and the Block for {time}: discretise it for that"
+        )
+    for quantity, value in (("scale", of.scale), ("achievable", of.achievable)):
+        if not 0 < value < float("inf"):
+            raise SignalError(f"{quantity} of the loop: found {value}; give a positive number")
     gain, lead_input = (v / of.scale for v in (K.gain, K.gain * (p - z1)))
     most = MARGIN * abs(lead_input) * (of.position.high + of.set_point.high) / (1 - abs(p))
     integral, unit = MARGIN * of.achievable, of.demand.unit

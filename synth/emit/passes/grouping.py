@@ -1,28 +1,38 @@
 """Grouping: the statements of one level in an order that keeps those of a Block together as far as data flow allows.
 
-List scheduling: from what can be computed next, a statement of the present Block comes first, else the earliest one. A
-load stands before the first statement that reads it. What an outer level has computed is stored at the beginning.
+List scheduling: from what can be computed next, a statement of the present Block comes first. Behind it comes the
+smallest Block whose statements can be completed, so that few values live long, or, where there is none, that of the
+earliest statement. A load stands before the first statement that reads it. What an outer level has computed is stored
+at the beginning. The order is taken where it has fewer sections.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from heapq import heappop, heappush
+from collections.abc import Iterator, Sequence
+from heapq import heapify, heappop, heappush
+from itertools import groupby
 
 from synth.emit.lower import Program
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
 
-FEWEST = 4  # statements of a Block that come before those of others
+IN_FUNCTION = 4  # statements for which a call stands
 _LOADS = ("input", "state")
 
 
 def in_groups(p: Program, block: Sequence[Statement], owners: Owners) -> list[Statement]:
     """Return the statements of a level in an order that keeps those of a Block together."""
-    return _Grouping(p, block, owners).statements()
+    grouping = _Grouping(p, block, owners)
+    order = grouping.order()
+    fewer = grouping.sections(order) < grouping.sections(range(len(block)))
+    return [block[j] for j in order] if fewer else list(block)
 
 
 class _Grouping:
-    """What must precede each statement of a level, and those that are written so far."""
+    """What must precede each statement of a level, and those that are written so far.
+
+    `left` has the number of statements left of each Block, those in branches included, and `changed` the Blocks of
+    which another one has written an operand.
+    """
 
     def __init__(self, p: Program, block: Sequence[Statement], owners: Owners) -> None:
         self.p, self.block = p, block
@@ -32,6 +42,7 @@ class _Grouping:
             self.before[j].add(i)
         self.loads = {i for i, s in enumerate(block) if isinstance(s, Let) and p.nodes[s.node].op in _LOADS}
         self.blocks = [owners.main(s) for s in block]
+        self.sizes = [_count(p, s) for s in block]
         self.after: dict[int, list[int]] = defaultdict(list)
         self.missing = [0] * len(block)
         for j in range(len(block)):
@@ -40,54 +51,46 @@ class _Grouping:
             for i in needed:
                 self.after[i].append(j)
         self.of_block: dict[str, set[int]] = defaultdict(set)
+        self.left: dict[str, int] = defaultdict(int)
         for j, owner in enumerate(self.blocks):
             if j not in self.loads:
                 self.of_block[owner].add(j)
-        self.done: dict[int, None] = {}
+                self.left[owner] += self.sizes[j]
+        self.ready: dict[str, list[int]] = defaultdict(list)
+        self.earliest, self.done, self.changed = list[tuple[int, str]](), dict[int, None](), set[str]()
 
-    def statements(self) -> list[Statement]:
-        """Return the statements in their new order."""
+    def order(self) -> list[int]:
+        """Return the places of the statements in their new order."""
         ready = [j for j in range(len(self.block)) if j not in self.loads and not self.missing[j]]
         ready += [k for j in ready if self._stores_outer(j) for k in self._write(j)]
-        waiting: dict[str, list[int]] = defaultdict(list)
         for j in sorted(set(ready) - self.done.keys()):
-            waiting[self.blocks[j]].append(j)
-        while waiting:
-            block = self._next_block(waiting)
-            while waiting[block]:
-                for k in self._write(heappop(waiting[block])):
-                    heappush(waiting[self.blocks[k]], k)
-            waiting = defaultdict(list, {name: left for name, left in waiting.items() if left})
-        self.done |= dict.fromkeys(range(len(self.block)))
-        return [self.block[j] for j in self.done]
+            self._make_ready(j)
+        complete = [(self.left[name], min(js), name) for name, js in self.ready.items() if self._can_complete(name)]
+        heapify(complete)
+        while complete or self.earliest:
+            name = heappop(complete)[-1] if complete else heappop(self.earliest)[-1]
+            self.changed.clear()
+            while self.ready[name]:
+                for k in self._write(heappop(self.ready[name])):
+                    self._make_ready(k)
+            for other in sorted(self.changed - {name}):
+                if self.ready[other] and self._can_complete(other):
+                    heappush(complete, (self.left[other], self.ready[other][0], other))
+        return [*self.done, *(j for j in range(len(self.block)) if j not in self.done)]
 
-    def _next_block(self, waiting: Mapping[str, list[int]]) -> str:
-        """Return the Block of the earliest statement, or first one that it needs whose statements can be completed."""
-        first, *others = sorted(waiting, key=lambda block: waiting[block][0])
-        if self._can_complete(first, waiting[first]):
-            return first
-        needed = self._blocks_before(first)
-        some = (block for block in others if block in needed and self._size(block) >= FEWEST)
-        return next((block for block in some if self._can_complete(block, waiting[block])), first)
+    def sections(self, order: Sequence[int]) -> int:
+        """Return the number of runs of statements of one Block."""
+        return len([*groupby(self.blocks[j] for j in order if j not in self.loads)])
 
-    def _blocks_before(self, block: str) -> set[str]:
-        """Return the Blocks of what must be written before the statements left of a Block."""
-        stack, seen = [j for j in self.of_block[block] if j not in self.done], set[int]()
-        while stack:
-            before = self.before[stack.pop()] - self.done.keys() - seen
-            seen |= before
-            stack += before
-        return {self.blocks[j] for j in seen}
+    def _make_ready(self, j: int) -> None:
+        heappush(self.ready[self.blocks[j]], j)
+        heappush(self.earliest, (j, self.blocks[j]))
 
-    def _size(self, block: str) -> int:
-        """Return the number of statements left of a Block, those in branches included."""
-        return sum(_count(self.p, self.block[j]) for j in self.of_block[block] if j not in self.done)
-
-    def _can_complete(self, block: str, ready: Sequence[int]) -> bool:
+    def _can_complete(self, block: str) -> bool:
         """Tell whether all statements left of a Block can be computed without those of another one."""
         left = self.of_block[block] - self.done.keys()
         missing: dict[int, int] = {}
-        stack, reached = [*ready], set[int]()
+        stack, reached = [*self.ready[block]], set[int]()
         while stack:
             j = stack.pop()
             reached.add(j)
@@ -100,8 +103,10 @@ class _Grouping:
     def _write(self, j: int) -> list[int]:
         """Write a statement behind the loads that it reads, and return those that nothing else holds back."""
         self.done |= dict.fromkeys([*sorted(self._loads_before(j) - self.done.keys()), j])
+        self.left[self.blocks[j]] -= self.sizes[j]
         for k in self.after[j]:
             self.missing[k] -= 1
+        self.changed.update(self.blocks[k] for k in self.after[j])
         return [k for k in self.after[j] if not self.missing[k]]
 
     def _operands(self, s: Statement) -> set[int]:
@@ -138,7 +143,7 @@ def _count(p: Program, s: Statement) -> int:
     """Return the number of statements in a statement; a call stands for those of its function."""
     if isinstance(s, Branch):
         return 1 + sum(_count(p, t) for t in (*s.then, *s.other))
-    return FEWEST if isinstance(s, Let) and p.nodes[s.node].op == "call" else 1
+    return IN_FUNCTION if isinstance(s, Let) and p.nodes[s.node].op == "call" else 1
 
 
 def _state_accesses(p: Program, block: Sequence[Statement]) -> Iterator[tuple[str, bool]]:
