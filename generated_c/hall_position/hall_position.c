@@ -753,10 +753,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5);
+    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
     const bool gate_exceeded = 0.0009069143f <
         (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f * then_3_converged_4_squared));
+    const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
         ((1.000002f * converged_part_85) + 1e-08f);
@@ -830,8 +832,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
-    const uint32_t estimator_searching = state->estimator_searching;
-    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const bool integrity_residual_fault = (0.01f < squares_converged_2) ||
         ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
@@ -919,9 +919,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool restart = integrity_residual_fault && exhausted;
     const bool faultless = !integrity_residual_fault;
     if (restart) {
-        state->estimator_yaw = estimator_yaw_last_good;
-        state->estimator_searching = 1u;
-        state->estimator_ambiguity_resolved = 0u;
         const float start_x = state->estimator_start_x + -1.5401491f;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
@@ -938,14 +935,17 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             state->estimator_phase_y = start_y;
             state->estimator_start_y = start_y;
         }
+        state->estimator_yaw = estimator_yaw_last_good;
+        state->estimator_searching = 1u;
+        state->estimator_ambiguity_resolved = 0u;
     } else {
         state->estimator_phase_x = pose_phase_x;
         state->estimator_phase_y = pose_phase_y;
         state->estimator_yaw = yaw;
-        state->estimator_ambiguity_resolved = hall_position_flag(resolved);
         if (converged && faultless) {
             state->estimator_searching = 0u;
         }
+        state->estimator_ambiguity_resolved = hall_position_flag(resolved);
     }
     if (resolved && faultless) {
         state->estimator_yaw_last_good = yaw;

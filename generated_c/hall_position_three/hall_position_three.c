@@ -263,6 +263,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
 #endif
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
+    static const uint32_t starts = 24u;                         /* 1; of a sweep */
 
 #if defined(HALL_POSITION_THREE_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -461,7 +462,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or last_age <= age, else
      *         begin_yaw) */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
-    static const uint32_t starts = 24u;                         /* 1; of a sweep */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
     static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
@@ -792,8 +792,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
         moves_1_2_phase_x = -phase_x_part_23;
     } else {
+        phase_x_part_41 = true;
         const bool excluded_below_3 = excluded < 3.0f;
         if (excluded_below_3) {
+            phase_x_part_42 = false;
             moves_1_1_phase_x_2 = moves_3_1;
             gains_1_phase_x_2 = gains_3;
             scores_1_phase_x_2 = scores_3;
@@ -806,7 +808,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
             moves_1_2_phase_x = -phase_x_part_32;
             moves_2_2_phase_x_2 = moves_4_2;
-            phase_x_part_42 = false;
         } else {
             moves_1_1_phase_x_2 = moves_5_1;
             gains_1_phase_x_2 = gains_5;
@@ -822,7 +823,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             moves_2_2_phase_x_2 = moves_6_2;
         }
         phase_x_test = excluded_below_3;
-        phase_x_part_41 = true;
     }
     float added_1_phase_x = 0.0f;
     bool weights_1 = true;
@@ -1178,8 +1178,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
     out->tracking = tracking ? 1.0f : 0.0f;
-    const bool accepted = phases_valid_test && passes;
     const uint32_t metres_counting = state->metres_counting;
+    const bool accepted = phases_valid_test && passes;
     float X_part = 0.0f;
     float Y_part = 0.0f;
     float count_x = 0.0f;
@@ -1188,10 +1188,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float tracked_2_motion_phase_y = 0.0f;
     float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
-        state->estimator_start_number = starts;
-        state->estimator_candidates = 0u;
-        state->estimator_age = 0u;
-
         /* metres
          *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
          *         pitch_x) if tracking, else 0); likewise Y
@@ -1264,17 +1260,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
         }
         state->estimator_excluded = (uint32_t)hall_position_three_max(best, 0.0f);
+        state->estimator_start_number = starts;
+        state->estimator_candidates = 0u;
         const uint32_t estimator_missed_part = estimator_missed + 1u;
         state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
             hall_position_three_min((float)estimator_missed_part, 8.0f));
+        state->estimator_age = 0u;
     } else {
-        state->estimator_excluded = 0u;
-        state->estimator_missed = 0u;
         const uint32_t estimator_age = state->estimator_age;
         const bool ends = converged || (last_age <= estimator_age);
         const bool last = ends && (last_start <= estimator_start_number);
-        const bool solves = converged && accepted;
         const uint32_t estimator_candidates = state->estimator_candidates;
+        const bool solves = converged && accepted;
         const bool first = estimator_candidates == 0u;
         const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
         const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
@@ -1307,15 +1304,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         float estimator_yaw_part = yaw;
         float estimator_amplitude_part = 1.0f;
         if (ends) {
-            state->estimator_age = 0u;
             const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
             if (pi < estimator_phase_x_part_3) {
                 const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
                 estimator_phase_x_part_2 = estimator_phase_x_part_4;
                 state->estimator_begin_phase_x = estimator_phase_x_part_4;
             } else {
-                state->estimator_begin_phase_x = estimator_phase_x_part_3;
                 estimator_phase_x_part_2 = estimator_phase_x_part_3;
+                state->estimator_begin_phase_x = estimator_phase_x_part_3;
             }
             const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
             if (pi < estimator_phase_y_part_2) {
@@ -1323,8 +1319,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 estimator_phase_y_part = estimator_phase_y_part_3;
                 state->estimator_begin_phase_y = estimator_phase_y_part_3;
             } else {
-                state->estimator_begin_phase_y = estimator_phase_y_part_2;
                 estimator_phase_y_part = estimator_phase_y_part_2;
+                state->estimator_begin_phase_y = estimator_phase_y_part_2;
             }
             const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
             if (0.20943952f < estimator_yaw_part_2) {
@@ -1332,9 +1328,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 estimator_yaw_part = estimator_yaw_part_3;
                 state->estimator_begin_yaw = estimator_yaw_part_3;
             } else {
-                state->estimator_begin_yaw = estimator_yaw_part_2;
                 estimator_yaw_part = estimator_yaw_part_2;
+                state->estimator_begin_yaw = estimator_yaw_part_2;
             }
+            state->estimator_age = 0u;
         } else {
             estimator_amplitude_part = amplitude;
             const uint32_t estimator_age_part = estimator_age + 1u;
@@ -1351,6 +1348,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_yaw = estimator_yaw_part;
             state->estimator_amplitude = estimator_amplitude_part;
         }
+        state->estimator_excluded = 0u;
         if (last) {
             const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)unique_scaled;
@@ -1360,6 +1358,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 23.0f);
         }
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_estimator_phase_x : 0.0f);
+        state->estimator_missed = 0u;
     }
     state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, 0.5f);
     state->estimator_motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, 0.5f);

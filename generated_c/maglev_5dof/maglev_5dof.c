@@ -340,6 +340,7 @@ uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5do
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 #endif
 {
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const float T = 0.001f;                              /* s; sample period */
@@ -358,12 +359,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->saturated = 0u;
     }
 #endif
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
+
     /* guard: range acceptance, hold, latch
      *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
      *         if left <= 1, else latched))
      *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
      *         <= 1, else left - 1) */
-    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -385,10 +390,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_ready = 1u;
     }
     const float missed_calls = in->missed_calls;
-    const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes */
     static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
@@ -743,6 +744,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
+    const bool lost_1 = !x_trusted;
+    const bool lost_2 = !z_trusted;
 
     /* landing: ramps and state feedback */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
@@ -852,8 +855,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
         (faults | 0x00040000u);
-    const bool lost_1 = !x_trusted;
-    const bool lost_2 = !z_trusted;
 
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
@@ -875,6 +876,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t fault_word;
     if (latched != 0u) {
         state->guard_latched = 1u;
+        fault_word = faults_before | 0x80000000u;
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
@@ -889,7 +891,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q4 = state->safe_output_last_u_x;
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-        fault_word = faults_before | 0x80000000u;
     } else {
         /* next states of the sections above */
         static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */
@@ -932,13 +933,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
-        /* functions above: filter, regulator, observer */
+        /* functions above: observer, filter, regulator */
         static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
             .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
         static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
             .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
         static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
             .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
+            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
+            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
         const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
             filter_y_r_next);
@@ -950,10 +955,29 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
             e_theta, filter_theta_r_next);
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
+        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
+        const float faster_observer_phi_q = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
+        const float faster_observer_theta_q = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
+            observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
+        const float faster_observer_y_q = y_rate + (T * (state->delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
+            0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
 
         /* landing: ramps and state feedback (continued)
          *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
@@ -1008,6 +1032,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
+            fault_word = faults_before | 0x40000000u;
             float ramp_y = landing_r_y;
             float ramp_rate_y = y_rate;
             float ramp_x = observer_x.estimate;
@@ -1045,7 +1070,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
             w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
-            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_estimate = observer_x.estimate;
@@ -1248,6 +1272,32 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
+
+        /* accelerations: F(6)
+         *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
+        static const float inverse_M_x = 0.094339624f;          /* 1/kg; 1 / M_x, M_x = 10.6 kg */
+        static const float inverse_M_z = 0.11627907f;           /* 1/kg; 1 / M_z, M_z = 8.6 kg */
+        const float a_x = -inverse_M_x * (u_x_computed * h_x);
+        const float a_z = -inverse_M_z * (u_z_computed * h_z);
+
+        /* thrust_allocation: F(6)
+         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
+        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
+        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* delay: delay of one sample
+         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+        state->delay_w_y_last = w_y;
+        state->delay_a_x_last = a_x;
+        state->delay_a_z_last = a_z;
+        state->delay_w_phi_last = w_phi;
+        state->delay_w_theta_last = w_theta;
 
         /* handover: direct currents without x or z
          *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
@@ -1280,66 +1330,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         } else {
             /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
-            state->safe_output_last_i_d2 = i_d2_balanced;
-            state->safe_output_last_i_d3 = i_d3_balanced;
-            state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
+            state->safe_output_last_i_d3 = i_d3_balanced;
             out->i_d3 = i_d3_balanced;
+            state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
         }
-
-        /* accelerations: F(6)
-         *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
-        static const float inverse_M_x = 0.094339624f;          /* 1/kg; 1 / M_x, M_x = 10.6 kg */
-        static const float inverse_M_z = 0.11627907f;           /* 1/kg; 1 / M_z, M_z = 8.6 kg */
-        const float a_x = -inverse_M_x * (u_x_computed * h_x);
-        const float a_z = -inverse_M_z * (u_z_computed * h_z);
-
-        /* thrust_allocation: F(6)
-         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
-        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
-        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
-        state->safe_output_last_u_x = u_x_computed;
-        state->safe_output_last_u_z = u_z_computed;
-
-        /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
-        const float delay_w_y_last = state->delay_w_y_last;
-        state->delay_w_y_last = w_y;
-        state->delay_a_x_last = a_x;
-        state->delay_a_z_last = a_z;
-        const float delay_w_phi_last = state->delay_w_phi_last;
-        state->delay_w_phi_last = w_phi;
-        const float delay_w_theta_last = state->delay_w_theta_last;
-        state->delay_w_theta_last = w_theta;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
-            0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
-        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
-            observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
-        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
-            observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;

@@ -376,6 +376,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     maglev_5dof_precise_output_t *out)
 #endif
 {
+    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
@@ -398,12 +399,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->saturated = 0u;
     }
 #endif
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
+
     /* guard: range acceptance, hold, latch
      *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
      *         if left <= 1, else latched))
      *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
      *         <= 1, else left - 1) */
-    static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -431,10 +436,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->guard_ready = 1u;
     }
     const float missed_calls = in->missed_calls;
-    const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* redundancy: parity, innovations, frozen codes */
     static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
@@ -794,6 +795,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 #endif
     }
+    const bool lost_1 = !x_trusted;
+    const bool lost_2 = !z_trusted;
 
     /* landing: ramps and state feedback */
     static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
@@ -928,8 +931,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
     const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
         (faults | 0x00040000u);
-    const bool lost_1 = !x_trusted;
-    const bool lost_2 = !z_trusted;
 
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
@@ -941,6 +942,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t fault_word;
     if (latched != 0u) {
         state->guard_latched = 1u;
+        fault_word = faults_before | 0x80000000u;
 
         /* safe_output: slew to the safe output once latched */
         static const float safe_i_d1 = 2.5f;                    /* A; safe output */
@@ -959,7 +961,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         out->i_q4 = state->safe_output_last_u_x;
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
-        fault_word = faults_before | 0x80000000u;
     } else {
         /* next states of the sections above */
         static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */
@@ -1003,6 +1004,124 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
+        /* delay: delay of one sample
+         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f,
+            .largest_rate = 4.0f};
+        const float delay_a_x_last = state->delay_a_x_last;
+        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
+            x_trusted, x_held, suspect_x, delay_a_x_last, x_unchanged);
+        const float delay_a_z_last = state->delay_a_z_last;
+        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
+            z_trusted, z_held, suspect_z, delay_a_z_last, z_unchanged);
+        const float delay_w_phi_last = state->delay_w_phi_last;
+        const maglev_5dof_precise_observer_fast_t observer_phi_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
+            nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
+        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
+        const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+            observer_phi_largest_position);
+        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, observer_phi_largest_rate);
+        const float delay_w_theta_last = state->delay_w_theta_last;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
+        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
+        const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
+            (half_T * (theta_rate + faster_observer_theta_q)), observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, observer_theta_largest_rate);
+        const float delay_w_y_last = state->delay_w_y_last;
+
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
+        const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
+            (half_T * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, observer_y_largest_rate);
+
+        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued)
+         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
+         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
+         *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
+         *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
+         *         y_fast_disturbance)), 0.0345), 0.0145)
+         *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
+        static const float observer_y_fast_largest_rate = 4.0f; /* m/s; bound of the predicted rate */
+        const float faster_y_fast_ahead = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
+        const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
+            (half_T * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
+        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, observer_y_fast_largest_rate);
+        state->observer_y_fast_q = y_fast_ahead;
+        state->observer_y_fast_v = y_fast_rate_ahead;
+
+        /* functions above: servo_fast, observer_fast */
+        static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
+        static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
+        static const float observer_x_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+        static const float observer_z_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
+        static const float observer_theta_fast_gamma = 10823.077f; /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+            .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+            .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+            .low = -0.0003f, .largest_error = 0.0003f};
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+            .low = -0.001f, .largest_error = 0.001f};
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+            .low = -0.001f, .largest_error = 0.001f};
+        static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+            .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+            .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+            .low = -0.0003f, .largest_error = 0.0003f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
+            .largest_rate = 2.0f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast =
+            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
+            .largest_rate = 2.0f};
+        static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
+            {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
+            .largest_rate = 4.0f};
+        const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
+            y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_part, e_y);
+        const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
+        const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
+            (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
+        const maglev_5dof_precise_observer_fast_t observer_x_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
+            nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
+        const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
+            observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_part,
+            e_x);
+        const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
+        const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
+            (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
+        const maglev_5dof_precise_observer_fast_t observer_z_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
+            nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
+        const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
+            observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_part,
+            e_z);
+        const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
+        const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
+            (observer_theta_fast_gamma * nu_theta_fast_ahead), observer_theta_fast_largest_disturbance);
+        const maglev_5dof_precise_observer_fast_t observer_theta_fast =
+            maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
+            guard_ready, nu_theta_fast_ahead, theta, theta_fast_ahead_part, delay_w_theta_last);
+        const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
+            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
+            observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_part, e_theta);
+
         /* servo_phi_fast: predictive servo with internal models
          *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
          *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
@@ -1031,126 +1150,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
         const float servo_phi_fast_r = state->servo_phi_fast_r;
         state->servo_phi_fast_r = phi_ref_held;
-
-        /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
-        const float delay_w_y_last = state->delay_w_y_last;
-
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float faster_observer_y_q = y_rate + (T * (delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_precise_max(maglev_5dof_precise_min(y_estimate +
-            (half_T * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_precise_limit(faster_observer_y_q, observer_y_largest_rate);
-
-        /* observer_y_fast: predictive observer, alpha-beta-gamma (continued)
-         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-         *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
-         *         y_fast_disturbance)), 0.0345), 0.0145)
-         *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
-        static const float observer_y_fast_largest_rate = 4.0f; /* m/s; bound of the predicted rate */
-        static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-            .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
-            .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-            .low = -0.0003f, .largest_error = 0.0003f};
-        const float faster_y_fast_ahead = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
-        const float y_fast_ahead = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_estimate +
-            (half_T * (y_fast_rate + faster_y_fast_ahead)), 0.0345f), 0.0145f);
-        const float y_fast_rate_ahead = maglev_5dof_precise_limit(faster_y_fast_ahead, observer_y_fast_largest_rate);
-        state->observer_y_fast_q = y_fast_ahead;
-        state->observer_y_fast_v = y_fast_rate_ahead;
-        const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
-            y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_part, e_y);
-        const float delay_a_x_last = state->delay_a_x_last;
-
-        /* functions above: observer, observer_fast, servo_fast */
-        static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
-        static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
-        static const float observer_x_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-        static const float observer_z_fast_gamma = 35832.543f;  /* 1/s^2; triple pole exp(-w T), w = 400 rad/s */
-        static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-            .low = -0.001f, .largest_error = 0.001f};
-        static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-            .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-            .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-            .low = -0.001f, .largest_error = 0.001f};
-        static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast =
-            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
-            .largest_rate = 2.0f};
-        static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast =
-            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.1f, .largest_position = 0.1f, .low_2 = -2.0f,
-            .largest_rate = 2.0f};
-        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_trusted, x_held, suspect_x, delay_a_x_last, x_unchanged);
-        const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
-        const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
-            (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
-        const maglev_5dof_precise_observer_fast_t observer_x_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
-            nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
-        const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
-            observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_part,
-            e_x);
-        const float delay_a_z_last = state->delay_a_z_last;
-        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_trusted, z_held, suspect_z, delay_a_z_last, z_unchanged);
-        const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
-        const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
-            (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
-        const maglev_5dof_precise_observer_fast_t observer_z_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
-            nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
-        const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
-            observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_part,
-            e_z);
-        const float delay_w_phi_last = state->delay_w_phi_last;
-
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
-        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast =
-            {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f,
-            .largest_rate = 4.0f};
-        const float faster_observer_phi_q = phi_rate + (T * (delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_precise_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
-            observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_precise_limit(faster_observer_phi_q, observer_phi_largest_rate);
-        const maglev_5dof_precise_observer_fast_t observer_phi_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
-            nu_phi_fast_ahead, phi, phi_fast_ahead_part, delay_w_phi_last);
-        const float delay_w_theta_last = state->delay_w_theta_last;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
-        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float faster_observer_theta_q = theta_rate + (T * (delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_precise_limit(theta_estimate +
-            (half_T * (theta_rate + faster_observer_theta_q)), observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_precise_limit(faster_observer_theta_q, observer_theta_largest_rate);
-
-        /* functions above: observer_fast, servo_fast */
-        static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-        static const float observer_theta_fast_gamma = 10823.077f; /* 1/s^2; triple pole exp(-w T), w = 250 rad/s */
-        static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-            .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
-            .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-            .low = -0.0003f, .largest_error = 0.0003f};
-        static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
-            {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
-            .largest_rate = 4.0f};
-        const float nu_theta_fast_ahead = theta - state->observer_theta_fast.q;
-        const float theta_fast_ahead_part = maglev_5dof_precise_limit(state->observer_theta_fast.d +
-            (observer_theta_fast_gamma * nu_theta_fast_ahead), observer_theta_fast_largest_disturbance);
-        const maglev_5dof_precise_observer_fast_t observer_theta_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
-            guard_ready, nu_theta_fast_ahead, theta, theta_fast_ahead_part, delay_w_theta_last);
-        const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
-            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
-            observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_part, e_theta);
 
         /* landing: ramps and state feedback (continued)
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
@@ -1202,6 +1201,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
+            fault_word = faults_before | 0x40000000u;
             float ramp_x = observer_x.estimate;
             float ramp_rate_x = observer_x.rate;
             float ramp_y = landing_r_y;
@@ -1240,7 +1240,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->landing_dr_z = maglev_5dof_precise_limit(faster_w_z, 10.0f);
             w_phi = -spring_phi * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
-            fault_word = faults_before | 0x40000000u;
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_disturbance = observer_x.disturbance;
@@ -1474,20 +1473,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_part));
         const float a_x = -0.094339624f * (u_x_computed * h_x);
         const float a_z = -0.11627907f * (u_z_computed * h_z);
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
         state->delay_w_y_last = w_y;
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
-
-        /* thrust_allocation: F(6)
-         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
-        state->safe_output_last_u_x = u_x_computed;
-        state->safe_output_last_u_z = u_z_computed;
 
         /* handover: direct currents without x or z
          *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
@@ -1520,12 +1516,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         } else {
             /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
-            state->safe_output_last_i_d2 = i_d2_balanced;
-            state->safe_output_last_i_d3 = i_d3_balanced;
-            state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d2 = i_d2_balanced;
             out->i_d2 = i_d2_balanced;
+            state->safe_output_last_i_d3 = i_d3_balanced;
             out->i_d3 = i_d3_balanced;
+            state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
         }
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
@@ -1536,13 +1532,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->e_z = e_z;
             diagnostics->e_phi = e_phi;
             diagnostics->e_theta = e_theta;
+            diagnostics->phi_fast_ahead = observer_phi_fast.fast_ahead;
             diagnostics->y_fast_ahead = y_fast_ahead;
             diagnostics->y_fast_rate_ahead = y_fast_rate_ahead;
             diagnostics->x_fast_ahead = observer_x_fast.fast_ahead;
             diagnostics->x_fast_rate_ahead = observer_x_fast.fast_rate_ahead;
             diagnostics->z_fast_ahead = observer_z_fast.fast_ahead;
             diagnostics->z_fast_rate_ahead = observer_z_fast.fast_rate_ahead;
-            diagnostics->phi_fast_ahead = observer_phi_fast.fast_ahead;
             diagnostics->theta_fast_ahead = observer_theta_fast.fast_ahead;
             diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
             diagnostics->w_phi = w_phi;

@@ -176,6 +176,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
      *         1)
      *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
      *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
+    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
+    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
@@ -210,19 +213,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
         0x00004000u, &faults);
-    const uint32_t guard_left = state->guard_left;
-
-    /* sensing: position and yaw, (1)-(5) */
-    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
-    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
-    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
-    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
-    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
-    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
+    const uint32_t guard_left = state->guard_left;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
+        /* sensing: position and yaw, (1)-(5) */
+        static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
+        static const float significant_r = 0.07043498f;         /* V; 0.024 A */
+        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 A^2 */
+        static const float small_m = 2.5838993f;                /* V^2; 0.3 A^2 */
+        static const float significant_m = 0.25838992f;         /* V^2; 0.03 A^2 */
+        static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -308,11 +310,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
-
-    /* guard: range acceptance, hold, latch (continued) */
-    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
-    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
-    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -332,8 +329,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         faults |= 0x40000000u;
     }
     if (latched != 0u) {
-        state->guard_latched = 1u;
-
         /* safe_output: slew to the safe output once latched */
         static const float slew_i_AA = 0.126f;                  /* A; 126 A/s times 0.001 s */
         state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
@@ -354,9 +349,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+        state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
         const bool braked = guard_left < braking_from;
+
+        /* vertical_kinematics: z and tilts from distances
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
+        const float front_z = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front_z + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front_z);
+        const float psi = half_over_laser_arm * (d1_held - d2_held);
         const float reckoning_x_position = state->reckoning_x_position;
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
@@ -401,9 +406,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
+            const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
             const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-            const float sensing_scale = state->sensing_scale;
             const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
             const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
@@ -521,8 +526,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                state->sensing_offset_x = offset_x;
-                state->sensing_offset_y = offset_y;
                 measured = true;
                 x_raw = accepted_x;
                 y_raw = accepted_y;
@@ -532,6 +535,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
                 const float sensing_scale_part = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
                 state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_part, 0.18f);
@@ -558,62 +563,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
         state->sensing_phi_raw = phi_raw;
-
-        /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
-        static const float reckoning_x_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
-        static const float reckoning_x_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
-        static const float reckoning_x_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
-        static const float reckoning_y_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
-        static const float reckoning_y_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
-        static const float reckoning_y_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
-        static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
-        static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
-        static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
-        const float reckoning_x_rate = state->reckoning_x_rate;
-        const float reckoning_y_rate = state->reckoning_y_rate;
-        const float reckoning_phi_rate = state->reckoning_phi_rate;
-        float corrected_x = x_raw;
-        float rate_x = reckoning_x_rate;
-        float corrected_y = y_raw;
-        float rate_y = reckoning_y_rate;
-        float corrected_phi = phi_raw;
-        float rate_phi = reckoning_phi_rate;
-        if ((guard_ready != 0u) && measured) {
-            const float innovation_x_x_next = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_x_next);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_x_next);
-            const float innovation_y_y_next = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_y_next);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_y_next);
-            const float innovation_phi = phi_raw - reckoning_phi_position;
-            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
-            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
-            state->sensing_innovation_phi = innovation_phi;
-        } else {
-            state->sensing_innovation_phi = 0.0f;
-        }
-        const float a_x = reckoning_x_half_step * state->delay_x;
-        const float middle_x = rate_x + a_x;
-        const float x_next = corrected_x + middle_x;
-        /*@ admit -0.2f <= x_next <= 0.2f; */
-        const float x_advance = middle_x + a_x;
-        const float a_y = reckoning_y_half_step * state->delay_y;
-        const float middle_y = rate_y + a_y;
-        const float y_next = corrected_y + middle_y;
-        /*@ admit -0.2f <= y_next <= 0.2f; */
-        const float y_advance = middle_y + a_y;
-        const float a_phi = reckoning_phi_half_step * state->delay_phi;
-        const float middle_phi = rate_phi + a_phi;
-        const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, 0.05f);
-        const float phi_advance = middle_phi + a_phi;
-        state->reckoning_x_position = x_next;
-        state->reckoning_x_rate = planar_6dof_leadlag_limit(x_advance, 0.002f);
-        state->reckoning_y_position = y_next;
-        state->reckoning_y_rate = planar_6dof_leadlag_limit(y_advance, 0.002f);
-        state->reckoning_phi_position = phi_next;
-        state->reckoning_phi_rate = planar_6dof_leadlag_limit(phi_advance, 0.04f);
 
         /* filter_x: Kalman filter, (6)-(16)
          *     prediction_p = limit(p + k_p * (x_raw - p) + s + k_s * (x_raw - p) + h + k_h * (x_raw - p), 0.2)
@@ -730,14 +679,61 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->filter_phi_h = 0.0f;
         }
 
-        /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
-        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-        const float front_z = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (front_z + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - front_z);
-        const float psi = half_over_laser_arm * (d1_held - d2_held);
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
+        static const float reckoning_x_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
+        static const float reckoning_x_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_x_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_y_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
+        static const float reckoning_y_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_y_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
+        static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
+        static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
+        const float reckoning_x_rate = state->reckoning_x_rate;
+        const float reckoning_y_rate = state->reckoning_y_rate;
+        const float reckoning_phi_rate = state->reckoning_phi_rate;
+        float corrected_x = x_raw;
+        float rate_x = reckoning_x_rate;
+        float corrected_y = y_raw;
+        float rate_y = reckoning_y_rate;
+        float corrected_phi = phi_raw;
+        float rate_phi = reckoning_phi_rate;
+        if ((guard_ready != 0u) && measured) {
+            const float innovation_x_x_next = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_x_next);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_x_next);
+            const float innovation_y_y_next = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_y_next);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_y_next);
+            const float innovation_phi = phi_raw - reckoning_phi_position;
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
+            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
+            state->sensing_innovation_phi = innovation_phi;
+        } else {
+            state->sensing_innovation_phi = 0.0f;
+        }
+        const float a_x = reckoning_x_half_step * state->delay_x;
+        const float middle_x = rate_x + a_x;
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
+        const float x_advance = middle_x + a_x;
+        const float a_y = reckoning_y_half_step * state->delay_y;
+        const float middle_y = rate_y + a_y;
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
+        const float y_advance = middle_y + a_y;
+        const float a_phi = reckoning_phi_half_step * state->delay_phi;
+        const float middle_phi = rate_phi + a_phi;
+        const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, 0.05f);
+        const float phi_advance = middle_phi + a_phi;
+        state->reckoning_x_position = x_next;
+        state->reckoning_x_rate = planar_6dof_leadlag_limit(x_advance, 0.002f);
+        state->reckoning_y_position = y_next;
+        state->reckoning_y_rate = planar_6dof_leadlag_limit(y_advance, 0.002f);
+        state->reckoning_phi_position = phi_next;
+        state->reckoning_phi_rate = planar_6dof_leadlag_limit(phi_advance, 0.04f);
 
         /* functions above: loop_output */
         static const float loop_x_gain = 2515.072f;             /* A/m; (21): gain on the error */
@@ -805,6 +801,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
         static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
+        static const float loop_theta_integral_decay = 0.9900498f; /* 1; (24): zero of the integral action in z */
+        static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */
         static const float allocation_two = 2.0f;               /* 1; Table 3: both motors */
         static const float allocation_rear_share = 0.33333334f; /* 1; Table 3: c/(2 (b + c)) */
         static const float allocation_front_share = 0.16666667f; /* 1; Table 3: b/(2 (b + c)) */
@@ -829,34 +827,32 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
-
-        /* functions above: loop_update */
-        static const float loop_x_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
-        static const float loop_y_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
-        static const float loop_phi_lead_input = -223.97475f;   /* A/rad; (22): gain times (lead_pole - zero) */
-        static const float loop_z_integral_decay = 0.9900498f;  /* 1; (23): zero of the integral action in z */
-        static const float loop_theta_integral_decay = 0.9900498f; /* 1; (24): zero of the integral action in z */
-        static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */
-        static const float loop_psi_integral_decay = 0.9900498f; /* 1; (25): zero of the integral action in z */
-        /* 1; (23): 1 - integral_decay; times allocation_rear_share */
-        static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
-        /* 1; (25): 1 - integral_decay; times allocation_half */
-        static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
-        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
-        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
-        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
-        state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
-            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
             (loop_theta_integral_input * achieved_theta);
-        state->loop_psi.integral = (loop_psi_integral_decay * state->loop_psi.integral) +
-            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
 
         /* delay: delay of one sample
          *     x_next = achieved_x; likewise y_next, phi_next */
         state->delay_x = achieved_x;
         state->delay_y = achieved_y;
         state->delay_phi = achieved_phi;
+
+        /* functions above: loop_update */
+        static const float loop_x_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
+        static const float loop_y_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
+        static const float loop_phi_lead_input = -223.97475f;   /* A/rad; (22): gain times (lead_pole - zero) */
+        static const float loop_z_integral_decay = 0.9900498f;  /* 1; (23): zero of the integral action in z */
+        static const float loop_psi_integral_decay = 0.9900498f; /* 1; (25): zero of the integral action in z */
+        /* 1; (23): 1 - integral_decay; times allocation_rear_share */
+        static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
+        /* 1; (25): 1 - integral_decay; times allocation_half */
+        static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
+        state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
+            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        state->loop_psi.integral = (loop_psi_integral_decay * state->loop_psi.integral) +
+            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
+        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi)
@@ -938,21 +934,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->z = z;
+            diagnostics->theta = theta;
+            diagnostics->psi = psi;
             diagnostics->measured = measured ? 1.0f : 0.0f;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
             diagnostics->within_x = within_x;
             diagnostics->within_y = within_y;
             diagnostics->phi_raw = phi_raw;
-            diagnostics->x_advance = x_advance;
-            diagnostics->y_advance = y_advance;
-            diagnostics->phi_advance = phi_advance;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
-            diagnostics->z = z;
-            diagnostics->theta = theta;
-            diagnostics->psi = psi;
+            diagnostics->x_advance = x_advance;
+            diagnostics->y_advance = y_advance;
+            diagnostics->phi_advance = phi_advance;
             diagnostics->d_z = loop_z_output.value_2;
             diagnostics->d_theta = loop_theta_output.value_2;
             diagnostics->d_psi = loop_psi_output.value_2;

@@ -150,6 +150,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
      *         1)
      *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
      *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
+    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
@@ -178,19 +180,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
         &faults);
-    const uint32_t guard_left = state->guard_left;
-
-    /* sensing: position and yaw, (1)-(5) */
-    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
-    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
-    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
-    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
-    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
-    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
+    const uint32_t guard_left = state->guard_left;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
+        /* sensing: position and yaw, (1)-(5) */
+        static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
+        static const float significant_r = 0.07043498f;         /* V; 0.024 A */
+        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 A^2 */
+        static const float small_m = 2.5838993f;                /* V^2; 0.3 A^2 */
+        static const float significant_m = 0.25838992f;         /* V^2; 0.03 A^2 */
+        static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -276,10 +277,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
-
-    /* guard: range acceptance, hold, latch (continued) */
-    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
-    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -303,8 +300,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
     uint32_t fault_word;
     if (latched != 0u) {
-        state->guard_latched = 1u;
-
         /* safe_output: slew to the safe output once latched */
         static const float slew_i_AA = 0.1575f;                 /* A; 126 A/s times 0.00125 s */
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
@@ -325,8 +320,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
+        state->guard_latched = 1u;
         fault_word = faults | 0x80000000u;
     } else {
+        /* vertical_kinematics: z and tilts from distances
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
+        const float front_z = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front_z + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front_z);
+        const float psi = half_over_laser_arm * (d1_held - d2_held);
         const float reckoning_x_position = state->reckoning_x_position;
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
@@ -371,9 +375,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
+            const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
             const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-            const float sensing_scale = state->sensing_scale;
             const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
             const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
@@ -491,8 +495,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
-                state->sensing_offset_x = offset_x;
-                state->sensing_offset_y = offset_y;
                 measured = true;
                 x_raw = accepted_x;
                 y_raw = accepted_y;
@@ -502,6 +504,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
                 const float sensing_scale_part = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
                 state->sensing_scale = 1.02f + planar_6dof_lqg_limit(sensing_scale_part, 0.18f);
@@ -603,19 +607,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     as lqg_x, with y in place of x */
         static const float lqg_y_integral_decay = 0.953085f;    /* 1; (49): 1 - k3 T / (k1 + k3 T) */
         static const float lqg_y_L = 3558.6274f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
+        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_law_y = lqg_y_L * y_raw;
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float decayed_lqg_y_integral = lqg_y_integral_decay * lqg_y_integral;
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
-         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
-         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
-        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_law_phi = lqg_phi_L * phi_raw;
         const float lqg_phi_integral = state->lqg_phi_integral;
 
@@ -628,10 +625,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
         static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
         static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        static const float lqg_phi_achieved_gain = 0.87617064f; /* 1; (49): b T (k1 T / 2 + k2) */
-        static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
-        static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
         float now_law_x;
         float now_law_y;
         float now_law_phi;
@@ -648,59 +641,33 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
         const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
-        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
 
-        /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
-        static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-        const float front_z = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (front_z + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - front_z);
-        const float psi = half_over_laser_arm * (d1_held - d2_held);
-
-        /* loop_z: lead-lag, (23)
-         *     d_z = gain * (z_ref_held - z) + lead + integral */
-        static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
-        static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
-        const float error_d_z = z_ref_held - z;
-        const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
-        state->loop_z_lead = loop_z_lead_input * error_d_z;
-
-        /* loop_theta: lead-lag, (24)
-         *     as loop_z, with theta in place of z */
-        static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
-        static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
-        const float error_d_theta = theta_ref_held - theta;
-        const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
-        state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
-
-        /* loop_psi: lead-lag, (25)
-         *     as loop_z, with psi in place of z */
-        static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
-        static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
-        const float error_d_psi = psi_ref_held - psi;
-        const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
-        state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
-
-        /* braking: braking before the latch
-         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
-        static const float braking_x_gain = -25336.316f;        /* (A)/m; 0.5 / (b T^2) */
-        static const float braking_y_gain = -25336.316f;        /* (A)/m; 0.5 / (b T^2) */
-        static const float braking_phi_gain = -1433.3131f;      /* (A)/rad; 0.5 / (b T^2) */
+        static const float lqg_phi_achieved_gain = 0.87617064f; /* 1; (49): b T (k1 T / 2 + k2) */
+        static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
+        static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
         float d_x;
         float d_y;
         bool value = false;
         bool runs = false;
         if (braked) {
+            /* braking: braking before the latch
+             *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
+            static const float braking_x_gain = -25336.316f;    /* (A)/m; 0.5 / (b T^2) */
+            static const float braking_y_gain = -25336.316f;    /* (A)/m; 0.5 / (b T^2) */
+            static const float braking_phi_gain = -1433.3131f;  /* (A)/rad; 0.5 / (b T^2) */
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
@@ -735,6 +702,33 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         } else {
             fault_word = faults_before;
         }
+
+        /* loop_z: lead-lag, (23)
+         *     d_z = gain * (z_ref_held - z) + lead + integral */
+        static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
+        static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
+        const float error_d_z = z_ref_held - z;
+        const float loop_z_integral = state->loop_z_integral;
+        const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
+        state->loop_z_lead = loop_z_lead_input * error_d_z;
+
+        /* loop_theta: lead-lag, (24)
+         *     as loop_z, with theta in place of z */
+        static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
+        static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
+        const float error_d_theta = theta_ref_held - theta;
+        const float loop_theta_integral = state->loop_theta_integral;
+        const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
+        state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
+
+        /* loop_psi: lead-lag, (25)
+         *     as loop_z, with psi in place of z */
+        static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
+        static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
+        const float error_d_psi = psi_ref_held - psi;
+        const float loop_psi_integral = state->loop_psi_integral;
+        const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
+        state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -786,21 +780,21 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) +
+            (loop_theta_integral_input * achieved_theta);
+        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) +
+            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) +
+            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
+            (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
+        state->lqg_phi_achieved = achieved_phi;
         state->lqg_x_integral = (is_small) ?
             (decayed_lqg_x_integral + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : decayed_lqg_x_integral;
         state->lqg_x_achieved = achieved_x;
         state->lqg_y_integral = (is_close) ?
             (decayed_lqg_y_integral + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : decayed_lqg_y_integral;
         state->lqg_y_achieved = achieved_y;
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
-            (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
-        state->lqg_phi_achieved = achieved_phi;
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) +
-            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
-        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) +
-            (loop_theta_integral_input * achieved_theta);
-        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) +
-            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi_raw)
@@ -882,6 +876,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->z = z;
+            diagnostics->theta = theta;
+            diagnostics->psi = psi;
             diagnostics->measured = measured ? 1.0f : 0.0f;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
@@ -891,15 +888,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
             diagnostics->phi_advance = phi_advance;
-            diagnostics->z = z;
-            diagnostics->theta = theta;
-            diagnostics->psi = psi;
-            diagnostics->d_z = d_z;
-            diagnostics->d_theta = d_theta;
-            diagnostics->d_psi = d_psi;
             diagnostics->d_phi = d_phi;
             diagnostics->d_x = d_x;
             diagnostics->d_y = d_y;
+            diagnostics->d_z = d_z;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_psi = d_psi;
             diagnostics->i_CQ = i_CQ;
             diagnostics->i_AQ = i_AQ;
             diagnostics->i_BQ = i_BQ;

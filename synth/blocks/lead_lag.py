@@ -62,9 +62,7 @@ def block(name: str, time: Discrete, K: lead_lag.LeadLag, of: Loop, source: str)
     p = pole(K)
     z1, z2 = (float(z.real) for z in K.zeros)
     if K.discrete.time != time:
-        raise TimingError(
-            f"the compensator is for {K.discrete.time} and the Block for {time}: discretise it for that"
-        )
+        raise TimingError(f"the compensator is for {K.discrete.time} and the Block for {time}: discretise it for that")
     for quantity, value in (("scale", of.scale), ("achievable", of.achievable)):
         if not 0 < value < float("inf"):
             raise SignalError(f"{quantity} of the loop: found {value}; give a positive number")
