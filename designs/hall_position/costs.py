@@ -36,9 +36,10 @@ from synth.verify.steps import Steps
 
 BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
 ABSENT = "Not measured: no emulator, or arm-none-eabi-gcc is not installed."
-SPATIAL_STEPS = 120  # steps of each kind in six degrees of freedom
+SPATIAL_STEPS = 300  # steps of each kind in six degrees of freedom
 TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom
-FALSE_VOLTAGES = slice(40, 60)  # samples whose voltages belong to no pose
+AT_REST = 160  # samples before the motion, until the estimate is valid
+FALSE_VOLTAGES = slice(220, 240)  # samples whose voltages belong to no pose
 TITLE = "Cost of three and four sensors, and of six degrees of freedom"
 COLUMNS = ("estimator", "build", "steps", "emitted C", "CasADi's C in float", "ratio")
 SEED = 2_025  # of a motion whose maximum is within five instructions of that of thousands of steps
@@ -129,13 +130,12 @@ def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
 
 
 def motion(array: SpatialArray, n: int) -> Numbers:
-    """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad."""
-    time = config.TIME.period_s
-    across = motions.smooth_motions(time, (n, 1), SEED, TRAVEL, YAW)
-    tilted = motions.smooth_motions(
-        time, (n, 1), SEED + 1, TILT, GAP
-    )  # roll and pitch as X and Y, the height as the yaw
-    return np.hstack((across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw))
+    """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad, the first ones at rest."""
+    time, moving = config.TIME.period_s, (n - AT_REST, 1)
+    across = motions.smooth_motions(time, moving, SEED, TRAVEL, YAW)
+    tilted = motions.smooth_motions(time, moving, SEED + 1, TILT, GAP)  # roll and pitch as X and Y, height as the yaw
+    poses = np.hstack((across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw))
+    return np.pad(poses, ((AT_REST, 0), (0, 0)), mode="edge")
 
 
 def section(rows: Sequence[Row]) -> page.Section:

@@ -100,12 +100,10 @@ def test_it_finds_its_way_and_loses_it() -> None:
     controller = host.load(six().files, six().manifest)
     sequence = costs.six_steps(posed.FOUR, controller)
     assert len(sequence) == 2 * costs.SPATIAL_STEPS
-    valid = steps.evaluate(controller, sequence).outputs["valid"][: costs.SPATIAL_STEPS] > 0
-    assert (
-        valid[: costs.FALSE_VOLTAGES.start].any()
-        and valid[costs.FALSE_VOLTAGES.stop :].any()
-        and not valid[costs.FALSE_VOLTAGES].any()
-    )
+    outputs = steps.evaluate(controller, sequence).outputs
+    valid, lost = (outputs[name][: costs.SPATIAL_STEPS] > 0 for name in ("valid", "lost"))
+    assert valid[costs.AT_REST : costs.FALSE_VOLTAGES.start].all()
+    assert not valid[costs.FALSE_VOLTAGES.start :].any() and lost[costs.FALSE_VOLTAGES.stop :].all()
 
 
 def test_every_row_is_shown() -> None:
