@@ -25,7 +25,7 @@ EQUATION = re.compile(r"^ \* {5}(\w+(?:\(\w+\))? = .*)$", re.MULTILINE)
 
 
 def equations_printed_twice(text: str) -> list[tuple[str, str]]:
-    """Return the title and the first row of each equation that stands twice under one title."""
+    """Return the title and the first row of each equation that is printed twice under one title."""
     pairs: Counter[tuple[str, str]] = Counter()
     for comment in COMMENT.findall(text):
         body = "\n".join(f" {row.strip()}" for row in comment.splitlines())
