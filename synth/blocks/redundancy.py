@@ -54,7 +54,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
     pass, and nothing else is computed. ``degraded`` says that this is not so, once ready.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
-    without a relation and without a gate, or numbers of samples below 1.
+    without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
     """
     names, by_name = signal_names(sensors), {s.name: s for s in sensors}
     singles = _singles(names, relations, decision)
@@ -208,6 +208,10 @@ def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Deci
             raise SignalError(
                 f"the relations name '{n}': name at least two of {', '.join(names)} in each, and each sensor once"
             )
+    if unknown := [n for n in (*decision.gate, *decision.travel) if n not in names]:
+        raise SignalError(
+            f"the decision has a gate or travel of '{unknown[0]}', and the sensors are {names}: give it as a sensor"
+        )
     singles = [n for n in names if n not in related]
     for n in singles:
         if not decision.gate.get(n, 0) > 0 or n not in decision.travel:

@@ -112,6 +112,8 @@ def test_wrong_declarations_are_refused() -> None:
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({}, {}))
     with pytest.raises(SignalError, match="undecided"):
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({"x": 1.0}, {"x": (-1, 1)}, 3, 2))
+    with pytest.raises(SignalError, match="gate or travel of 'q', and the sensors are"):
+        redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({**DECISION.gate, "q": 1.0}, DECISION.travel))
     with pytest.raises(SignalError, match="positive step"):
         probe.block(TIME, "x", ERROR, W, probe.Probe(10, 4, 0.0, 3))
     with pytest.raises(SignalError, match="one descent"):
