@@ -41,7 +41,7 @@ def never(*arguments):
 
 
 DESIGN = workspace.Design(
-    "stage", np.float32, never, lambda report, whole: Evidence("stage", (), ()), simulate,
+    "stage", np.float32, never, lambda report, whole: Evidence("stage", (), ()), {"experiments": simulate},
     workspace.CostStimuli(never, never, never), never,
 )
 '''

@@ -62,7 +62,13 @@ def design(name: str, **emitted: write.EmittedCode) -> workspace.Design:
         raise AssertionError("reached")
 
     return workspace.Design(
-        name, np.float32, lambda _: emitted, never, never, workspace.CostStimuli(never, never, never), never
+        name,
+        np.float32,
+        lambda _: emitted,
+        never,
+        {"experiments": never},
+        workspace.CostStimuli(never, never, never),
+        never,
     )
 
 
