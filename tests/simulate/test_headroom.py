@@ -34,7 +34,7 @@ def planted() -> Stage:
 
 
 def test_a_sound_stage_is_inside_all_bounds() -> None:
-    for run in PID.DESIGN.simulate(lambda _: None):
+    for run in PID.DESIGN.simulate["experiments"](lambda _: None):
         check = next(c for c in run.checks if c.name == headroom.NAME)
         assert check.passed and 0.05 < check.value < 0.5
         assert any(name.startswith(headroom.NAME) for name in run.figures)
