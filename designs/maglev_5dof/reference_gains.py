@@ -47,7 +47,7 @@ def internal_model() -> InternalModel:
     """Return the internal model of one period in eta; its anti-windup is added to p before q follows. F(14)-(17)."""
     with mpmath.workdps(60):
         T, a = gains.to_leapfrog(MODES, PERIOD), mpmath.mpf(ANTI_WINDUP)
-        _, held = gains.held(gains.companion(MODES), mpmath.matrix([a, a, a]), PERIOD)
+        _, held = gains.zero_order_hold(gains.companion(MODES), mpmath.matrix([a, a, a]), PERIOD)
         E = mpmath.lu_solve(T, held)
         E[2] += E[1]
         return InternalModel(gains.leapfrog(MODES, PERIOD)[0][1, 2], T, E)

@@ -111,7 +111,7 @@ def leapfrog(modes: Sequence[float], T: float | Fraction) -> tuple[Matrix, Matri
     return A, B
 
 
-def held(A: Matrix, B: Matrix, T: float | Fraction) -> tuple[Matrix, Matrix]:
+def zero_order_hold(A: Matrix, B: Matrix, T: float | Fraction) -> tuple[Matrix, Matrix]:
     """Return A and B of one sample with the inputs held."""
     n, m = A.rows, B.cols
     F = mpmath.zeros(n + m)
@@ -125,7 +125,7 @@ def to_leapfrog(modes: Sequence[float], T: float | Fraction) -> Matrix:
     Phi = companion(modes)
     N = mpmath.zeros(Phi.rows, 1)
     N[Phi.rows - 1] = 1
-    return controllability(*held(Phi, N, T)) * mpmath.inverse(controllability(*leapfrog(modes, T)))
+    return controllability(*zero_order_hold(Phi, N, T)) * mpmath.inverse(controllability(*leapfrog(modes, T)))
 
 
 def _square(n: Polynomial) -> Polynomial:

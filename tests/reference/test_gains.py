@@ -53,7 +53,7 @@ def test_the_leapfrog_has_the_poles_of_the_modes_and_the_response_of_the_model()
     with mpmath.workdps(60):
         A, B = (doubles(v) for v in gains.leapfrog(MODES, T))
         R = gains.to_leapfrog(MODES, T)
-        Phi, held = (doubles(v) for v in gains.held(gains.companion(MODES), mpmath.matrix([0, 0, 1]), T))
+        Phi, held = (doubles(v) for v in gains.zero_order_hold(gains.companion(MODES), mpmath.matrix([0, 0, 1]), T))
         R = doubles(R)
     assert sorted(np.linalg.eigvals(A).real) == pytest.approx(sorted([1.0, cos(W * T), cos(W * T)]))
     np.testing.assert_allclose(R @ A, Phi @ R, atol=1e-12 * np.abs(R).max())
