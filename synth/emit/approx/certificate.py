@@ -5,21 +5,23 @@
 p is the polynomial as C evaluates it, with every rounding error (`polynomial`), and f is the approximated function,
 which `enclosure` gives as f(x) = x^m g(x) with a polynomial G close to g, m = 0 or 1.
 
-float32   Every x with |x| >= tau is checked, once with separate and once with fused multiply-adds. Up to 2^15
-          neighbouring x form a chunk. Their reference values of f come from G, expanded about the middle of the chunk,
-          truncated and evaluated in double; a bound of the error of these values is part of the result. tau is 0, or
-          the smallest power of two that keeps the number of operations within MAX_OPERATIONS. If f is even or odd, so
-          are p and x^m G, exactly; the check of x > 0 then also holds for x < 0. For |x| < tau the bound is that of
-          float64:
+float32   The x with |x| >= tau are divided into chunks of up to 2^15 neighbours. Branch and bound: the chunk with the
+          largest bound in ball arithmetic is checked value by value, once with separate and once with fused
+          multiply-adds, until no bound exceeds the largest error found, which is then the largest of all. Reference
+          values of f come from G, expanded about the middle of the chunk, truncated and evaluated in double; a bound
+          of the error of these values is part of the result. tau is 0, or the smallest power of two that keeps the
+          number of operations within MAX_OPERATIONS. If f is even or odd, so are p and x^m G, exactly; the check of
+          x > 0 then also holds for x < 0. For |x| < tau the bound is that of float64:
 float64   |p - f| <= |p - x^m G| + |x^m G - f| + rounding, in ball arithmetic on each of PIECES pieces. For m = 1 every
           term is divided by x, because f vanishes at x = 0; the bound then holds except where f or p is subnormal.
 """
 
+import heapq
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import flint
 import numpy as np
@@ -29,10 +31,10 @@ from synth.emit.approx import polynomial
 from synth.emit.approx.enclosure import Enclosure, one_norm
 from synth.emit.approx.polynomial import Polynomial, Scalars
 
-MAX_OPERATIONS = 3.2e8  # number of x times (number of coefficients + 8); they take less than a second
+MAX_OPERATIONS = 3.2e8  # number of x times (number of coefficients + 8); they take about a second
 CHUNK_SIZE = 2**15
+GROUP_SIZE = 2**18  # a group of chunks is divided only where its bound exceeds the largest error
 PIECES = 128
-SWEEPS = 16  # every 16th chunk is checked in one sweep, so that a failure shows early
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,17 @@ class Chunk:
         patterns = np.arange(self.first, self.last + 1, dtype=np.uint32)
         return patterns.view(np.float32) * np.float32(self.sign)
 
+    @property
+    def ends(self) -> tuple[flint.arb, flint.arb]:
+        """Return the least and the largest of the floats."""
+        near, far = np.array([self.first, self.last], dtype=np.uint32).view(np.float32).tolist()
+        return (flint.arb(near), flint.arb(far)) if self.sign > 0 else (flint.arb(-far), flint.arb(-near))
+
+    def divide(self, size: int) -> Iterator[Self]:
+        """Yield parts of at most `size` floats that begin at multiples of `size`."""
+        for base in range(self.first - self.first % size, self.last + 1, size):
+            yield replace(self, first=max(self.first, base), last=min(self.last, base + size - 1))
+
 
 def certify(p: Polynomial, g: Enclosure, tolerance: float) -> Certificate:
     """Bound the relative error of `p` as an approximation of the function that `g` encloses."""
@@ -76,7 +89,7 @@ def certify(p: Polynomial, g: Enclosure, tolerance: float) -> Certificate:
         return Certificate(relative_error_bound(p, g, low, high), 0)
     ranges = _magnitudes(float(low), float(high))
     tau = _threshold(ranges, len(p.coefficients))
-    certificate = _check_floats(p, g, _chunks(ranges, tau), tolerance)
+    certificate = _check_floats(p, g, list(_chunks(ranges, tau)), tolerance)
     left, right = max(low, flint.arb(-tau), key=float), min(high, flint.arb(tau), key=float)
     if certificate.max_relative_error > tolerance or not left < right:
         return certificate
@@ -86,19 +99,22 @@ def certify(p: Polynomial, g: Enclosure, tolerance: float) -> Certificate:
 
 def relative_error_bound(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> float:
     """Bound the relative error at all x in [low, high] by ball arithmetic; inf if there is no finite bound."""
-    worst = 0.0
     # Chebyshev points: the error of a best polynomial oscillates fastest at the ends of the range.
     points = [(low + high - (high - low) * (flint.arb(k) / PIECES).cos_pi()) / 2 for k in range(1, PIECES)]
-    for left, right in itertools.pairwise([low, *(x.mid() for x in points), high]):
-        x = ((left + right) / 2).mid()
-        half = (right - x).max(x - left).upper()
-        # Coefficients of G and of p / x^m on this piece, in w = -1 .. 1.
-        b, c = g.expansion(x, half), polynomial.expansion(p, x, half, g.power)
-        distance = one_norm((flint.arb_poly(c) - flint.arb_poly(b)).coeffs()) + g.error
-        rounding = polynomial.rounding_bound(p, x + flint.arb(0, half), g.power)
-        least = abs(b[0]) - one_norm(b[1:]) - g.error
-        worst = max(worst, _upper_quotient(distance + rounding, least))
-    return worst
+    ends = itertools.pairwise([low, *(x.mid() for x in points), high])
+    return max(_piece_bound(p, g, left, right) for left, right in ends)
+
+
+def _piece_bound(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> float:
+    """Bound the relative error at all x in [low, high] by one expansion about the middle."""
+    x = ((low + high) / 2).mid()
+    half = (high - x).max(x - low).upper()
+    # Coefficients of G and of p / x^m on this piece, in w = -1 .. 1.
+    b, c = g.expansion(x, half), polynomial.expansion(p, x, half, g.power)
+    distance = one_norm((flint.arb_poly(c) - flint.arb_poly(b)).coeffs()) + g.error
+    rounding = polynomial.rounding_bound(p, x + flint.arb(0, half), g.power)
+    least = abs(b[0]) - one_norm(b[1:]) - g.error
+    return _upper_quotient(distance + rounding, least)
 
 
 def _upper_quotient(error: flint.arb, value: flint.arb) -> float:
@@ -130,15 +146,29 @@ def _threshold(ranges: Sequence[Magnitudes], coefficients: int) -> float:
 
 
 def _chunks(ranges: Sequence[Magnitudes], tau: float) -> Iterator[Chunk]:
+    """Yield the floats with |x| >= tau, by sign."""
     for r in ranges:
         first, last = _bit_pattern(max(r.low, tau)), _bit_pattern(r.high)
-        for base in range(first - first % CHUNK_SIZE, last + 1, CHUNK_SIZE):
-            yield Chunk(max(first, base), min(last, base + CHUNK_SIZE - 1), r.sign)
+        if first <= last:
+            yield Chunk(first, last, r.sign)
 
 
-def _check_floats(p: Polynomial, g: Enclosure, chunks: Iterator[Chunk], tolerance: float) -> Certificate:
-    worst, count, ordered = 0.0, 0, list(chunks)
-    for chunk in itertools.chain.from_iterable(ordered[k::SWEEPS] for k in range(SWEEPS)):
+def _check_floats(p: Polynomial, g: Enclosure, chunks: Sequence[Chunk], tolerance: float) -> Certificate:
+    """Return the largest relative error in the chunks, by branch and bound."""
+    queue: list[tuple[float, int, Chunk]] = []  # minus a bound, then the order of the chunks, which decides ties
+
+    def put(parts: Iterator[Chunk]) -> None:
+        for part in parts:
+            heapq.heappush(queue, (-_chunk_bound(p, g, part), part.sign * part.first, part))
+
+    for chunk in chunks:
+        put(chunk.divide(GROUP_SIZE))
+    worst, count = 0.0, 0
+    while queue and -queue[0][0] > worst:
+        chunk = heapq.heappop(queue)[-1]
+        if chunk.last - chunk.first >= CHUNK_SIZE:
+            put(chunk.divide(CHUNK_SIZE))
+            continue
         x = chunk.x
         error = _chunk_error(p, g, x)
         count += len(x)
@@ -146,6 +176,10 @@ def _check_floats(p: Polynomial, g: Enclosure, chunks: Iterator[Chunk], toleranc
             return Certificate(error if np.isfinite(error) else np.inf, count)
         worst = max(worst, error)
     return Certificate(worst, count)
+
+
+def _chunk_bound(p: Polynomial, g: Enclosure, chunk: Chunk) -> float:
+    return _piece_bound(p, g, *chunk.ends)
 
 
 def _chunk_error(p: Polynomial, g: Enclosure, x: Scalars) -> float:

@@ -126,7 +126,9 @@ def rounding_bound(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
         q, dq = c + product, error + _half_ulp(abs(c + product) + error, p.scalar)
     last = dq + (abs(q) + dq) * float(np.finfo(p.scalar).eps) / 2
     if power:
-        return p.scale * last
+        nearest = flint.arb(abs(t).lower())
+        half_ulp = _half_ulp(abs(t) * (abs(q) + dq), p.scalar)
+        return p.scale * (last if nearest <= 0 else last.min(dq + half_ulp / nearest))
     return abs(t) * last + tiny if p.parity == "odd" else dq
 
 

@@ -79,6 +79,8 @@ def test_a_perturbed_coefficient_is_no_longer_certified() -> None:
 
 @pytest.mark.parametrize("way", ["multiply_then_add", "fused_multiply_add"])
 def test_one_wrong_value_in_millions_is_found(monkeypatch: pytest.MonkeyPatch, way: str) -> None:
+    """In a piece that ball arithmetic does not settle; it knows only how C rounds."""
+    monkeypatch.setattr(certificate, "_chunk_bound", lambda *_: np.inf)
     p, g = fit_function("L_h", NARROW, np.float32, 2e-7), enclose_function("L_h", NARROW)
     planted, right = np.float32(0.0222222), getattr(polynomial, way)
     t = planted - np.float32(p.centre)
@@ -86,6 +88,52 @@ def test_one_wrong_value_in_millions_is_found(monkeypatch: pytest.MonkeyPatch, w
         polynomial, way, lambda a, b, c: np.where(a == t, np.float32(1 + 1e-6), np.float32(1)) * right(a, b, c)
     )
     assert certify(p, g, 2e-7).max_relative_error > 2e-7
+
+
+def bounds_and_errors(name: str, ends: tuple[float, float]) -> tuple[list[float], list[float]]:
+    """Return bounds in ball arithmetic and the largest errors of the values of every 16th chunk."""
+    p, g = fit_function(name, ends, np.float32, 2e-7), enclose_function(name, ends)
+    with precision(enclosure.BITS):
+        ranges = certificate._magnitudes(0.0 if p.parity != "none" else float(g.low), float(g.high))
+        pieces = certificate._chunks(ranges, certificate._threshold(ranges, len(p.coefficients)))
+        chunks = [chunk for piece in pieces for chunk in piece.divide(certificate.CHUNK_SIZE)][::16]
+        bounds = [certificate._chunk_bound(p, g, chunk) for chunk in chunks]
+        return bounds, [certificate._chunk_error(p, g, chunk.x) for chunk in chunks]
+
+
+PIECEWISE = [("L_v2", NARROW), ("sin", PHASE), ("expm1", (0.0, 0.5))]
+
+
+@pytest.mark.parametrize(("name", "ends"), PIECEWISE)
+def test_no_value_exceeds_the_bound_of_its_piece(name: str, ends: tuple[float, float]) -> None:
+    bounds, errors = map(np.array, bounds_and_errors(name, ends))
+    assert np.all(errors <= bounds * (1 + 1e-12)) and np.isfinite(bounds).all()
+    assert np.median(bounds / errors) < 2
+
+
+def test_a_bound_of_a_piece_without_rounding_is_exceeded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(polynomial, "rounding_bound", lambda *_: flint.arb(0))
+    bounds, errors = map(np.array, bounds_and_errors("L_h", NARROW))
+    assert np.all(errors > bounds)
+
+
+@pytest.mark.parametrize(("name", "ends"), PIECEWISE)
+def test_branch_and_bound_finds_the_largest_error_of_all_values(
+    monkeypatch: pytest.MonkeyPatch, name: str, ends: tuple[float, float]
+) -> None:
+    p, g = fit_function(name, ends, np.float32, 2e-7), enclose_function(name, ends)
+    found = certify(p, g, 2e-7)
+    monkeypatch.setattr(certificate, "_chunk_bound", lambda *_: np.inf)
+    everywhere = certify(p, g, 2e-7)
+    assert found.max_relative_error == everywhere.max_relative_error
+    assert found.checked_values < 0.6 * everywhere.checked_values
+
+
+def test_without_bounds_every_float_of_a_range_without_zero_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certificate, "_chunk_bound", lambda *_: np.inf)
+    low, high = (int(np.float32(v).view(np.int32)) for v in NARROW)
+    p, g = fit_function("L_h", NARROW, np.float32, 2e-7), enclose_function("L_h", NARROW)
+    assert certify(p, g, 2e-7).checked_values == high - low + 1
 
 
 def test_a_wrong_rounding_near_zero_is_found() -> None:
