@@ -13,6 +13,7 @@ it, and with them atan(w) = (log(1 + iw) - log(1 - iw)) / 2i and asin(w) = -i lo
 inverse functions do not. `check_bound` tests it halfway between the interpolation points.
 """
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -69,9 +70,17 @@ class Enclosure:
 def enclose(f: Analytic, low: float, high: float, what: str) -> Enclosure:
     """Enclose f, called `what`, on [low, high]; with a parity, on the smallest symmetric range that contains it.
 
+    The last enclosures are kept: the search of the degree and the fit of a function need the same one.
+
     Raises EmitError if f is not analytic in or close to the range, is known too coarsely, or has a zero there other
     than a simple one at x = 0.
     """
+    return _enclose(f, low, high, what, flint.ctx.prec)
+
+
+@functools.lru_cache(maxsize=64)
+def _enclose(f: Analytic, low: float, high: float, what: str, bits: int) -> Enclosure:
+    """Enclose f as `enclose` does; `bits`, the precision of ball arithmetic, is only part of the key."""
     vanishes = low <= 0 <= high and f(flint.acb(0)).is_zero()
     parity = _parity(f, low, high, vanishes)
     ends = (low, high) if parity == "none" else (-max(-low, high), max(-low, high))

@@ -139,6 +139,7 @@ def _fit(task: _Task, like: Polynomial | None) -> Polynomial:
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, like=like)
 
 
+@functools.cache
 def _function(task: _Task) -> Analytic:
     f = univariate.function(task.key)
     return _in_reciprocal(f, task.reciprocal, task.scalar) if task.reciprocal else f
