@@ -1,9 +1,10 @@
 """CasADi functions at many columns at once, through buffers: CasADi's own conversions to NumPy are slow.
 
 Functions are mapped or chained for a number of columns once, and then kept: a simulation evaluates them at every step.
+CasADi takes a time that grows with the square of that number to make a map, so many columns are evaluated in parts.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -14,11 +15,21 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Evaluation = Callable[..., list[Array]]
 KEPT = 16  # functions
+PART = 256  # columns that are evaluated at once
 
 
 def map_columns(function: ca.Function, *arguments: Array) -> list[Array]:
     """Return the results (m, N) of a function at N columns of its arguments (n, N), or one (n,) for all."""
-    return _map(function, max(a.shape[1] for a in arguments if a.ndim > 1))(*arguments)
+    columns = max(a.shape[1] for a in arguments if a.ndim > 1)
+    if columns <= PART:
+        return _map(function, columns)(*arguments)
+    parts = [map_columns(function, *_part(arguments, k)) for k in range(0, columns, PART)]
+    return [np.concatenate(results, axis=1) for results in zip(*parts, strict=True)]
+
+
+def _part(arguments: Sequence[Array], first: int) -> Iterator[Array]:
+    """Yield the arguments of PART columns from the first of them on; one column for all stays."""
+    return (a[:, first : first + PART] if a.ndim > 1 and a.shape[1] > 1 else a for a in arguments)
 
 
 def chain_columns(function: ca.Function, start: Array, inputs: Array) -> list[Array]:

@@ -28,6 +28,15 @@ def test_one_column_stands_for_all_and_an_argument_may_be_empty() -> None:
     np.testing.assert_array_equal(column_maps.map_columns(g, np.array([]), INPUTS)[0], 2 * INPUTS)
 
 
+def test_many_columns_are_evaluated_in_parts() -> None:
+    n = 2 * column_maps.PART + 3
+    at, inputs = RNG.normal(size=(2, n)), RNG.normal(size=(1, n))
+    for first in (at, at[:, :1], at[:, 0]):
+        expected = F(first, inputs)
+        for ours, theirs in zip(column_maps.map_columns(F, first, inputs), expected, strict=True):
+            np.testing.assert_array_equal(ours, np.asarray(theirs))
+
+
 def test_another_function_and_another_number_of_columns_are_computed_again() -> None:
     """What is kept is kept for a function and a number of columns; results are not overwritten by the next ones."""
     before = column_maps.map_columns(F, AT, INPUTS)

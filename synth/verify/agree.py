@@ -31,7 +31,7 @@ from synth.signals import signal_names
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
-CHUNK = 1000  # samples per call of CasADi's mapaccum: more samples take more memory and save no time
+CHUNK = 256  # samples per call of CasADi's mapaccum: it takes longer to make for more of them, and saves no time
 
 
 @dataclass(frozen=True)
