@@ -27,7 +27,6 @@ from synth.emit.c import casadi_c
 from synth.errors import SignalError
 from synth.execute import compile as host_compiler
 from synth.execute import host
-from synth.signals import signal_names
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
@@ -179,18 +178,39 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
     return witness
 
 
+def casadi_of_constants(block: Block) -> Callable[[Mapping[str, float]], Witness]:
+    """Return CasADi's evaluation of the Block as a witness, for values of its constants by name.
+
+    The expressions are prepared once, so another witness with other values costs its evaluation alone.
+    """
+    x, u, k = (
+        ca.vcat([block.symbol[s.name] for s in signals]) for signals in (block.states, block.inputs, block.constants)
+    )
+    f = ca.Function(f"{block.name}_of_constants", [x, u, k], ca.cse(_expressions(block)))
+    evaluation = CasadiWitness(block, f)
+
+    def witness(values: Mapping[str, float]) -> Witness:
+        column = np.array([values.get(c.name, c.value) for c in block.constants])
+        return lambda states, inputs: evaluation.at(states, inputs, column)
+
+    return witness
+
+
 def _with_fault_word(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
-    f = block.function()
-    x, u = f.sx_in()
-    names = [*(s.name for s in block.states), *signal_names(block.inputs), *(c.name for c in block.constants)]
-    symbols = ca.vcat([block.symbol[n] for n in names])
-    values = ca.vertcat(x, u, *(c.value for c in block.constants))
-    bits = [ca.substitute(block.output[b.output], symbols, values) for b in block.faults]
-    word = sum((2.0**b.bit * ca.if_else(bit, 1, 0) for b, bit in zip(block.faults, bits, strict=True)), start=ca.SX(0))
-    next, y = f.call([x, u])
-    dense = [ca.densify(e) for e in (next, y, word)]
-    return ca.Function(f"{block.name}_witness", [x, u], ca.cse(dense))
+    x, u = (ca.vcat([block.symbol[s.name] for s in signals]) for signals in (block.states, block.inputs))
+    symbols, values = [block.symbol[c.name] for c in block.constants], [ca.SX(c.value) for c in block.constants]
+    expressions = _expressions(block)
+    expressions = ca.substitute(expressions, symbols, values) if symbols else expressions
+    return ca.Function(f"{block.name}_witness", [x, u], ca.cse(expressions))
+
+
+def _expressions(block: Block) -> list[ca.SX]:
+    """Return next states, outputs and fault word of a Block, whose constants are symbols."""
+    next = ca.vcat([block.next[s.name] for s in block.states])
+    y = ca.vcat([block.output[s.name] for s in block.outputs])
+    word = sum((2.0**b.bit * ca.if_else(block.output[b.output], 1, 0) for b in block.faults), start=ca.SX(0))
+    return [ca.densify(each) for each in (next, y, word)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +222,11 @@ class CasadiWitness:
 
     def __call__(self, states: Columns, inputs: Columns) -> StepResults:
         """Return one step from each of N states."""
-        return self._unstack(*column_maps.map_columns(self.function, *self._stack(states, inputs)))
+        return self.at(states, inputs)
+
+    def at(self, states: Columns, inputs: Columns, *others: NDArray[np.float64]) -> StepResults:
+        """Return one step from each of N states, with other arguments of the function, one for all."""
+        return self._unstack(*column_maps.map_columns(self.function, *self._stack(states, inputs), *others))
 
     def run(self, states: Columns, inputs: Columns) -> StepResults:
         """Return N consecutive steps from one state; CasADi's mapaccum runs the loop, which avoids a call per step."""
