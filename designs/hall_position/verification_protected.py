@@ -28,12 +28,12 @@ from synth.verify.suite import Witnesses
 
 FULL_BODIES, QUICK_BODIES = 120, 12
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
-COST_FLOORS = {config.NAME: 100.0, config.THREE: 1000.0}  # of chi_square
-USUAL = config.USUAL
+COST_FLOORS = {config.NAME: 0.3, config.THREE: 3.0}  # V^2, of the cost
+THREE = config.TUNINGS[config.THREE]
 # Above them a level is compared over the square of its excess.
 LEVEL_LIMITS = {
     config.NAME: {},
-    config.THREE: {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit},
+    config.THREE: {"X": THREE.position_limit, "Y": THREE.position_limit, "yaw": THREE.yaw_limit},
 }
 DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
@@ -55,7 +55,7 @@ class Steps:
 def setup(name: str = config.NAME) -> Setup:
     """Return the numbers of the reference."""
     array = config.array(name)
-    return Setup(vars(array) | vars(config.USUAL) | {"wave_number": array.wave_number})
+    return Setup(vars(array) | vars(config.TUNINGS[name]) | {"wave_number": array.wave_number})
 
 
 def witnesses(name: str = config.NAME) -> Witnesses:
@@ -103,11 +103,15 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
 
 def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
     """Return results, chi-square over its floor, levels over the squared excess of those of c64 over a limit."""
-    scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
+    scaled = {"chi_square": stepped.outputs["chi_square"] * _variance(of.block.name) / COST_FLOORS[of.block.name]}
     for axis, limit in LEVEL_LIMITS[of.block.name].items():
         excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
         scaled[f"protection_{axis}"] = stepped.outputs[f"protection_{axis}"] / excess**2
     return replace(stepped, outputs={**stepped.outputs, **scaled})
+
+
+def _variance(name: str) -> float:
+    return config.array(name).deviation ** 2 + config.TUNINGS[name].model_error ** 2
 
 
 def steps_along(of: Witnesses, bodies: int) -> Steps:

@@ -37,30 +37,32 @@ class Case:
     stage: str = stages.STAGES[-1]
     budget: float = GAIN_DRIFT
     drift: float = GAIN_DRIFT
+    name: str = config.NAME
 
 
 @cache
-def compile_unit(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
+def compile_unit(field: str, seed: int, stage: str, budget: float, name: str = config.NAME) -> tuple[host.Controller, Tuning]:
     """Return the C of a calibrated unit in single precision, and its tuning.
 
     It calls sinf and cosf of the C library: each unit has its own ranges, and no C of a unit is shipped.
     """
-    block, tuning = estimator.of_unit(field, seed, stage, budget)
+    block, tuning = estimator.of_unit(field, seed, stage, budget, name)
     return build.compile_block(block, np.float32, libm=True), tuning
 
 
 def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[int] = ()) -> World:
     """Return bodies in the field of a unit, whose converters of the `refused` sensors give NaN."""
-    unit = units.draw(case.field, case.seed)
+    unit = units.draw(case.field, case.seed, case.name)
+    sensors = len(unit.bench.places)
     scale = 1 + trust.AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
-    scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, 4, 2)))
+    scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, sensors, 2)))
 
     def read(pose: Pose) -> Numbers:
         V = scale * unit.read(np.column_stack([pose.X, pose.Y, pose.yaw]))
         V[:, list(refused)] = np.nan
         return np.asarray(V)
 
-    return World(read, len(stages.LETTERS))
+    return World(read, sensors)
 
 
 @cache
@@ -69,7 +71,7 @@ def run(
 ) -> Samples:
     """Return the samples after a fault, some sensors being `refused`; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
-    controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget)
+    controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
     return trust.simulate(controller, tuning, world(case, bodies, rng, refused), fault, bodies, speed, rng)
 
 
@@ -83,7 +85,7 @@ def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:
     rng, half = np.random.default_rng(seed), config.array().pitch / 2 - trust.MARGIN
     X, Y = rng.uniform(-half, half, (2, bodies))
     pose = Pose(X, Y, rng.uniform(-trust.YAW, trust.YAW, bodies))
-    controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget)
+    controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
     return trust.start_from_init(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from string import ascii_uppercase
 
 import numpy as np
@@ -21,6 +20,7 @@ SEED = survey.SEEDS[-1]  # of a unit on which nothing was chosen
 UNITS = {"fabricated": Case("fabricated", 0), "as built": Case("built", SEED)}
 BODIES, SHOWN = 400, 6000  # of each case; samples in the diagram
 SPEEDS = (0.0, trust.SPEED)
+THREE = "three sensors"
 Runner = Callable[[str, float], Samples]
 
 
@@ -76,16 +76,12 @@ def _runners() -> list[tuple[str, str, float, Runner]]:
     for name, case in UNITS.items():
         runners.append((name, "none", config.USUAL.model_error, _runner_without(case.field)))
         runners += [_runner_with(name, stage, replace(case, stage=stage)) for stage in stages.STAGES[2:]]
-    three = partial(_runner_without, name=config.THREE)
-    return [
-        *runners,
-        ("as built, three sensors", "none", config.USUAL.model_error, three("built")),
-        (
-            "model and 4 mV, three sensors",
-            "assumed",
-            config.CALIBRATED.model_error,
-            three("calibrated", config.CALIBRATED),
-        ),
+    for tuning, promise in ((config.USUAL, "none"), (config.CALIBRATED_THREE, "none, as if it were")):
+        runner = _runner_without("built", tuning, config.THREE)
+        runners.append((f"as built, {THREE}", promise, tuning.model_error, runner))
+    return runners + [
+        _runner_with(f"{name}, {THREE}", stages.STAGES[-1], replace(case, name=config.THREE))
+        for name, case in UNITS.items()
     ]
 
 
@@ -94,7 +90,7 @@ def _runner_without(field: str, tuning: Tuning = config.USUAL, name: str = confi
 
 
 def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:
-    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget)
+    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
     return name, label, tuning.model_error, lambda fault, speed: survey.run(case, fault, BODIES, speed)
 
 
