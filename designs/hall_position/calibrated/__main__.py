@@ -53,7 +53,8 @@ def main(bodies: int) -> None:
     cases = [Case(field, seed) for field, seed in UNITS]
     three = [replace(case, name=config.THREE) for case in cases]
     waves = [replace(case, stage="waves") for case in cases[:2]]
-    print_survey([*cases, *waves, replace(cases[1], budget=WIDE, drift=WIDE), replace(cases[1], drift=WIDE), *three], bodies)
+    drifted = [replace(cases[1], budget=WIDE, drift=WIDE), replace(cases[1], drift=WIDE)]
+    print_survey([*cases, *waves, *drifted, *three], bodies)
 
 
 if __name__ == "__main__":

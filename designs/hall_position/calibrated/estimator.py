@@ -1,4 +1,4 @@
-"""The estimator of three or four sensors with a unit's calibration: corrected voltages, and R from held-out residuals."""
+"""The estimator of a calibrated unit: corrected voltages, and R from residuals that were held out."""
 
 from dataclasses import replace
 from functools import cache

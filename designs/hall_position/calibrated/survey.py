@@ -41,7 +41,9 @@ class Case:
 
 
 @cache
-def compile_unit(field: str, seed: int, stage: str, budget: float, name: str = config.NAME) -> tuple[host.Controller, Tuning]:
+def compile_unit(
+    field: str, seed: int, stage: str, budget: float, name: str = config.NAME
+) -> tuple[host.Controller, Tuning]:
     """Return the C of a calibrated unit in single precision, and its tuning.
 
     It calls sinf and cosf of the C library: each unit has its own ranges, and no C of a unit is shipped.

@@ -38,16 +38,24 @@ USUAL = Tuning()
 CALIBRATED = Tuning(model_error=5e-3, position_limit=5e-4, yaw_limit=0.022)
 # Three sensors need the calibration. Levels may be wider than the error that counts as wrong, as what a fault does is
 # mostly less; while a sensor is excluded there is one redundant voltage, and they may not.
-CALIBRATED_THREE = replace(CALIBRATED, position_limit=1.5e-3, yaw_limit=0.066, excluded_limits=0.2)
+CALIBRATED_THREE = replace(
+    CALIBRATED,
+    position_limit=1.5e-3,
+    yaw_limit=0.066,
+    excluded_limits=0.2,
+    largest_phase=0.05,  # a larger deviation, here and of the yaw, has a level above its limit
+    largest_yaw=0.02,
+    largest_amplitude=0.05,
+)
 TUNINGS: Mapping[str, Tuning] = MappingProxyType({NAME: USUAL, THREE: CALIBRATED_THREE})
 PRECONDITIONS = (
     "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
-    "rests until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and "
-    "for voltages within {:g} mV rms of the model."
+    "rests until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, "
+    "and for voltages within {:g} mV rms of the model."
 )
 CALIBRATE = (
-    " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its field. "
-    "Without it almost nothing is valid, and what is valid may be wrong."
+    " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its "
+    "field. Without it almost nothing is valid, and what is valid may be wrong."
 )
 VECTORS, SEED = 1000, 2011
 REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
@@ -77,7 +85,7 @@ def preconditions(name: str) -> str:
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
     """Return the content of gains.json."""
-    of = array(name)
+    of, tuning = array(name), asdict(TUNINGS[name])
     return {
         "model": "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
         "alpha_V": of.alpha,
@@ -87,7 +95,7 @@ def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
         "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": config.TIME.period_s,
         "method": "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
-        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNINGS[name]).items()},
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in tuning.items()},
         "bad_samples": channels.BAD_SAMPLES,
     }
 

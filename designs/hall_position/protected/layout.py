@@ -45,7 +45,7 @@ def jacobian(places: Numbers, poses: Numbers) -> Numbers:
 
 def levels(places: Numbers, poses: Numbers, tuning: Tuning) -> Numbers:
     """Return the protection levels (N, 3) of X, Y in m and of the yaw, infinite where a fault is not detectable."""
-    H, variance = jacobian(places, poses), config.array().deviation**2 + tuning.model_error**2
+    H, variance = jacobian(places, poses), config.array().deviation ** 2 + tuning.model_error**2
     prior = np.diag([0, 0, 0, variance / tuning.amplitude_prior**2])
     covariance = np.linalg.inv(np.swapaxes(H, 1, 2) @ H + prior)
     moves = covariance @ np.swapaxes(H, 1, 2)

@@ -32,15 +32,18 @@ def test_three_sensors_are_better_than_the_prototype_and_at_its_own_limits_worse
 
 
 def test_an_undetectable_fault_has_no_level() -> None:
-    """Two sensors of the same place have the same rows: what one of three hides is not determined by two."""
-    twins = np.array([(0.1, 0.1), (0.1, 0.1), (0.1, 0.1)])
+    """Without the third sensor two at one place are left, which do not determine a pose."""
+    twins = np.array([(0.1, 0.1), (0.1, 0.1), (-0.2, 0.3)])
     assert layout.availability(twins, config.CALIBRATED_THREE, 100) == 0
 
 
-def test_the_search_improves_random_layouts(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_what_ships_and_what_it_finds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(layout, "PERTURBATIONS", 2)
     monkeypatch.setattr(layout, "FINE", 50)
     monkeypatch.setattr(layout, "COARSE", 50)
     layout.main(3, 6)
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split(":")[0] for line in lines] == ["ships", "found"] and all("% of the poses" in line for line in lines)
+    assert [line.split(":")[0] for line in lines] == ["ships", "found"]
+    assert all("% of the poses" in line for line in lines)
