@@ -5,8 +5,9 @@ same states with the pose, its motion and the counters at random. Where a test o
 rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
 does not; that both call them weak is compared. With a sensor excluded where a fault is not detectable, the C limits a
 pivot of its rank update: such steps are not valid, and left out, too. Chi-square is a difference of costs of up to 0.3
-V^2, of up to 3 V^2 with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a fault, in
-which rounding is absolute, and its relative error as l^2: of three sensors a level above its limit is compared so.
+V^2, of up to 3 V^2 with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a
+fault, in which rounding is absolute, and its relative error as l^2: of three sensors a level above its limit is
+compared so.
 """
 
 from collections.abc import Callable
