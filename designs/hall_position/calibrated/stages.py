@@ -25,6 +25,7 @@ from models.hall_motions import Numbers
 from synth.block import Exprs
 from synth.blocks import lookup_table, residual_map
 from synth.blocks.residual_map import ResidualMap
+from synth.cache import cached
 from synth.errors import ModelError
 from synth.signals import Parameter
 from synth.synthesise.identify import calibration
@@ -239,6 +240,7 @@ def _pose_errors(fit: Calibration, log: Log, residuals: Numbers) -> Numbers:
 
 
 @cache
+@cached
 def of_unit(field: str, seed: int, stage: str = STAGES[-1], name: str = config.NAME) -> UnitCalibration:
     """Return the calibration of a unit by its field and seed, with the sensors of an estimator."""
     return calibrate(units.draw(field, seed, name), stage)
