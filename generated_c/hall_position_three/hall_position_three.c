@@ -450,8 +450,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
      *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 0.395841 * cos_yaw - 0.546637 *
      *         sin_yaw))
-     *     weak = not factors_2 or 96.1529 <= variances_1 or 96.1529 <= variances_2 or 15.3845 <= variances_3
-     *         or 96.1529 <= variances_4
+     *     weak = not factors_2 or 15.3845 <= variances_1 or 15.3845 <= variances_2 or 2.46151 <= variances_3
+     *         or 15.3845 <= variances_4
      *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,
      *         23))
      *     missed_next = (0 if accepted and not lost, else min(missed + 1, 8)) if tracking, else 0
@@ -607,7 +607,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
-    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.0104f);
+    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.065f);
     const float phase_x_part_7 = gradient_1_phase_x * terms_1_phase_x;
     const float phase_x_part_8 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
     const float rows_1_3 = phase_x_part_8 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
@@ -644,7 +644,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_x_part_14 = (phase_x_part_11 * rows_2_2) + (phase_x_part_12 * rows_4_2) +
         (phase_x_part_13 * rows_6_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.0104f);
+    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.065f);
     const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_part_14 * terms_1_phase_x_3), 1250.0f);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x);
@@ -655,7 +655,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_part_11 * phase_x_part_11) + (rows_3_3 * rows_3_3) +
         (phase_x_part_12 * phase_x_part_12) + (rows_5_3 * rows_5_3) + (phase_x_part_13 * phase_x_part_13);
     const float terms_1_phase_x_5 = 1.0f / hall_position_three_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_part_14), 0.065f);
+        (terms_1_phase_x_4 * phase_x_part_14), 0.40625f);
     const float phase_x_part_15 = forward_3_phase_x * terms_1_phase_x_5;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
     const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, 500.0f);
@@ -673,7 +673,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + 0.007222222f;
     const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
-        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.0104f);
+        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.065f);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
     const float steps_3_phase_x = phase_x_part_15 - (terms_1_phase_x_8 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_part_7 - (terms_1_phase_x_2 * steps_3_phase_x) -
@@ -1027,17 +1027,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
         (deviation_phase_x_part * deviation_phase_x_part * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
-    const float deviation_phase_x = hall_position_three_min(0.0050990195f * sqrtf(variances_1), 0.05f);
+    const float deviation_phase_x = hall_position_three_min(0.0050990195f * sqrtf(variances_1), 0.02f);
     const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
         (deviation_phase_y_part * deviation_phase_y_part * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
-    const float deviation_phase_y = hall_position_three_min(0.0050990195f * sqrtf(variances_2), 0.05f);
+    const float deviation_phase_y = hall_position_three_min(0.0050990195f * sqrtf(variances_2), 0.02f);
     const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float deviation_yaw = hall_position_three_min(0.0050990195f * sqrtf(variances_3), 0.02f);
+    const float deviation_yaw = hall_position_three_min(0.0050990195f * sqrtf(variances_3), 0.008f);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const float deviation_amplitude = hall_position_three_min(0.0050990195f * sqrtf(variances_4), 0.05f);
+    const float deviation_amplitude = hall_position_three_min(0.0050990195f * sqrtf(variances_4), 0.02f);
     const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_48) + (gradient_2_phase_x_2 * phase_y_part) +
         (forward_3_phase_x_2 * phase_x_part_49) + (forward_4_phase_x_5 * steps_4_phase_x_2) +
         ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
@@ -1047,10 +1047,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         chi_square_part_2, 0.0f);
     const float chi_square = hall_position_three_min(38461.54f * cost_chi_square, 1e+09f);
     const bool converged = chi_square_part_2 <= 2.6e-07f;
-    const bool factors_2 = (left_1_1 <= 2600.0f) && (left_2_2_phase_x <= 2600.0f) && (left_3_3_phase_x <= 16250.0f) &&
-        (left_4_4_phase_x <= 2600.0f);
-    const bool weak = !factors_2 || (96.152885f <= variances_1) || (96.152885f <= variances_2) ||
-        (15.384461f <= variances_3) || (96.152885f <= variances_4);
+    const bool factors_2 = (left_1_1 <= 16250.0f) && (left_2_2_phase_x <= 16250.0f) &&
+        (left_3_3_phase_x <= 101562.5f) && (left_4_4_phase_x <= 16250.0f);
+    const bool weak = !factors_2 || (15.384461f <= variances_1) || (15.384461f <= variances_2) ||
+        (2.4615138f <= variances_3) || (15.384461f <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const float protection_phase_x_part = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));

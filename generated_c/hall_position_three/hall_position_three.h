@@ -46,14 +46,14 @@ typedef struct {
 typedef struct {
     float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
     float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
-    float deviation_X;                  /* m, 0 .. 0.000404254: standard deviation of X, limited */
-    float deviation_Y;                  /* m, 0 .. 0.000404254: standard deviation of Y, limited */
+    float deviation_X;                  /* m, 0 .. 0.000161702: standard deviation of X, limited */
+    float deviation_Y;                  /* m, 0 .. 0.000161702: standard deviation of Y, limited */
     float protection_X;                 /* m, 0 .. 0.15: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
     float protection_Y;                 /* m, 0 .. 0.15: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
     float yaw;                          /* rad, -0.20944 .. 0.20944 */
     float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
-    float deviation_yaw;                /* rad, 0 .. 0.02: standard deviation of yaw, limited */
-    float deviation_amplitude;          /* 1, 0 .. 0.05: standard deviation of amplitude, limited */
+    float deviation_yaw;                /* rad, 0 .. 0.008: standard deviation of yaw, limited */
+    float deviation_amplitude;          /* 1, 0 .. 0.02: standard deviation of amplitude, limited */
     float protection_yaw;               /* rad, 0 .. 6.6: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
     float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
     float converged;                    /* 1, 0 .. 1: the last correction is small */

@@ -43,9 +43,9 @@ CALIBRATED_THREE = replace(
     position_limit=1.5e-3,
     yaw_limit=0.066,
     excluded_limits=0.2,
-    largest_phase=0.05,  # a larger deviation, here and of the yaw, has a level above its limit
-    largest_yaw=0.02,
-    largest_amplitude=0.05,
+    largest_phase=0.02,  # 0.16 mm: with a larger deviation almost every level is above its limit
+    largest_yaw=0.008,
+    largest_amplitude=0.02,
 )
 TUNINGS: Mapping[str, Tuning] = MappingProxyType({NAME: USUAL, THREE: CALIBRATED_THREE})
 PRECONDITIONS = (
