@@ -76,8 +76,8 @@ def search(sensors: int, tuning: Tuning, draws: int) -> Numbers:
     rng = np.random.default_rng(SEED)
     random = rng.uniform(-SEARCH_RADIUS, SEARCH_RADIUS, (draws, sensors, 2))
     order = np.argsort([availability(places, tuning, COARSE) for places in random])[::-1]
-    found = [_improve(places, tuning, rng) for places in random[order[:BEST]]]
-    return max(found, key=lambda places: availability(places, tuning))
+    candidates = [_improve(places, tuning, rng) for places in random[order[:BEST]]]
+    return max(candidates, key=lambda places: availability(places, tuning))
 
 
 def _improve(places: Numbers, tuning: Tuning, rng: np.random.Generator) -> Numbers:
