@@ -10,9 +10,10 @@ fault, in which rounding is absolute, and its relative error as l^2: of three se
 compared so.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +117,7 @@ def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResult
     return replace(stepped, outputs={**stepped.outputs, **scaled})
 
 
-def _is_undetectable(name: str, outputs: Columns) -> NDArray[np.bool_]:
+def _is_undetectable(name: str, outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
     """Return whether a sensor is excluded where a fault of some sensor is not detectable: levels are at their ends."""
     end = reference_protected.LEVEL_RANGE * config.TUNINGS[name].yaw_limit
     return np.asarray((outputs["excluded"] > 0) & (outputs["protection_yaw"] >= (1 - NEAR) * end))
