@@ -38,7 +38,7 @@ DESIGN = stage.design(
             protected.block(name=name),
             partial(protected.vectors, name=name),
             partial(protected.gains, name=name),
-            [protected.PRECONDITIONS],
+            [protected.preconditions(name)],
             protected_stimuli.sequences,
         )
         for name in protected.PLACES

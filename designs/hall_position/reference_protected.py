@@ -208,7 +208,8 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     s = scale(setup)
     level = levels(setup, of, fitted, excluded)
     accepted = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
-    within = of.detectable & (level <= limits(setup)).all(axis=1)
+    share = np.where(excluded == 0, 1.0, setup.excluded_limits)[:, None]
+    within = of.detectable & (level <= share * limits(setup)).all(axis=1)
     best = np.where(of.cost <= test * s**2, 0, 1 + of.costs.argmin(axis=1))
     pose = start + fitted.at
     pose[:, :2] = wrap(pose[:, :2])[0]

@@ -24,6 +24,7 @@ from designs.hall_position import (
     reference_rounding,
     verification_protected,
 )
+from designs.hall_position.calibrated import survey
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
@@ -90,6 +91,7 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     progress(f"{config.NAME}: random motion without end")
     samples = FULL_SAMPLES if whole else QUICK_SAMPLES
     checks += endurance.checks(config.NAME, EstimatorConfig(config.array()), BODIES, samples)
+    checks += survey.checks(progress)
     some_agreements, some = verification_protected.verify(progress, whole)
     return Evidence(config.NAME, (*agreements, *some_agreements), (*checks, *some))
 

@@ -3,14 +3,17 @@
 The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
 same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
 rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
-does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred, of up to a
-thousand with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a fault, in
-which rounding is absolute, and its relative error as l^2: of three sensors a level above its limit is compared so.
+does not; that both call them weak is compared. With a sensor excluded where a fault is not detectable, the C limits a
+pivot of its rank update: such steps are not valid, and left out, too. Chi-square is a difference of costs of up to 0.3
+V^2, of up to 3 V^2 with the worse conditioned three sensors. A level l grows as s^(-1/2) with the separability s of a
+fault, in which rounding is absolute, and its relative error as l^2: of three sensors a level above its limit is
+compared so.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +31,12 @@ from synth.verify.suite import Witnesses
 
 FULL_BODIES, QUICK_BODIES = 120, 12
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
-COST_FLOORS = {config.NAME: 100.0, config.THREE: 1000.0}  # of chi_square
-USUAL = config.USUAL
+COST_FLOORS = {config.NAME: 0.3, config.THREE: 3.0}  # V^2, of the cost
+THREE = config.TUNINGS[config.THREE]
 # Above them a level is compared over the square of its excess.
 LEVEL_LIMITS = {
     config.NAME: {},
-    config.THREE: {"X": USUAL.position_limit, "Y": USUAL.position_limit, "yaw": USUAL.yaw_limit},
+    config.THREE: {"X": THREE.position_limit, "Y": THREE.position_limit, "yaw": THREE.yaw_limit},
 }
 DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
@@ -55,7 +58,7 @@ class Steps:
 def setup(name: str = config.NAME) -> Setup:
     """Return the numbers of the reference."""
     array = config.array(name)
-    return Setup(vars(array) | vars(config.USUAL) | {"wave_number": array.wave_number})
+    return Setup(vars(array) | vars(config.TUNINGS[name]) | {"wave_number": array.wave_number})
 
 
 def witnesses(name: str = config.NAME) -> Witnesses:
@@ -85,10 +88,14 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
         progress(steps.what)
         clear = ~near_decision(of, steps)
         share = float(np.mean(~clear))
-        weak = [of.by_name[n](steps.states, steps.inputs).outputs["weak"] for n in ("reference", "c64")]
-        differs = float(np.sum((weak[0] != weak[1]) & clear))
+        first, second = (of.by_name[n](steps.states, steps.inputs).outputs for n in ("reference", "c64"))
+        undetectable = [_is_undetectable(of.block.name, each) for each in (first, second)]
+        unlike = float(np.sum((undetectable[0] != undetectable[1]) & clear))
+        checks.append(Check(f"{steps.what}: undetectable in one of reference against c64 only", unlike, 0, "1"))
+        clear &= ~undetectable[1]
+        differs = float(np.sum((first["weak"] != second["weak"]) & clear))
         checks.append(Check(f"{steps.what}: weak in one of reference against c64 only", differs, 0, "1"))
-        clear &= weak[1] == 0
+        clear &= second["weak"] == 0
         checks.append(Check(f"{steps.what}: share where rounding may decide", share, MAX_NEAR, "1"))
         c64 = suite.select(of.by_name["c64"](steps.states, steps.inputs), clear)
         for name in suite.WITNESS_NAMES:
@@ -103,11 +110,21 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
 
 def _scaled(of: Witnesses, stepped: StepResults, c64: StepResults) -> StepResults:
     """Return results, chi-square over its floor, levels over the squared excess of those of c64 over a limit."""
-    scaled = {"chi_square": stepped.outputs["chi_square"] / COST_FLOORS[of.block.name]}
+    scaled = {"chi_square": stepped.outputs["chi_square"] * _variance(of.block.name) / COST_FLOORS[of.block.name]}
     for axis, limit in LEVEL_LIMITS[of.block.name].items():
         excess = np.maximum(c64.outputs[f"protection_{axis}"] / limit, 1)
         scaled[f"protection_{axis}"] = stepped.outputs[f"protection_{axis}"] / excess**2
     return replace(stepped, outputs={**stepped.outputs, **scaled})
+
+
+def _is_undetectable(name: str, outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Return whether a sensor is excluded where a fault of some sensor is not detectable: levels are at their ends."""
+    end = reference_protected.LEVEL_RANGE * config.TUNINGS[name].yaw_limit
+    return np.asarray((outputs["excluded"] > 0) & (outputs["protection_yaw"] >= (1 - NEAR) * end))
+
+
+def _variance(name: str) -> float:
+    return config.array(name).deviation ** 2 + config.TUNINGS[name].model_error ** 2
 
 
 def steps_along(of: Witnesses, bodies: int) -> Steps:

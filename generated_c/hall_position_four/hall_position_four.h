@@ -13,8 +13,8 @@
  * V_dx, V_dy).
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
- * sensor. A lost track needs init.
+ * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
+ * voltages within 55 mV rms of the model.
  *
  * The gains and numbers in hall_position_four.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.

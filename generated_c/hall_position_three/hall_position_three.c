@@ -58,184 +58,184 @@ static inline float sin_yaw_polynomial(float t)
     return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* f3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.75203516 * cos_yaw)) +
- * (1.25035388 * sin_yaw)), -6.16435337, 6.16435337) in -6.15359449 .. 0.709661126, t = x^2; relative error at most
+/* f3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
+ * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) in -2.03158784 .. 4.98970652, t = x^2; relative error at most
  * 1.2e-07. */
 static inline float f3_polynomial(float t)
 {
-    return 0.125f + (t * (-0.0003255206f + (t * (2.542791e-07f + (t * -9.3099445e-11f)))));
+    return 0.125f + (t * (-0.00032552078f + (t * (2.543001e-07f + (t * -9.365995e-11f)))));
 }
 
-/* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.75203516 * cos_yaw)) +
- * (1.25035388 * sin_yaw)), -6.16435337, 6.16435337) in -6.15359449 .. 0.709661126, t = x^2; relative error at most
- * 1.2e-07. */
+/* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
+ * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) in -2.03158784 .. 4.98970652, t = x^2; relative error at most
+ * 6.5e-08. */
 static inline float ax_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.0078124837f + (t * (1.0170049e-05f + (t * -5.188935e-09f)))));
+    return 1.0f + (t * (-0.0078124953f + (t * (1.0171452e-05f + (t * -5.2262044e-09f)))));
 }
 
-/* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.25035388 * cos_yaw)) -
- * (2.75203516 * sin_yaw)), -6.16435337, 6.16435337) in -4.96412897 .. 2.49074364, t = x^2; relative error at most
+/* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw)) +
+ * (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
  * 1.2e-07. */
 static inline float f5_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552078f + (t * (2.543002e-07f + (t * -9.366587e-11f)))));
+    return 0.125f + (t * (-0.00032552076f + (t * (2.542963e-07f + (t * -9.3547725e-11f)))));
 }
 
-/* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.25035388 * cos_yaw)) -
- * (2.75203516 * sin_yaw)), -6.16435337, 6.16435337) in -4.96412897 .. 2.49074364, t = x^2; relative error at most
- * 6.6e-08. */
+/* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw)) +
+ * (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
+ * 6.8e-08. */
 static inline float ay_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812496f + (t * (1.0171511e-05f + (t * -5.2279403e-09f)))));
+    return 1.0f + (t * (-0.0078124944f + (t * (1.0171312e-05f + (t * -5.2216387e-09f)))));
 }
 
-/* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.420973416 * cos_yaw)) -
- * (1.16238928 * sin_yaw)), -4.37786425, 4.37786425) in -3.80424118 .. 2.97149324, t = x^2; relative error at most
+/* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw)) -
+ * (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
  * 1.2e-07. */
 static inline float f7_polynomial(float t)
 {
-    return 0.25f + (t * (-0.0026041605f + (t * (8.135509e-06f + (t * -1.181656e-08f)))));
+    return 0.125f + (t * (-0.00032552058f + (t * (2.542758e-07f + (t * -9.3023485e-11f)))));
 }
 
-/* bx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.420973416 * cos_yaw)) -
- * (1.16238928 * sin_yaw)), -4.37786425, 4.37786425) in -3.80424118 .. 2.97149324, t = x^2; relative error at most
+/* bx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw)) -
+ * (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
  * 1.3e-07. */
 static inline float bx_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.031249998f + (t * (0.00016275952f + (t * (-3.3893485e-07f + (t * 3.6801753e-10f)))))));
+    return 0.99999994f + (t * (-0.0078124693f + (t * (1.0169195e-05f + (t * -5.1747495e-09f)))));
 }
 
-/* f9_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.16238928 * cos_yaw)) -
- * (0.420973416 * sin_yaw)), -4.37786425, 4.37786425) in -2.09213066 .. 4.37786436, t = x^2; relative error at most
- * 1.5e-07. */
+/* f9_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw)) -
+ * (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float f9_polynomial(float t)
 {
-    return 0.24999999f + (t * (-0.0026041463f + (t * (8.133012e-06f + (t * -1.1704263e-08f)))));
+    return 0.125f + (t * (-0.0003255206f + (t * (2.5427858e-07f + (t * -9.308182e-11f)))));
 }
 
-/* by_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.16238928 * cos_yaw)) -
- * (0.420973416 * sin_yaw)), -4.37786425, 4.37786425) in -2.09213066 .. 4.37786436, t = x^2; relative error at most
- * 1.8e-07. */
+/* by_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw)) -
+ * (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float by_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.031249996f + (t * (0.00016275882f + (t * (-3.388595e-07f + (t * 3.6554815e-10f)))))));
+    return 0.99999994f + (t * (-0.007812471f + (t * (1.0169365e-05f + (t * -5.178205e-09f)))));
 }
 
-/* f11_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.83469011 * cos_yaw)) +
- * (1.41999988 * sin_yaw)), -5.4616115, 5.4616115) in -1.64223087 .. 5.27151966, t = x^2; relative error at most
+/* f11_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
+ * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
  * 1.2e-07. */
 static inline float f11_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552076f + (t * (2.5429586e-07f + (t * -9.352549e-11f)))));
+    return 0.25f + (t * (-0.002604161f + (t * (8.135625e-06f + (t * -1.1822986e-08f)))));
 }
 
-/* cx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.83469011 * cos_yaw)) +
- * (1.41999988 * sin_yaw)), -5.4616115, 5.4616115) in -1.64223087 .. 5.27151966, t = x^2; relative error at most
- * 7e-08. */
+/* cx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
+ * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
+ * 1.3e-07. */
 static inline float cx_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812494f + (t * (1.0171231e-05f + (t * -5.2188827e-09f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.3900244e-07f + (t * 3.7026232e-10f)))))));
 }
 
-/* f13_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.41999988 * cos_yaw)) +
- * (1.83469011 * sin_yaw)), -5.4616115, 5.4616115) in -4.943048 .. 2.13407803, t = x^2; relative error at most
+/* f13_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw)) -
+ * (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
  * 1.2e-07. */
 static inline float f13_polynomial(float t)
 {
-    return 0.125f + (t * (-0.00032552078f + (t * (2.5430026e-07f + (t * -9.366913e-11f)))));
+    return 0.25f + (t * (-0.0026041619f + (t * (8.135898e-06f + (t * -1.1839998e-08f)))));
 }
 
-/* cy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.41999988 * cos_yaw)) +
- * (1.83469011 * sin_yaw)), -5.4616115, 5.4616115) in -4.943048 .. 2.13407803, t = x^2; relative error at most
- * 6.5e-08. */
+/* cy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw)) -
+ * (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float cy_part_cosine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.007812496f + (t * (1.0171516e-05f + (t * -5.228188e-09f)))));
+    return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.3901202e-07f + (t * 3.7075673e-10f)))))));
 }
 
-/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.75203516 * (...))) + (1.25035388 * clamp((...), -0.1,
- * 0.1))), -0.900238904, 0.900238904) in -0.685178339 .. 0.685178339, t = x^2; relative error at most 7.6e-08. */
+/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1, 0.1))),
+ * -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 8e-08. */
 static inline float f15_polynomial(float t)
 {
-    return 1.0f + (t * (-0.4999995f + (t * (0.041660365f + (t * -0.0013662707f)))));
+    return 1.0f + (t * (-0.4999994f + (t * (0.04165966f + (t * -0.0013650605f)))));
 }
 
-/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.75203516 * (...))) + (1.25035388 * clamp((...), -0.1,
- * 0.1))), -0.900238904, 0.900238904) in -0.685178339 .. 0.685178339, t = x^2; relative error at most 1.2e-07. */
+/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
+ * 0.1))), -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 1.2e-07. */
 static inline float f16_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666661f + (t * (0.008332645f + (t * -0.00019591613f)))));
+    return 1.0f + (t * (-0.1666666f + (t * (0.0083325375f + (t * -0.00019574208f)))));
 }
 
-/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.420973416 * (...))) - (1.16238928 * clamp((...), -0.1,
- * 0.1))), -0.65833627, 0.65833627) in -0.625438929 .. 0.625438929, t = x^2; relative error at most 6.5e-08. */
+/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
+ * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.4e-07. */
 static inline float f17_polynomial(float t)
 {
-    return 1.0f + (t * (-0.4999997f + (t * (0.041662257f + (t * -0.0013699793f)))));
+    return 0.99999994f + (t * (-0.49999788f + (t * (0.041652113f + (t * -0.0013553383f)))));
 }
 
-/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.420973416 * (...))) - (1.16238928 * clamp((...), -0.1,
- * 0.1))), -0.65833627, 0.65833627) in -0.625438929 .. 0.625438929, t = x^2; relative error at most 1.2e-07. */
+/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
+ * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.2e-07. */
 static inline float f18_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666664f + (t * (0.0083329035f + (t * -0.0001964129f)))));
+    return 1.0f + (t * (-0.16666652f + (t * (0.008332007f + (t * -0.00019494118f)))));
 }
 
-/* f19_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.83469011 * (...))) + (1.41999988 * clamp((...), -0.1,
- * 0.1))), -0.825468999, 0.825468999) in -0.682095289 .. 0.682095289, t = x^2; relative error at most 7.5e-08. */
+/* f19_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
+ * 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 6e-08. */
 static inline float f19_polynomial(float t)
 {
-    return 1.0f + (t * (-0.4999995f + (t * (0.0416604f + (t * -0.0013663636f)))));
+    return 1.0f + (t * (-0.49999985f + (t * (0.04166392f + (t * -0.001374002f)))));
 }
 
-/* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.83469011 * (...))) + (1.41999988 * clamp((...), -0.1,
- * 0.1))), -0.825468999, 0.825468999) in -0.682095289 .. 0.682095289, t = x^2; relative error at most 1.2e-07. */
+/* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
+ * 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 1.2e-07. */
 static inline float f20_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666661f + (t * (0.008332648f + (t * -0.00019592655f)))));
+    return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689278f)))));
 }
 
-/* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.25035388 * (...))) - (2.75203516 * clamp((...), -0.1,
- * 0.1))), -0.900238904, 0.900238904) in -0.802528739 .. 0.802528739, t = x^2; relative error at most 1.3e-07. */
+/* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1, 0.1))),
+ * -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 7.6e-08. */
 static inline float f21_polynomial(float t)
 {
-    return 0.99999994f + (t * (-0.49999797f + (t * (0.041652627f + (t * -0.0013559872f)))));
+    return 1.0f + (t * (-0.4999995f + (t * (0.04166035f + (t * -0.0013662291f)))));
 }
 
-/* f22_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.25035388 * (...))) - (2.75203516 * clamp((...), -0.1,
- * 0.1))), -0.900238904, 0.900238904) in -0.802528739 .. 0.802528739, t = x^2; relative error at most 1.2e-07. */
+/* f22_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
+ * 0.1))), -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 1.2e-07. */
 static inline float f22_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666652f + (t * (0.008332025f + (t * -0.00019497881f)))));
+    return 1.0f + (t * (-0.16666661f + (t * (0.008332643f + (t * -0.000195911f)))));
 }
 
-/* f23_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.16238928 * (...))) - (0.420973416 * clamp((...), -0.1,
- * 0.1))), -0.65833627, 0.65833627) in -0.567500174 .. 0.567500174, t = x^2; relative error at most 6e-08. */
+/* f23_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
+ * 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.5e-07. */
 static inline float f23_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999985f + (t * (0.04166383f + (t * -0.0013736257f)))));
+    return 0.99999994f + (t * (-0.49999776f + (t * (0.041651465f + (t * -0.0013545564f)))));
 }
 
-/* f24_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.16238928 * (...))) - (0.420973416 * clamp((...), -0.1,
- * 0.1))), -0.65833627, 0.65833627) in -0.567500174 .. 0.567500174, t = x^2; relative error at most 1.2e-07. */
+/* f24_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
+ * 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.2e-07. */
 static inline float f24_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666664f + (t * (0.008332945f + (t * -0.00019656715f)))));
+    return 1.0f + (t * (-0.16666651f + (t * (0.008331924f + (t * -0.00019483927f)))));
 }
 
-/* f25_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.41999988 * (...))) + (1.83469011 * clamp((...), -0.1,
- * 0.1))), -0.825468999, 0.825468999) in -0.714501739 .. 0.714501739, t = x^2; relative error at most 9.2e-08. */
+/* f25_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
+ * 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 6e-08. */
 static inline float f25_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999934f + (t * (0.04165919f + (t * -0.0013642677f)))));
+    return 1.0f + (t * (-0.49999985f + (t * (0.041663855f + (t * -0.0013737328f)))));
 }
 
-/* f26_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.41999988 * (...))) + (1.83469011 * clamp((...), -0.1,
- * 0.1))), -0.825468999, 0.825468999) in -0.714501739 .. 0.714501739, t = x^2; relative error at most 1.2e-07. */
+/* f26_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
+ * 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 1.2e-07. */
 static inline float f26_polynomial(float t)
 {
-    return 1.0f + (t * (-0.1666666f + (t * (0.008332523f + (t * -0.00019570286f)))));
+    return 1.0f + (t * (-0.16666666f + (t * (0.00833308f + (t * -0.0001968529f)))));
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -412,42 +412,46 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* estimator: weighted least squares
      *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
      *     sin_yaw = sin(limit(yaw + motion_yaw, 0.20944))
-     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, cx_part_sine, cy_part_sine
+     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
      *     ax_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
      *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
      *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 2.75204 * cos_yaw + 1.25035 *
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 1.4954 * cos_yaw + 1.69646 *
      *         sin_yaw))
      *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
-     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, cx_part_doubled, cy_part_doubled
+     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
      *         bx_part_full, by_part_full, cx_part_full, cy_part_full
      *     ay_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.25035 * cos_yaw - 2.75204 *
+     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.69646 * cos_yaw + 1.4954 *
      *         sin_yaw))
-     *     bx_part_sine = 4 * sin(0.25 * limited_bx); likewise by_part_sine
-     *     bx_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
+     *     bx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
      *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
      *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 0.420973 * cos_yaw - 1.16239 *
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 2.67035 * cos_yaw - 2.53841 *
      *         sin_yaw))
-     *     bx_part_doubled = limit(4 * (sin(0.25 * limited_bx) * bx_part_cosine), 2.002); likewise
-     *         by_part_doubled
-     *     by_part_cosine = cos(0.25 * limited_by)
-     *     cx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 1.83469 * cos_yaw + 1.42 *
-     *         sin_yaw))
-     *     cy_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
+     *     by_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.42 * cos_yaw + 1.83469 *
+     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 2.53841 * cos_yaw - 2.67035 *
      *         sin_yaw))
-     *     weak = not factors_2 or 20.6541 <= variances_1 or 20.6541 <= variances_2 or 3.30466 <= variances_3
-     *         or 13.2186 <= variances_4
+     *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
+     *     cx_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
+     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
+     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
+     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 0.546637 * cos_yaw - 0.395841 *
+     *         sin_yaw))
+     *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
+     *         cy_part_doubled
+     *     cy_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
+     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
+     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
+     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 0.395841 * cos_yaw - 0.546637 *
+     *         sin_yaw))
+     *     weak = not factors_2 or 15.3845 <= variances_1 or 15.3845 <= variances_2 or 2.46151 <= variances_3
+     *         or 15.3845 <= variances_4
      *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,
      *         23))
      *     missed_next = (0 if accepted and not lost, else min(missed + 1, 8)) if tracking, else 0
@@ -486,9 +490,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     if (ax_part_sine_part_2 < -pi) {
         starts_1 = ax_part_sine_part_2 + two_pi;
     }
-    const float cos_yaw_scaled = 2.7520351f * cos_yaw;
-    const float sin_yaw_scaled = 1.2503539f * sin_yaw;
-    const float limited_ax = starts_1 - cos_yaw_scaled + sin_yaw_scaled;
+    const float cos_yaw_scaled = 1.495398f * cos_yaw;
+    const float sin_yaw_scaled = 1.69646f * sin_yaw;
+    const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * f3;
@@ -510,9 +514,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     if (ay_part_sine_part_2 < -pi) {
         starts_2 = ay_part_sine_part_2 + two_pi;
     }
-    const float cos_yaw_scaled_2 = 1.2503539f * cos_yaw;
-    const float sin_yaw_scaled_2 = 2.7520351f * sin_yaw;
-    const float limited_ay = starts_2 - cos_yaw_scaled_2 - sin_yaw_scaled_2;
+    const float cos_yaw_scaled_2 = 1.69646f * cos_yaw;
+    const float sin_yaw_scaled_2 = 1.495398f * sin_yaw;
+    const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float f5 = limited_ay * f5_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * f5;
@@ -524,54 +528,53 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sines_2_ay = 8.0f * f5_times_ay_part_cosine;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float sin_yaw_scaled_3 = 1.1623893f * sin_yaw;
-    const float limited_bx = starts_1 - (0.42097342f * cos_yaw) - sin_yaw_scaled_3;
+    const float sin_yaw_scaled_3 = 2.5384068f * sin_yaw;
+    const float limited_bx = starts_1 - (2.6703537f * cos_yaw) - sin_yaw_scaled_3;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float f7 = limited_bx * f7_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 4.0f * f7;
+    const float bx_part_sine = 8.0f * f7;
     const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
-    const float bx_part_doubled = 4.0f * (f7 * bx_part_cosine);
+    const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
+    const float bx_part_doubled = 8.0f *
+        (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (bx_part_sine * bx_part_sine)));
+    const float sines_2_bx = 8.0f * f7_times_bx_part_cosine;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float cos_yaw_scaled_3 = 1.1623893f * cos_yaw;
-    const float sin_yaw_scaled_4 = 0.42097342f * sin_yaw;
-    const float limited_by = hall_position_three_limit(starts_2 + cos_yaw_scaled_3 - sin_yaw_scaled_4, 4.3778644f);
+    const float cos_yaw_scaled_3 = 2.5384068f * cos_yaw;
+    const float sin_yaw_scaled_4 = 2.6703537f * sin_yaw;
+    const float limited_by = starts_2 + cos_yaw_scaled_3 - sin_yaw_scaled_4;
     const float by_part_cosine_argument = limited_by * limited_by;
     const float f9 = limited_by * f9_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 4.0f * f9;
+    const float by_part_sine = 8.0f * f9;
     const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
-    const float by_part_doubled = 4.0f * (f9 * by_part_cosine);
+    const float f9_times_by_part_cosine = f9 * by_part_cosine;
+    const float by_part_doubled = 8.0f *
+        (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (by_part_sine * by_part_sine)));
+    const float sines_2_by = 8.0f * f9_times_by_part_cosine;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
-    const float cos_yaw_scaled_4 = 1.8346901f * cos_yaw;
-    const float sin_yaw_scaled_5 = 1.4199998f * sin_yaw;
-    const float limited_cx = starts_1 + cos_yaw_scaled_4 + sin_yaw_scaled_5;
+    const float sin_yaw_scaled_5 = 0.39584067f * sin_yaw;
+    const float limited_cx = starts_1 - (0.5466371f * cos_yaw) - sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
     const float f11 = limited_cx * f11_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 8.0f * f11;
+    const float cx_part_sine = 4.0f * f11;
     const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
-    const float cx_part_doubled = 8.0f *
-        (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+    const float cx_part_doubled = 4.0f * (f11 * cx_part_cosine);
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx = 8.0f * f11_times_cx_part_cosine;
-    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
+    const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (cx_part_sine * cx_part_sine)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
-    const float cos_yaw_scaled_5 = 1.4199998f * cos_yaw;
-    const float sin_yaw_scaled_6 = 1.8346901f * sin_yaw;
-    const float limited_cy = starts_2 - cos_yaw_scaled_5 + sin_yaw_scaled_6;
+    const float cos_yaw_scaled_4 = 0.39584067f * cos_yaw;
+    const float sin_yaw_scaled_6 = 0.5466371f * sin_yaw;
+    const float limited_cy = starts_2 + cos_yaw_scaled_4 - sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
     const float f13 = limited_cy * f13_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 8.0f * f13;
+    const float cy_part_sine = 4.0f * f13;
     const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
-    const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
-    const float cy_part_doubled = 8.0f *
-        (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+    const float cy_part_doubled = 4.0f * (f13 * cy_part_cosine);
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy = 8.0f * f13_times_cy_part_cosine;
-    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
+    const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (cy_part_sine * cy_part_sine)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float estimator_amplitude = state->estimator_amplitude;
@@ -604,21 +607,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
-    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.048416f);
+    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.065f);
     const float phase_x_part_7 = gradient_1_phase_x * terms_1_phase_x;
     const float phase_x_part_8 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
-    const float rows_1_3 = phase_x_part_8 + (rows_1_1 * (cos_yaw_scaled_2 + sin_yaw_scaled_2));
+    const float rows_1_3 = phase_x_part_8 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
     const float phase_x_part_9 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
     const float rows_3_3 = phase_x_part_9 + (rows_3_1 * (sin_yaw_scaled_4 - cos_yaw_scaled_3));
     const float phase_x_part_10 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
-    const float rows_5_3 = phase_x_part_10 + (rows_5_1 * (cos_yaw_scaled_5 - sin_yaw_scaled_6));
+    const float rows_5_3 = phase_x_part_10 + (rows_5_1 * (sin_yaw_scaled_6 - cos_yaw_scaled_4));
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
     const float terms_1_phase_x_2 = hall_position_three_limit(left_3_1 * terms_1_phase_x, 1250.0f);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float rows_2_2 = start_cosine_ay * (phase_x_part +
         (ay_part_full_squared * (phase_x_part_2 + (5.0f * (ay_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_11 = phase_x_part_4 - (rows_2_2 * (sin_yaw_scaled - cos_yaw_scaled));
+    const float phase_x_part_11 = phase_x_part_4 - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
     const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
     const float residuals_2_phase_x = phase_x_part_8 - (estimator_amplitude * rows_2_4);
@@ -626,7 +629,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_part_full_squared = by_part_full * by_part_full;
     const float rows_4_2 = start_cosine_by * (phase_x_part +
         (by_part_full_squared * (phase_x_part_2 + (5.0f * (by_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_12 = phase_x_part_5 - (rows_4_2 * ((-0.42097342f * cos_yaw) - sin_yaw_scaled_3));
+    const float phase_x_part_12 = phase_x_part_5 - (rows_4_2 * ((-2.6703537f * cos_yaw) - sin_yaw_scaled_3));
     const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
     const float residuals_4_phase_x = phase_x_part_9 - (estimator_amplitude * rows_4_4);
@@ -634,14 +637,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float rows_6_2 = start_cosine_cy * (phase_x_part +
         (cy_part_full_squared * (phase_x_part_2 + (5.0f * (cy_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_13 = phase_x_part_6 - (rows_6_2 * (cos_yaw_scaled_4 + sin_yaw_scaled_5));
+    const float phase_x_part_13 = phase_x_part_6 - (rows_6_2 * ((-0.5466371f * cos_yaw) - sin_yaw_scaled_5));
     const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
     const float residuals_6_phase_x = phase_x_part_10 - (estimator_amplitude * rows_6_4);
     const float phase_x_part_14 = (phase_x_part_11 * rows_2_2) + (phase_x_part_12 * rows_4_2) +
         (phase_x_part_13 * rows_6_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.048416f);
+    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.065f);
     const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_part_14 * terms_1_phase_x_3), 1250.0f);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x);
@@ -652,25 +655,25 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_part_11 * phase_x_part_11) + (rows_3_3 * rows_3_3) +
         (phase_x_part_12 * phase_x_part_12) + (rows_5_3 * rows_5_3) + (phase_x_part_13 * phase_x_part_13);
     const float terms_1_phase_x_5 = 1.0f / hall_position_three_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_part_14), 0.3026f);
+        (terms_1_phase_x_4 * phase_x_part_14), 0.40625f);
     const float phase_x_part_15 = forward_3_phase_x * terms_1_phase_x_5;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
-    const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, 625.0f);
+    const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, 500.0f);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
-    const float terms_1_phase_x_7 = hall_position_three_limit(left_4_2 * terms_1_phase_x_3, 625.0f);
+    const float terms_1_phase_x_7 = hall_position_three_limit(left_4_2 * terms_1_phase_x_3, 500.0f);
     const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_part_11) + (rows_3_4 * rows_3_3) -
         (rows_4_4 * phase_x_part_12) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_part_13) -
         (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_14);
-    const float terms_1_phase_x_8 = hall_position_three_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
+    const float terms_1_phase_x_8 = hall_position_three_limit(left_4_3_phase_x * terms_1_phase_x_5, 200.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
-        (rows_6_4 * residuals_6_phase_x) - (0.84055555f * offsets_4_phase_x) - (terms_1_phase_x_6 *
+        (rows_6_4 * residuals_6_phase_x) - (0.007222222f * offsets_4_phase_x) - (terms_1_phase_x_6 *
         gradient_1_phase_x) - (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
-        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + 0.84055555f;
+        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + 0.007222222f;
     const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
-        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
+        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.065f);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
     const float steps_3_phase_x = phase_x_part_15 - (terms_1_phase_x_8 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_part_7 - (terms_1_phase_x_2 * steps_3_phase_x) -
@@ -872,7 +875,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float phase_x_part_47 = 0.0f;
     float chi_square_part = 0.0f;
     if (weights_1) {
-        const float by_ax = best_1 - (2.7520351f * limited_3_cosine) + (1.2503539f * limited_3_sine);
+        const float by_ax = best_1 + (1.495398f * limited_3_cosine) + (1.69646f * limited_3_sine);
         const float f15_argument = by_ax * by_ax;
         const float phasors_1_sine = (ax_part_full * f15_polynomial(f15_argument)) +
             (start_cosine_ax * (by_ax * f16_polynomial(f15_argument)));
@@ -881,7 +884,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (phase_x_part_45 * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
-        const float by_ay = best_2 - (1.2503539f * limited_3_cosine) - (2.7520351f * limited_3_sine);
+        const float by_ay = best_2 - (1.69646f * limited_3_cosine) + (1.495398f * limited_3_sine);
         const float f21_argument = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * f21_polynomial(f21_argument)) +
             (start_cosine_ay * (by_ay * f22_polynomial(f21_argument)));
@@ -904,7 +907,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_3_chi_square = 0.0f;
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
-        const float by_bx = best_1 - (0.42097342f * limited_3_cosine) - (1.1623893f * limited_3_sine);
+        const float by_bx = best_1 - (2.6703537f * limited_3_cosine) - (2.5384068f * limited_3_sine);
         const float f17_argument = by_bx * by_bx;
         const float phasors_3_sine = (bx_part_full * f17_polynomial(f17_argument)) +
             (start_cosine_bx * (by_bx * f18_polynomial(f17_argument)));
@@ -914,7 +917,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
-        const float by = best_2 + (1.1623893f * limited_3_cosine) - (0.42097342f * limited_3_sine);
+        const float by = best_2 + (2.5384068f * limited_3_cosine) - (2.6703537f * limited_3_sine);
         const float f23_argument = by * by;
         const float phasors_4_sine = (by_part_full * f23_polynomial(f23_argument)) +
             (start_cosine_by * (by * f24_polynomial(f23_argument)));
@@ -938,7 +941,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_5_chi_square = 0.0f;
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
-        const float by_cx = best_1 + (1.8346901f * limited_3_cosine) + (1.4199998f * limited_3_sine);
+        const float by_cx = best_1 - (0.5466371f * limited_3_cosine) - (0.39584067f * limited_3_sine);
         const float f19_argument = by_cx * by_cx;
         const float phasors_5_sine = (cx_part_full * f19_polynomial(f19_argument)) +
             (start_cosine_cx * (by_cx * f20_polynomial(f19_argument)));
@@ -948,7 +951,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
-        const float by_cy = best_2 - (1.4199998f * limited_3_cosine) + (1.8346901f * limited_3_sine);
+        const float by_cy = best_2 + (0.39584067f * limited_3_cosine) - (0.5466371f * limited_3_sine);
         const float f25_argument = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * f25_polynomial(f25_argument)) +
             (start_cosine_cy * (by_cy * f26_polynomial(f25_argument)));
@@ -973,18 +976,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_x_part_49 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
     const float gradient_4_phase_x = phase_x_part_47 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
-        terms_6_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
+        terms_6_phase_x_3 - (0.007222222f * offsets_4_phase_x_2);
     const float forward_4_phase_x_5 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_5 * diagonal_4;
     const float steps_3_phase_x_2 = phase_x_part_49 - (terms_1_phase_x_8 * steps_4_phase_x_2);
     const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1598.253f);
+        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1598.1837f);
     const float phase_x_part_50 = gains_1_phase_x_2 * projections_1;
     const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-        (moves_2_4_phase_x * gradient_4_phase_x), 1598.253f);
+        (moves_2_4_phase_x * gradient_4_phase_x), 1598.1837f);
     const float phase_x_part_51 = gains_2_phase_x_2 * projections_2;
     const float moved_1 = hall_position_three_limit(best_1 + (phase_x_part_48 -
         (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
@@ -1024,30 +1027,30 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
         (deviation_phase_x_part * deviation_phase_x_part * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
-    const float deviation_phase_x = hall_position_three_min(0.05500909f * sqrtf(variances_1), 0.25f);
+    const float deviation_phase_x = hall_position_three_min(0.0050990195f * sqrtf(variances_1), 0.02f);
     const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
         (deviation_phase_y_part * deviation_phase_y_part * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
-    const float deviation_phase_y = hall_position_three_min(0.05500909f * sqrtf(variances_2), 0.25f);
+    const float deviation_phase_y = hall_position_three_min(0.0050990195f * sqrtf(variances_2), 0.02f);
     const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float deviation_yaw = hall_position_three_min(0.05500909f * sqrtf(variances_3), 0.1f);
+    const float deviation_yaw = hall_position_three_min(0.0050990195f * sqrtf(variances_3), 0.008f);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const float deviation_amplitude = hall_position_three_min(0.05500909f * sqrtf(variances_4), 0.2f);
+    const float deviation_amplitude = hall_position_three_min(0.0050990195f * sqrtf(variances_4), 0.02f);
     const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_48) + (gradient_2_phase_x_2 * phase_y_part) +
         (forward_3_phase_x_2 * phase_x_part_49) + (forward_4_phase_x_5 * steps_4_phase_x_2) +
         ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
         (gains_2_phase_x_2 * (projections_2 * projections_2))));
     const float cost_chi_square = hall_position_three_max(chi_square_part + terms_3_chi_square + terms_4_chi_square +
-        terms_5_chi_square + terms_6_chi_square + (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) -
+        terms_5_chi_square + terms_6_chi_square + (0.007222222f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) -
         chi_square_part_2, 0.0f);
-    const float chi_square = hall_position_three_min(330.46927f * cost_chi_square, 1e+09f);
-    const bool converged = chi_square_part_2 <= 3.026e-05f;
-    const bool factors_2 = (left_1_1 <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <= 75650.0f) &&
-        (left_4_4_phase_x <= 18912.5f);
-    const bool weak = !factors_2 || (20.654123f <= variances_1) || (20.654123f <= variances_2) ||
-        (3.3046596f <= variances_3) || (13.218638f <= variances_4);
+    const float chi_square = hall_position_three_min(38461.54f * cost_chi_square, 1e+09f);
+    const bool converged = chi_square_part_2 <= 2.6e-07f;
+    const bool factors_2 = (left_1_1 <= 16250.0f) && (left_2_2_phase_x <= 16250.0f) &&
+        (left_3_3_phase_x <= 101562.5f) && (left_4_4_phase_x <= 16250.0f);
+    const bool weak = !factors_2 || (15.384461f <= variances_1) || (15.384461f <= variances_2) ||
+        (2.4615138f <= variances_3) || (15.384461f <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const float protection_phase_x_part = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
@@ -1066,7 +1069,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_part_39 * phase_x_part_39 * gain);
     const float protection_phase_x_part_4 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
         residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
-        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) + (0.84055555f *
+        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) + (0.007222222f *
         (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_part_7) + (gradient_2_phase_x *
         phase_x_part_22) + (forward_3_phase_x * phase_x_part_15) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_three_max(protection_phase_x_part_4, 0.0f);
@@ -1084,20 +1087,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         ((scores_1_phase_x * protection_phase_x_part_6) + (scores_2_phase_x * protection_phase_x_part_7));
     float limit = 16.266235f;
     float protection_phase_x_part_8;
+    float share = 1.0f;
     float protection_phase_y_part_4;
     float level;
     if (hall_position_three_equal(excluded, 0.0f)) {
-        protection_phase_x_part_8 = (0.3815057f *
+        protection_phase_x_part_8 = (0.03536334f *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_part, protection_phase_x_part_2),
             protection_phase_x_part_3))) + (3.4807565f * deviation_phase_x);
-        protection_phase_y_part_4 = (0.3815057f *
+        protection_phase_y_part_4 = (0.03536334f *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_part, protection_phase_y_part_2),
             protection_phase_y_part_3))) + (3.4807565f * deviation_phase_y);
-        level = (0.3815057f * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_part,
+        level = (0.03536334f * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_part,
             protection_yaw_part_2), protection_yaw_part_3))) + (3.4807565f * deviation_yaw);
     } else {
         limit = 12.115665f;
-        const float protection_phase_x_part_9 = 0.036662f + (1e-05f * full_cost);
+        const float protection_phase_x_part_9 = 0.0003150073f + (1e-05f * full_cost);
         const float protection_phase_x_part_10 = steps_1_phase_x - moved_1;
         const float protection_phase_y_part_5 = steps_2_phase_x - moved_2;
         const float protection_yaw_part_4 = steps_3_phase_x - moved_3;
@@ -1144,30 +1148,32 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_part_3);
         }
         protection_phase_x_part_8 = apart_protection_phase_x +
-            (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
+            (0.017748445f * sqrtf(diagonal_1 + added_protection_phase_x));
+        share = 0.2f;
         protection_phase_y_part_4 = apart_protection_phase_y +
-            (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
-        level = apart_protection_yaw + (0.19147325f * sqrtf(diagonal_3 + added_protection_yaw));
+            (0.017748445f * sqrtf(diagonal_2 + added_protection_phase_y));
+        level = apart_protection_yaw + (0.017748445f * sqrtf(diagonal_3 + added_protection_yaw));
     }
-    const bool passes = factors_2 && (cost_chi_square <= (0.003026f * limit));
+    const bool passes = factors_2 && (cost_chi_square <= (2.6e-05f * limit));
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_8 = 61.842377f;
-        protection_phase_y_part_4 = 61.842377f;
-        level = 22.0f;
+        protection_phase_x_part_8 = 18.552713f;
+        protection_phase_y_part_4 = 18.552713f;
+        level = 6.6f;
     }
-    const float protection_phase_x = hall_position_three_min(protection_phase_x_part_8, 61.842377f);
-    const float protection_phase_y = hall_position_three_min(protection_phase_y_part_4, 61.842377f);
-    const float protection_yaw = hall_position_three_min(level, 22.0f);
+    const float protection_phase_x = hall_position_three_min(protection_phase_x_part_8, 18.552713f);
+    const float share_scaled = 0.18552713f * share;
+    const float protection_phase_y = hall_position_three_min(protection_phase_y_part_4, 18.552713f);
+    const float protection_yaw = hall_position_three_min(level, 6.6f);
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
     const bool phases_valid = converged && phases_valid_test && passes && detectable &&
-        (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) &&
-        tracking && phases_valid_test_2;
+        (protection_phase_x <= share_scaled) && (protection_phase_y <= share_scaled) &&
+        (protection_yaw <= (0.066f * share)) && tracking && phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
@@ -1256,7 +1262,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             tracked_2_motion_yaw = estimator_motion_yaw;
         }
         float best = 0.0f;
-        if (!(full_cost <= 0.04922163f)) {
+        if (!(full_cost <= 0.00042292214f)) {
             best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
         }
         state->estimator_excluded = (uint32_t)hall_position_three_max(best, 0.0f);

@@ -12,8 +12,9 @@
  * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a fault of one
- * sensor. A lost track needs init.
+ * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
+ * voltages within 5 mV rms of the model. Three sensors need a calibration of the unit to that, gains that stay within
+ * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -45,15 +46,15 @@ typedef struct {
 typedef struct {
     float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
     float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
-    float deviation_X;                  /* m, 0 .. 0.00202127: standard deviation of X, limited */
-    float deviation_Y;                  /* m, 0 .. 0.00202127: standard deviation of Y, limited */
-    float protection_X;                 /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
-    float protection_Y;                 /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
+    float deviation_X;                  /* m, 0 .. 0.000161702: standard deviation of X, limited */
+    float deviation_Y;                  /* m, 0 .. 0.000161702: standard deviation of Y, limited */
+    float protection_X;                 /* m, 0 .. 0.15: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
+    float protection_Y;                 /* m, 0 .. 0.15: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
     float yaw;                          /* rad, -0.20944 .. 0.20944 */
     float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
-    float deviation_yaw;                /* rad, 0 .. 0.1: standard deviation of yaw, limited */
-    float deviation_amplitude;          /* 1, 0 .. 0.2: standard deviation of amplitude, limited */
-    float protection_yaw;               /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
+    float deviation_yaw;                /* rad, 0 .. 0.008: standard deviation of yaw, limited */
+    float deviation_amplitude;          /* 1, 0 .. 0.02: standard deviation of amplitude, limited */
+    float protection_yaw;               /* rad, 0 .. 6.6: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
     float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
     float converged;                    /* 1, 0 .. 1: the last correction is small */
     float weak;                         /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */

@@ -60,7 +60,8 @@ class Integrity:
     valid and an unknown errs by more than its protection level. With `exclude`, a faulty channel is excluded, or its
     group: `groups` are the channels that fail together, and any other channel is a group by itself, after these.
     `screened`: a check in front, as `screening.screen`, gives the number of a group to exclude, ``rejected``, and
-    ``screened`` in place of ``complete``.
+    ``screened`` in place of ``complete``. `excluded_limits` multiplies the limits while a group is excluded: what is
+    left has less redundancy, and a limit that allows a fault to come may be too wide for one that is there.
 
     Raises ModelError for a probability or a limit out of its range.
     """
@@ -71,6 +72,7 @@ class Integrity:
     exclude: bool = False
     groups: Sequence[Sequence[str]] = ()
     screened: bool = False
+    excluded_limits: float = numeric.between(0, 1.0, 1)
 
     def __post_init__(self) -> None:
         numeric.check_fields(self)

@@ -179,7 +179,7 @@ def judge(
         for i in _limit_indices(of)
     }
     passes = cost <= of.thresholds.test * of.model.scale**2
-    return _judgement(of, passes, levels, faults, ca.SX(0))
+    return _judgement(of, passes, levels, faults, ca.SX(0), 1.0)
 
 
 def _judge_hypotheses(
@@ -202,7 +202,8 @@ def _judge_hypotheses(
     passes = ca.logic_and(about.in_range, cost <= limit * variance)
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
     excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
-    return _judgement(of, passes, levels, faults, excluded)
+    share = of.integrity.excluded_limits
+    return _judgement(of, passes, levels, faults, excluded, share if share == 1 else ca.if_else(none, 1, share))
 
 
 def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
@@ -231,11 +232,14 @@ def _limit_indices(of: Monitor) -> list[int]:
     return [i for i, u in enumerate(of.model.unknowns) if u.name in of.integrity.limits]
 
 
-def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, excluded: ca.SX) -> Judgement:
+def _judgement(
+    of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, excluded: ca.SX, share: ca.SX | float
+) -> Judgement:
+    """Return the judgement with levels within a share of their limits, and the group to exclude next."""
     by_name, within = {}, faults.detectable
     for i, level in levels.items():
         u = of.model.unknowns[i]
         signal = _level(of, u.name, u.signal.unit)
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
-        within = ca.logic_and(within, by_name[signal.name] <= of.integrity.limits[u.name])
+        within = ca.logic_and(within, by_name[signal.name] <= share * of.integrity.limits[u.name])
     return Judgement(passes, by_name, within, excluded)

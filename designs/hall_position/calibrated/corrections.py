@@ -17,7 +17,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.calibrated.stages import LETTERS, UnitCalibration
+from designs.hall_position.calibrated import stages
+from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.glsdc import channels
 from synth.block import Block, Constant, Exprs, State, Step, build, clip, table
 from synth.blocks import lookup_table
@@ -40,7 +41,8 @@ def corrections(of: UnitCalibration, time: Discrete, pose: Mapping[str, Signal])
 
     Raises ModelError for a calibration without a table.
     """
-    volts, inverse = channels.voltages(len(LETTERS)), np.linalg.inv(of.gains())
+    letters, inverse = stages.letters(of.fit.values), np.linalg.inv(of.gains())
+    volts = channels.voltages(len(letters))
     constants = _constants(of, inverse)
     fitted = of.table
     if fitted is None:
@@ -53,7 +55,7 @@ def corrections(of: UnitCalibration, time: Discrete, pose: Mapping[str, Signal])
         predicted = {n: clip(x[f"last_{n}"] + x[f"motion_{n}"], pose[n]) for n in "XY"} | {"yaw": x["last_yaw"]}
         output: dict[str, ca.SX] = {}
         c, s = ca.cos(predicted["yaw"]), ca.sin(predicted["yaw"])
-        for letter in LETTERS:
+        for letter in letters:
             field = _field(tables, fitted.grid, letter, predicted, (c, s), k)
             body = c * field["x"] + s * field["y"], c * field["y"] - s * field["x"]
             held = [u[f"V_{letter}{axis}_held"] for axis in "xy"]
@@ -77,7 +79,7 @@ def corrections(of: UnitCalibration, time: Discrete, pose: Mapping[str, Signal])
 
 def _constants(of: UnitCalibration, inverse: np.ndarray) -> list[Constant]:
     made, offsets = [], np.einsum("kij,kj->ki", inverse, of.offsets())
-    for i, letter in enumerate(LETTERS):
+    for i, letter in enumerate(stages.letters(of.fit.values)):
         for j, axis in enumerate("xy"):
             made += [
                 Constant(f"inverse_{letter}{axis}{b}", float(inverse[i, j, m]), "1", "calibration")

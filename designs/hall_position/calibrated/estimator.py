@@ -1,4 +1,4 @@
-"""The estimator of four sensors with a unit's calibration: corrected voltages, and R from held-out residuals."""
+"""The estimator of a calibrated unit: corrected voltages, and R from residuals that were held out."""
 
 from dataclasses import replace
 from functools import cache
@@ -17,21 +17,23 @@ GAIN_DRIFT = 3e-3  # relative, to either side, of gains since the calibration
 UNIFORM = 3**-0.5  # rms of a uniform distribution over its half width
 POSE = ("X", "Y", "yaw", "amplitude", "tracking", "excluded", "valid")
 ALERT = {"position_limit": trust.WRONG, "yaw_limit": trust.WRONG_YAW}  # m, rad
-RISK = 1e-5  # of a sample: less than usual, since over half a millimetre hypotheses are linear to about R only
+# Of a sample with four sensors: less than usual, since over half a millimetre hypotheses are linear to about R only.
+RISKS = {config.NAME: 1e-5, config.THREE: config.CALIBRATED_THREE.risk}
 
 
 def tuning(of: UnitCalibration, gain_drift: float = GAIN_DRIFT) -> Tuning:
     """Return the tuning with the model error of a calibration, and limits in proportion to it, from ALERT on."""
     error = of.model_error(UNIFORM * gain_drift)
-    usual, scale = config.USUAL, error / config.USUAL.model_error
+    usual = config.TUNINGS[of.name]
+    scale = error / usual.model_error
     limits = {n: max(least, scale * getattr(usual, n)) for n, least in ALERT.items()}
-    return replace(usual, model_error=error, risk=RISK, **limits)
+    return replace(usual, model_error=error, risk=RISKS[of.name], **limits)
 
 
 def array(of: UnitCalibration) -> PlanarArray:
     """Return the array with the calibrated places and amplitudes."""
     places = tuple((float(x), float(y)) for x, y in of.places())
-    return replace(config.array(), positions=places, beta=of.fit.values["wave_5"])
+    return replace(config.array(of.name), positions=places, beta=of.fit.values["wave_5"])
 
 
 def block(of: UnitCalibration, tuned: Tuning) -> Block:
@@ -52,9 +54,9 @@ def blocks(of: UnitCalibration, tuned: Tuning) -> list[Block]:
 
 @cache
 def of_unit(
-    field: str, seed: int, stage: str = stages.STAGES[-1], gain_drift: float = GAIN_DRIFT
+    field: str, seed: int, stage: str = stages.STAGES[-1], gain_drift: float = GAIN_DRIFT, name: str = config.NAME
 ) -> tuple[Block, Tuning]:
     """Return the estimator of a unit, calibrated up to a stage, and its tuning."""
-    of = stages.of_unit(field, seed, stage)
+    of = stages.of_unit(field, seed, stage, name)
     tuned = tuning(of, gain_drift)
     return block(of, tuned), tuned

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from string import ascii_lowercase
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -24,13 +25,13 @@ from models.hall_motions import Numbers
 from synth.block import Exprs
 from synth.blocks import lookup_table, residual_map
 from synth.blocks.residual_map import ResidualMap
+from synth.cache import cached
 from synth.errors import ModelError
 from synth.signals import Parameter
 from synth.synthesise.identify import calibration
 from synth.synthesise.identify.calibration import Assessment, Calibration
 from synth.synthesise.identify.logs import Log
 
-LETTERS = ascii_lowercase[:4]
 AXIAL, CROSS = (1, 3, 5, 7, 9), ((2, 1), (2, -1), (1, 2), (1, -2))  # numbers of waves along the axes, and of both
 MODEL_WAVES = (1, 5)  # of the estimator
 MATRIX = ("xx", "xy", "yx", "yy")
@@ -40,10 +41,15 @@ PER_PITCH, FINE, TABLE_SMOOTHING = 32, 4, 1e-6  # points of the table and of its
 UNIT = 1e-5  # V, of the table
 
 
-def parameters() -> list[Parameter]:
-    """Return the parameters at their nominal values."""
-    array, made = config.array(), []
-    for letter, place in zip(LETTERS, array.positions, strict=True):
+def letters(k: Mapping[str, Any]) -> str:
+    """Return the letters of the sensors whose parameters are in `k`."""
+    return "".join(n for n in ascii_lowercase if f"place_{n}x" in k)
+
+
+def parameters(name: str = config.NAME) -> list[Parameter]:
+    """Return the parameters of an estimator's sensors and field at their nominal values."""
+    array, made = config.array(name), []
+    for letter, place in zip(ascii_lowercase, array.positions, strict=False):
         made += [Parameter(f"gain_{letter}{e}", float(e in ("xx", "yy")), "1", 0.02, "nominal") for e in MATRIX]
         made += [Parameter(f"offset_{letter}{axis}", 0.0, "V", 0.0, "nominal") for axis in "xy"]
         made += [
@@ -61,7 +67,7 @@ def _cross(of: tuple[int, int]) -> str:
 def voltages(q: Exprs, k: Exprs) -> Exprs:
     """Return the voltages of the model at a pose."""
     c, s, volts = ca.cos(q["yaw"]), ca.sin(q["yaw"]), {}
-    for letter in LETTERS:
+    for letter in letters(k):
         x, y = (k[f"place_{letter}{axis}"] for axis in "xy")
         B = _waves(k, q["X"] + c * x - s * y, q["Y"] + s * x + c * y, AXIAL, CROSS)
         body = c * B[0] + s * B[1], c * B[1] - s * B[0]
@@ -92,6 +98,7 @@ class UnitCalibration:
     `assessment` is of the estimator's own model: two waves, and the table.
     """
 
+    name: str
     stage: str
     fit: Calibration
     table: ResidualMap | None
@@ -109,16 +116,16 @@ class UnitCalibration:
         return float(np.sqrt(np.mean(np.square(self.assessment.budget(gain_drift)))))
 
     def places(self) -> Numbers:
-        """Return the sensors' places (4, 2), m."""
-        return np.array([[self.fit.values[f"place_{n}{axis}"] for axis in "xy"] for n in LETTERS])
+        """Return the sensors' places (sensors, 2), m."""
+        return _pairs(self.fit, "place")
 
     def gains(self) -> Numbers:
-        """Return M (4, 2, 2)."""
-        return np.array([self.fit.values[f"gain_{n}{e}"] for n in LETTERS for e in MATRIX]).reshape(4, 2, 2)
+        """Return M (sensors, 2, 2)."""
+        return _gains(self.fit)
 
     def offsets(self) -> Numbers:
-        """Return the offsets (4, 2), V."""
-        return np.array([[self.fit.values[f"offset_{n}{axis}"] for axis in "xy"] for n in LETTERS])
+        """Return the offsets (sensors, 2), V."""
+        return _pairs(self.fit, "offset")
 
 
 def calibrate(unit: Unit, stage: str = STAGES[-1]) -> UnitCalibration:
@@ -129,62 +136,67 @@ def calibrate(unit: Unit, stage: str = STAGES[-1]) -> UnitCalibration:
     fit, of = _fit_map(unit) if stage == "map" else (_fit_stage(stage, unit), None)
     table = _table(fit, of) if stage in ("waves", "map") else None
     predicted = predict(fit, table, test.columns(tuple(units.REFERENCES)))
-    h = test.columns(tuple(units.READINGS)) - fit.residuals(test)
+    h = test.columns(tuple(unit.readings)) - fit.residuals(test)
     corrections = predicted.reshape(h.shape) - h
     errors = _pose_errors(fit, test, fit.residuals(test) - corrections)
     along, turn = float(np.sqrt((errors[:, :2] ** 2).mean())), float(np.sqrt((errors[:, 2] ** 2).mean()))
-    return UnitCalibration(stage, fit, table, calibration.assess(fit, test, corrections), along, turn)
+    return UnitCalibration(unit.name, stage, fit, table, calibration.assess(fit, test, corrections), along, turn)
 
 
 @cache
 def _fit_stage(stage: str, unit: Unit) -> Calibration:
     """Return the fit of a stage to the scan of a unit: the map begins with that of the waves."""
-    return _fit(stage, units.scan(unit))
+    return _fit(stage, units.scan(unit), parameters(unit.name))
 
 
 def _fit_map(unit: Unit) -> tuple[Calibration, ResidualMap]:
     """Return the parameters and the map, fitted in turn."""
     fit, log = _fit_stage("waves", unit), units.scan(unit)
-    of, readings = _map(fit, log), log.columns(tuple(units.READINGS))
+    of, readings = _map(fit, log), log.columns(tuple(unit.readings))
     for _ in range(PASSES):
         left = readings - _map_voltages(fit, of, log.columns(tuple(units.REFERENCES)))
-        fit = _fit("waves", Log({**log.samples, **dict(zip(units.READINGS, left.T, strict=True))}), fit.parameters)
+        fit = _fit("waves", Log({**log.samples, **dict(zip(unit.readings, left.T, strict=True))}), fit.parameters)
         of = _map(fit, log)
     return fit, of
 
 
 def _map_voltages(fit: Calibration, of: ResidualMap, poses: Numbers) -> Numbers:
-    """Return what a map of the field adds to the voltages (N, 8) at poses (N, 3)."""
+    """Return what a map of the field adds to the voltages (N, 2 sensors) at poses (N, 3)."""
     at = sensor_places(fit, poses)
     B = _rotate(of.at(at.reshape(-1, 2)).reshape(at.shape), -poses[:, 2])
     return np.asarray(np.einsum("kij,nkj->nki", _gains(fit), B).reshape(len(poses), -1))
 
 
-def _fit(stage: str, log: Log, start: Sequence[Parameter] = ()) -> Calibration:
-    """Return the fit of a stage's parameters from a start, the nominal values unless given."""
-    start, names = start or parameters(), [p.name for p in parameters()]
+def _fit(stage: str, log: Log, start: Sequence[Parameter]) -> Calibration:
+    """Return the fit of a stage's parameters from a start."""
+    names = [p.name for p in start]
     sensors = [n for n in names if not n.startswith("wave")]
     free = {"amplitudes": ["wave_1", "wave_5"], "sensors": [*sensors, "wave_5"]}
     free["waves"] = [*sensors, *(n for n in names if n.startswith("wave") and n != "wave_1")]
-    deviations = {"references": units.REFERENCES, "readings": units.READINGS}
+    readings = {n: units.NOISE for n in log.samples if n not in units.REFERENCES}
+    deviations = {"references": units.REFERENCES, "readings": readings}
     return calibration.calibrate(voltages, log, start, free=free[stage], **deviations)
 
 
 def _field_residuals(fit: Calibration, log: Log) -> tuple[Numbers, Numbers]:
-    """Return the places (4 N, 2) of the sensors, and the residuals there in the field's axes (4 N, 2), V."""
+    """Return the places (sensors N, 2) of the sensors, and the residuals there in the field's axes, V."""
     poses = log.columns(tuple(units.REFERENCES))
-    e = np.linalg.solve(_gains(fit)[None], fit.residuals(log).reshape(-1, 4, 2, 1))[..., 0]
+    e = np.linalg.solve(_gains(fit)[None], fit.residuals(log).reshape(len(poses), -1, 2, 1))[..., 0]
     return sensor_places(fit, poses).reshape(-1, 2), _rotate(e, poses[:, 2]).reshape(-1, 2)
 
 
 def _gains(fit: Calibration) -> Numbers:
-    return np.array([fit.values[f"gain_{n}{e}"] for n in LETTERS for e in MATRIX]).reshape(4, 2, 2)
+    return np.array([[fit.values[f"gain_{n}{e}"] for e in MATRIX] for n in letters(fit.values)]).reshape(-1, 2, 2)
+
+
+def _pairs(fit: Calibration, name: str) -> Numbers:
+    return np.array([[fit.values[f"{name}_{n}{axis}"] for axis in "xy"] for n in letters(fit.values)])
 
 
 def sensor_places(fit: Calibration, poses: Numbers) -> Numbers:
-    """Return the places of the sensors (N, 4, 2) at poses (N, 3), m."""
-    r = np.array([[fit.values[f"place_{n}{axis}"] for axis in "xy"] for n in LETTERS])
-    return np.asarray(poses[:, None, :2] + _rotate(np.broadcast_to(r, (len(poses), 4, 2)), poses[:, 2]))
+    """Return the places of the sensors (N, sensors, 2) at poses (N, 3), m."""
+    r = _pairs(fit, "place")
+    return np.asarray(poses[:, None, :2] + _rotate(np.broadcast_to(r, (len(poses), *r.shape)), poses[:, 2]))
 
 
 def _rotate(v: Numbers, yaw: Numbers) -> Numbers:
@@ -212,13 +224,12 @@ def _extra_waves(values: Mapping[str, float], at: Numbers) -> Numbers:
 
 
 def predict(fit: Calibration, table: ResidualMap | None, poses: Numbers) -> Numbers:
-    """Return the voltages (N, 4, 2) at poses (N, 3) by the estimator's model: two waves an axis, and a table."""
+    """Return the voltages (N, sensors, 2) at poses (N, 3) by the estimator's model: two waves an axis, and a table."""
     at = sensor_places(fit, poses)
     B = np.stack(_waves(fit.values, at[..., 0], at[..., 1], MODEL_WAVES, ()), axis=-1)
     if table is not None:
         B = B + table.at(at.reshape(-1, 2)).reshape(B.shape)
-    offsets = np.array([[fit.values[f"offset_{n}{axis}"] for axis in "xy"] for n in LETTERS])
-    return np.einsum("kij,nkj->nki", _gains(fit), _rotate(B, -poses[:, 2])) + offsets
+    return np.einsum("kij,nkj->nki", _gains(fit), _rotate(B, -poses[:, 2])) + _pairs(fit, "offset")
 
 
 def _pose_errors(fit: Calibration, log: Log, residuals: Numbers) -> Numbers:
@@ -229,6 +240,7 @@ def _pose_errors(fit: Calibration, log: Log, residuals: Numbers) -> Numbers:
 
 
 @cache
-def of_unit(field: str, seed: int, stage: str = STAGES[-1]) -> UnitCalibration:
-    """Return the calibration of a unit by its field and seed."""
-    return calibrate(units.draw(field, seed), stage)
+@cached
+def of_unit(field: str, seed: int, stage: str = STAGES[-1], name: str = config.NAME) -> UnitCalibration:
+    """Return the calibration of a unit by its field and seed, with the sensors of an estimator."""
+    return calibrate(units.draw(field, seed, name), stage)

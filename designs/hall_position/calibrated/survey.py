@@ -6,10 +6,10 @@ table's steps and the table's spacing were chosen on the first two units of SEED
 unit was used to choose nothing.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -20,12 +20,16 @@ from designs.hall_position.protected import config, trust
 from designs.hall_position.protected.parameters import Tuning
 from designs.hall_position.protected.trust import ColdStart, Samples, World
 from models.hall_motions import Numbers, Pose
+from synth.cache import cached
+from synth.check import Check
 from synth.execute import build, host
 from synth.simulate import stanford
 from synth.simulate.stanford import Diagram
 
 SEEDS = (11, 12, 13)  # of units as built: two for tuning, one to check it
 COLD_SAMPLES = 125
+BODIES, SPEEDS = 400, (0.0, trust.SPEED)  # of each case of the report, m/s
+BARS = {config.NAME: (2e-3, 0.99), config.THREE: (5e-3, 0.75)}  # samples valid and wrong, and valid without a fault
 
 
 @dataclass(frozen=True)
@@ -37,40 +41,68 @@ class Case:
     stage: str = stages.STAGES[-1]
     budget: float = GAIN_DRIFT
     drift: float = GAIN_DRIFT
+    name: str = config.NAME
+
+
+UNITS = {"fabricated": Case("fabricated", 0), "as built": Case("built", SEEDS[-1])}  # of the report
 
 
 @cache
-def compile_unit(field: str, seed: int, stage: str, budget: float) -> tuple[host.Controller, Tuning]:
+def compile_unit(
+    field: str, seed: int, stage: str, budget: float, name: str = config.NAME
+) -> tuple[host.Controller, Tuning]:
     """Return the C of a calibrated unit in single precision, and its tuning.
 
     It calls sinf and cosf of the C library: each unit has its own ranges, and no C of a unit is shipped.
     """
-    block, tuning = estimator.of_unit(field, seed, stage, budget)
+    block, tuning = estimator.of_unit(field, seed, stage, budget, name)
     return build.compile_block(block, np.float32, libm=True), tuning
 
 
 def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[int] = ()) -> World:
     """Return bodies in the field of a unit, whose converters of the `refused` sensors give NaN."""
-    unit = units.draw(case.field, case.seed)
+    unit = units.draw(case.field, case.seed, case.name)
+    sensors = len(unit.bench.places)
     scale = 1 + trust.AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
-    scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, 4, 2)))
+    scale = scale * (1 + case.drift * rng.uniform(-1, 1, (bodies, sensors, 2)))
 
     def read(pose: Pose) -> Numbers:
         V = scale * unit.read(np.column_stack([pose.X, pose.Y, pose.yaw]))
         V[:, list(refused)] = np.nan
         return np.asarray(V)
 
-    return World(read, len(stages.LETTERS))
+    return World(read, sensors)
 
 
 @cache
+@cached
 def run(
     case: Case, fault: str, bodies: int, speed: float = 0.0, seed: int = 0, refused: tuple[int, ...] = ()
 ) -> Samples:
     """Return the samples after a fault, some sensors being `refused`; raise ModelError for an unknown fault."""
     rng = np.random.default_rng(seed)
-    controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget)
+    controller, tuning = compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
     return trust.simulate(controller, tuning, world(case, bodies, rng, refused), fault, bodies, speed, rng)
+
+
+def tuning(case: Case) -> Tuning:
+    """Return the tuning of the estimator of a case."""
+    return estimator.tuning(stages.of_unit(case.field, case.seed, case.stage, case.name), case.budget)
+
+
+def checks(progress: Callable[[str], None]) -> list[Check]:
+    """Check after every fault, at rest and in motion, how often calibrated units of the report are valid and wrong."""
+    made = []
+    for (name, (wrong, valid)), (field, unit) in product(BARS.items(), UNITS.items()):
+        case, what = replace(unit, name=name), f"{name}, {field}, calibrated"
+        progress(what)
+        by_fault = {f: [run(case, f, BODIES, speed).outcome() for speed in SPEEDS] for f in trust.FAULTS}
+        least = min(o.valid for o in by_fault.pop("none"))
+        fault = max(by_fault, key=lambda f: max(o.wrong for o in by_fault[f]))
+        most = max(o.wrong for o in by_fault[fault])
+        made.append(Check(f"{what}: samples not valid without a fault", 1 - least, 1 - valid, "1"))
+        made.append(Check(f"{what}: samples valid and wrong after a fault", most, wrong, "1", fault))
+    return made
 
 
 def subsets() -> list[tuple[int, ...]]:
@@ -83,7 +115,7 @@ def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:
     rng, half = np.random.default_rng(seed), config.array().pitch / 2 - trust.MARGIN
     X, Y = rng.uniform(-half, half, (2, bodies))
     pose = Pose(X, Y, rng.uniform(-trust.YAW, trust.YAW, bodies))
-    controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget)
+    controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
     return trust.start_from_init(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng)
 
 

@@ -5,14 +5,12 @@ know; the field's amplitude is lower by that of `protected.trust`. A calibration
 
 A loop needs an estimate at every place that it crosses. Within the yaws of the stage the protection levels of the
 calibrated unit are at most 0.61 mm and 25 mrad, which POSITION_LIMIT and YAW_LIMIT allow. While a sensor is
-excluded the limits are those of the calibration, about 0.5 mm and 22 mrad: docs/decisions/hall_position_loop.md.
+excluded the limits are those of the calibration, about 0.5 mm and 21 mrad: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-
-import casadi as ca
 
 from designs.hall_position.calibrated import estimator as calibrated
 from designs.hall_position.calibrated import stages
@@ -22,8 +20,8 @@ from designs.hall_position.calibrated.unit import Unit
 from designs.hall_position.loop import stage_loop
 from designs.hall_position.loop.stage_loop import Loop
 from designs.hall_position.protected import config, estimator, trust
-from synth.block import Block, Exprs, Step, build
-from synth.signals import Signal
+from designs.hall_position.protected.parameters import Tuning
+from synth.block import Block
 from synth.timing import Discrete
 
 FIELD, SEED = "built", 13  # a unit on which nothing of the calibrated estimator was chosen
@@ -48,33 +46,14 @@ class FourSensors:
         lost = {"lost": "lock_lost"}
         if self.calibration is None:
             return [block.renamed(lost) for block in estimator.blocks(config.array(), time, config.USUAL)]
-        tuned = calibrated.tuning(self.calibration)
-        located = [
-            b.renamed(lost)
-            for b in calibrated.blocks(
-                self.calibration, replace(tuned, position_limit=POSITION_LIMIT, yaw_limit=YAW_LIMIT)
-            )
-        ]
-        limits = {"X": tuned.position_limit, "Y": tuned.position_limit, "yaw": tuned.yaw_limit}
-        return [*located[:-1], *limit_protection(located[-1], located[-2], time, limits)]
+        return [block.renamed(lost) for block in calibrated.blocks(self.calibration, loop_tuning(self.calibration))]
 
 
-def limit_protection(metres: Block, phases: Block, time: Discrete, limits: Mapping[str, float]) -> list[Block]:
-    """Return the last Block, and one whose ``valid`` needs narrower limits of the levels while a sensor is excluded."""
-    signals = {s.name: s for s in (*metres.outputs, *phases.outputs)}
-    levels = {axis: signals[f"protection_{axis}"] for axis in limits}
-    wide = Signal("widely_valid", "1", 0, 1, "valid within the limits while no sensor is excluded")
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        narrow = ca.SX(1)
-        for axis, limit in limits.items():
-            narrow = ca.logic_and(narrow, u[levels[axis].name] <= limit)
-        return Step({"valid": ca.logic_and(u[wide.name], ca.logic_or(u["excluded"] <= 0, narrow))})
-
-    inputs = [wide, signals["excluded"], *levels.values()]
-    about = "narrower limits of the protection levels without a sensor"
-    limiting = build("limits", time, law, inputs=inputs, outputs=[signals["valid"]], tag=about)
-    return [metres.renamed({"valid": wide.name}), limiting]
+def loop_tuning(of: UnitCalibration) -> Tuning:
+    """Return the tuning of a calibration with the limits of the loop, and its own while a sensor is excluded."""
+    tuned = calibrated.tuning(of)
+    share = tuned.position_limit / POSITION_LIMIT
+    return replace(tuned, position_limit=POSITION_LIMIT, yaw_limit=YAW_LIMIT, excluded_limits=share)
 
 
 @cache
@@ -85,6 +64,9 @@ def unit() -> Unit:
 
 @cache
 def loops() -> Mapping[str, Loop]:
-    """Return the loops with the shipped estimator, which knows nothing of the unit, and with the unit's calibration."""
+    """Return the loops with the shipped estimator, which knows nothing of the unit, and with the unit's calibration.
+
+    C that ships has polynomials; that of a unit calls sinf and cosf of the C library, whose emission is faster.
+    """
     by_name = {"plain": FourSensors(), "calibrated": FourSensors(stages.of_unit(FIELD, SEED))}
-    return {n: stage_loop.of_source(source, unit().bench, GAIN_RATIO) for n, source in by_name.items()}
+    return {n: stage_loop.of_source(s, unit().bench, GAIN_RATIO, n != "plain") for n, s in by_name.items()}

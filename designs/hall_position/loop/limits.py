@@ -15,13 +15,11 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position import config as hall
 from designs.hall_position.calibrated import estimator as calibrated
 from designs.hall_position.calibrated import stages, survey
 from designs.hall_position.calibrated.survey import Case
 from designs.hall_position.loop import four_sensors
-from designs.hall_position.loop.four_sensors import FourSensors
-from designs.hall_position.protected import estimator, trust
+from designs.hall_position.protected import trust
 from designs.hall_position.protected.trust import Samples
 from synth.block import Block
 from synth.execute import build, host
@@ -36,11 +34,10 @@ def block(limits: str) -> Block:
     """Return the guarded estimator of the unit with limits by their name."""
     of = stages.of_unit(UNIT.field, UNIT.seed)
     tuned = calibrated.tuning(of)
-    if limits == "loop":
-        located = [b.renamed({"lock_lost": "lost"}) for b in FourSensors(of).blocks(hall.TIME)]
-        return estimator.with_guard("loop", calibrated.array(of), hall.TIME, located)
-    wide = replace(tuned, position_limit=four_sensors.POSITION_LIMIT, yaw_limit=four_sensors.YAW_LIMIT)
-    return calibrated.block(of, wide if limits == "wide" else tuned)
+    if limits == "calibrated":
+        return calibrated.block(of, tuned)
+    loop = four_sensors.loop_tuning(of)
+    return calibrated.block(of, loop if limits == "loop" else replace(loop, excluded_limits=1.0))
 
 
 @cache

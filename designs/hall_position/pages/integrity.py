@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from string import ascii_uppercase
 
 import numpy as np
@@ -17,34 +16,32 @@ from synth.report import charts, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
 
-SEED = survey.SEEDS[-1]  # of a unit on which nothing was chosen
-UNITS = {"fabricated": Case("fabricated", 0), "as built": Case("built", SEED)}
-BODIES, SHOWN = 400, 6000  # of each case; samples in the diagram
-SPEEDS = (0.0, trust.SPEED)
+SHOWN = 6000  # samples in the diagram
+THREE = "three sensors"
 Runner = Callable[[str, float], Samples]
 
 
 def blocks() -> dict[str, Content]:
     """Return stages, survey, Stanford diagram and its counts."""
-    samples = faulty_samples(UNITS["as built"])
+    samples = faulty_samples(survey.UNITS["as built"])
     return {
         "integrity.reference": 1e6 * survey.units.REFERENCES["X"],
         "integrity.points": len(stages.units.scan(stages.units.draw("fabricated", 0))),
         "integrity.drift": 100 * estimator.GAIN_DRIFT,
         "integrity.limit": 1e3 * trust.WRONG,
-        "integrity.bodies": BODIES,
+        "integrity.bodies": survey.BODIES,
         "integrity.limit_yaw": 1e3 * trust.WRONG_YAW,
         "integrity.stages": stage_rows(),
         "integrity.faults": fault_rows(),
         "integrity.stanford": stanford(samples),
-        "integrity.subsets": subset_rows(UNITS["as built"]),
+        "integrity.subsets": subset_rows(survey.UNITS["as built"]),
     }
 
 
 def stage_rows() -> Rows:
     """Return the residuals and the errors left after each stage."""
     rows: list[tuple[page.Cell, ...]] = []
-    for name, case in UNITS.items():
+    for name, case in survey.UNITS.items():
         for stage in stages.STAGES:
             of = stages.of_unit(case.field, case.seed, stage)
             error = of.model_error(estimator.UNIFORM * estimator.GAIN_DRIFT)
@@ -57,7 +54,7 @@ def fault_rows() -> Rows:
     """Return what is valid and wrong after each fault, at rest and in motion, the larger of both."""
     rows: list[tuple[page.Cell, ...]] = []
     for name, calibration, R, runner in _runners():
-        by_fault = {f: [runner(f, speed).outcome() for speed in SPEEDS] for f in trust.FAULTS}
+        by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in trust.FAULTS}
         none = by_fault.pop("none")
         at_rest = runner("none", 0.0)
         level = 1e3 * float(np.median(at_rest.levels[at_rest.valid][:, :2]))
@@ -73,34 +70,32 @@ def fault_rows() -> Rows:
 def _runners() -> list[tuple[str, str, float, Runner]]:
     """Return field, calibration, R in V and how to run a fault, of each row."""
     runners: list[tuple[str, str, float, Runner]] = []
-    for name, case in UNITS.items():
+    for name, case in survey.UNITS.items():
         runners.append((name, "none", config.USUAL.model_error, _runner_without(case.field)))
         runners += [_runner_with(name, stage, replace(case, stage=stage)) for stage in stages.STAGES[2:]]
-    three = partial(_runner_without, name=config.THREE)
-    return [
-        *runners,
-        ("as built, three sensors", "none", config.USUAL.model_error, three("built")),
-        (
-            "model and 4 mV, three sensors",
-            "assumed",
-            config.CALIBRATED.model_error,
-            three("calibrated", config.CALIBRATED),
-        ),
+    for tuning, promise in ((config.USUAL, "none"), (config.CALIBRATED_THREE, "none, as if it were")):
+        runner = _runner_without("built", tuning, config.THREE)
+        runners.append((f"as built, {THREE}", promise, tuning.model_error, runner))
+    return runners + [
+        _runner_with(f"{name}, {THREE}", stages.STAGES[-1], replace(case, name=config.THREE))
+        for name, case in survey.UNITS.items()
     ]
 
 
 def _runner_without(field: str, tuning: Tuning = config.USUAL, name: str = config.NAME) -> Runner:
-    return lambda fault, speed: trust.run(tuning, field, fault, BODIES, speed, name=name)
+    return lambda fault, speed: trust.run(tuning, field, fault, survey.BODIES, speed, name=name)
 
 
 def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Runner]:
-    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget)
-    return name, label, tuning.model_error, lambda fault, speed: survey.run(case, fault, BODIES, speed)
+    tuning = survey.tuning(case)
+    return name, label, tuning.model_error, lambda fault, speed: survey.run(case, fault, survey.BODIES, speed)
 
 
 def faulty_samples(case: Case) -> Samples:
     """Return the samples of every fault, at rest and in motion."""
-    return survey.join([survey.run(case, fault, BODIES, speed) for fault in trust.FAULTS for speed in SPEEDS])
+    return survey.join(
+        [survey.run(case, fault, survey.BODIES, speed) for fault in trust.FAULTS for speed in survey.SPEEDS]
+    )
 
 
 def stanford(of: Samples) -> Figure:
@@ -129,9 +124,11 @@ def stanford(of: Samples) -> Figure:
 def subset_rows(case: Case) -> Rows:
     """Return the counts of the Stanford diagram of X for every subset of sensors in use, without a further fault."""
     rows: list[tuple[page.Cell, ...]] = []
-    _, tuning = survey.compile_unit(case.field, case.seed, case.stage, case.budget)
+    tuning = survey.tuning(case)
     for refused in survey.subsets():
         used = "".join(ascii_uppercase[k] for k in range(4) if k not in refused) or "none"
-        each = survey.diagram(survey.run(case, "none", BODIES, trust.SPEED, refused=refused), tuning.position_limit)
+        each = survey.diagram(
+            survey.run(case, "none", survey.BODIES, trust.SPEED, refused=refused), tuning.position_limit
+        )
         rows.append((used, each.samples, each.nominal, each.misleading, each.hazardous, each.unavailable))
     return rows

@@ -2,7 +2,7 @@
 
 The places of four sensors have the least 97 % quantile, over the pitch and yaws within 10 degrees, of the levels in X,
 Y and the yaw (over 40 rad/m) that a search of 20,000 random layouts and 250 perturbations of each of the five best has
-reached. Those of three sensors have the largest share of poses with levels within the calibrated limits.
+reached. Those of three sensors are the result of `python -m designs.hall_position.protected.layout`.
 """
 
 from collections.abc import Mapping
@@ -30,16 +30,32 @@ NAME, THREE = "hall_position_four", "hall_position_three"
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
     {
         NAME: ((0.046, -0.072), (-0.178, -0.277), (-0.399, -0.478), (0.259, 0.122)),
-        THREE: ((-0.438, -0.199), (-0.067, 0.185), (0.292, -0.226)),
+        THREE: ((0.238, -0.27), (-0.425, 0.404), (-0.087, 0.063)),
     }
 )  # pitches
 USUAL = Tuning()
 # Residual of a voltage after a calibration with an error map, and limits in proportion to it.
 CALIBRATED = Tuning(model_error=5e-3, position_limit=5e-4, yaw_limit=0.022)
+# Three sensors need the calibration. Levels may be wider than the error that counts as wrong, as what a fault does is
+# mostly less; while a sensor is excluded there is one redundant voltage, and they may not.
+CALIBRATED_THREE = replace(
+    CALIBRATED,
+    position_limit=1.5e-3,
+    yaw_limit=0.066,
+    excluded_limits=0.2,
+    largest_phase=0.02,  # 0.16 mm: with a larger deviation almost every level is above its limit
+    largest_yaw=0.008,
+    largest_amplitude=0.02,
+)
+TUNINGS: Mapping[str, Tuning] = MappingProxyType({NAME: USUAL, THREE: CALIBRATED_THREE})
 PRECONDITIONS = (
     "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
-    "rests until the first valid sample. Protection levels hold for voltages within 55 mV rms of the model, and a "
-    "fault of one sensor. A lost track needs init."
+    "rests until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, "
+    "and for voltages within {:g} mV rms of the model."
+)
+CALIBRATE = (
+    " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its "
+    "field. Without it almost nothing is valid, and what is valid may be wrong."
 )
 VECTORS, SEED = 1000, 2011
 REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
@@ -57,14 +73,19 @@ def array(name: str = NAME) -> Array:
 
 
 @cache
-def block(tuning: Tuning = USUAL, name: str = NAME) -> Block:
-    """Return the guarded estimator; raise DesignError for an unknown name."""
-    return estimator.guarded_estimator(name, array(name), config.TIME, tuning)
+def block(tuning: Tuning | None = None, name: str = NAME) -> Block:
+    """Return the guarded estimator, with the tuning that ships if none is given; raise DesignError as `array`."""
+    return estimator.guarded_estimator(name, array(name), config.TIME, tuning or TUNINGS[name])
+
+
+def preconditions(name: str) -> str:
+    """Return for which bodies and voltages the estimate and its protection levels hold."""
+    return PRECONDITIONS.format(1e3 * TUNINGS[name].model_error) + (CALIBRATE if name == THREE else "")
 
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
     """Return the content of gains.json."""
-    of = array(name)
+    of, tuning = array(name), asdict(TUNINGS[name])
     return {
         "model": "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
         "alpha_V": of.alpha,
@@ -74,7 +95,7 @@ def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
         "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": config.TIME.period_s,
         "method": "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
-        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(USUAL).items()},
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in tuning.items()},
         "bad_samples": channels.BAD_SAMPLES,
     }
 

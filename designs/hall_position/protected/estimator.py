@@ -85,7 +85,15 @@ def integrity(array: PlanarArray, tuning: Tuning) -> Integrity:
     """Return the limits of the protection levels, in rad."""
     along = array.wave_number * tuning.position_limit
     limits = {"phase_x": along, "phase_y": along, "yaw": tuning.yaw_limit}
-    return Integrity(limits, tuning.false_alarm, tuning.risk, exclude=True, groups=groups(array), screened=True)
+    return Integrity(
+        limits,
+        tuning.false_alarm,
+        tuning.risk,
+        exclude=True,
+        groups=groups(array),
+        screened=True,
+        excluded_limits=tuning.excluded_limits,
+    )
 
 
 def search(tuning: Tuning) -> Search:

@@ -32,6 +32,7 @@ class Tuning:
     risk: float = between(0, 1e-3, 0.5)
     position_limit: float = between(0, 5e-3, inf)
     yaw_limit: float = between(0, 0.22, inf)
+    excluded_limits: float = between(0, 1.0, 1)  # factor on both limits while a sensor is excluded
     starts: int = between(1, 24, 1000)  # of a sweep
     dwell: int = between(1, 4, 1000)  # samples of a start
     agreement: float = between(0, 0.15, 3)  # of two solutions that count as one

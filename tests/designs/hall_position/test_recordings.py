@@ -114,5 +114,5 @@ def test_the_gains_are_committed(name: str) -> None:
     np.testing.assert_allclose(series, numbers["alpha_V"] * np.sin(p) + numbers["beta_V"] * np.sin(5 * p), atol=1e-6)
     np.testing.assert_allclose(np.array(numbers["positions_pitches"]) * numbers["pitch_m"], array.positions, rtol=1e-12)
     assert numbers["period_s"] == config.TIME.period_s and numbers["tuning"] == pytest.approx(
-        vars(config.TUNING if two else protected.USUAL), rel=1e-11
+        vars(config.TUNING if two else protected.TUNINGS[name]), rel=1e-11
     )

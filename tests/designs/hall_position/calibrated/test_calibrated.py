@@ -113,8 +113,8 @@ def test_the_diagram_counts_what_misleads() -> None:
 
 
 def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(integrity, "UNITS", {"as built": CASE})
-    monkeypatch.setattr(integrity, "BODIES", 40)
+    monkeypatch.setattr(survey, "UNITS", {"as built": CASE})
+    monkeypatch.setattr(survey, "BODIES", 40)
     blocks = integrity.blocks()
     rows = {row[:2]: row for row in blocks["integrity.faults"]}  # type: ignore[union-attr,index,misc]
     bare, mapped = (rows["as built", stage] for stage in ("none", "map"))
@@ -138,3 +138,19 @@ def test_runs_and_voltages_that_are_kept_belong_to_their_arguments() -> None:
     assert len(units.scan(units.draw("built", SEED))) == len(units.scan(units.draw("built", OTHER)))
     scans = (units.scan(units.draw("built", seed)).columns(("V_ax",)) for seed in (SEED, OTHER))
     assert (next(scans) != next(scans)).all()
+
+
+def test_the_checks_of_the_evidence_name_the_bar_that_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted defect: units whose calibration has no map."""
+    monkeypatch.setattr(survey, "BODIES", 100)
+    monkeypatch.setattr(survey, "UNITS", {"as built": Case("built", SEED, "waves")})
+    failed = [c.name for c in survey.checks(lambda _: None) if not c.passed]
+    assert f"{config.NAME}, as built, calibrated: samples valid and wrong after a fault" in failed
+
+
+@pytest.mark.parametrize("speed", [0.0, trust.SPEED])
+@pytest.mark.parametrize("fault", trust.FAULTS)
+def test_three_calibrated_sensors_are_available_and_seldom_mislead(fault: str, speed: float) -> None:
+    wrong, valid = survey.BARS[config.THREE]
+    outcome = survey.run(Case("built", SEED, name=config.THREE), fault, BODIES, speed).outcome()
+    assert outcome.wrong < wrong and (fault != "none" or (outcome.valid > valid and 0.8 < outcome.ratio < 1.2))

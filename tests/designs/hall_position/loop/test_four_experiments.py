@@ -87,7 +87,7 @@ def test_a_position_of_the_wrong_sign_is_detected() -> None:
 def test_an_estimate_that_is_used_while_it_is_not_valid_is_detected() -> None:
     """The planted defect: the loop follows whatever the estimator says, from its search on."""
     loop = with_defect(
-        four_sensors.loops()["calibrated"], "const bool valid = widely", "const bool valid = true || widely"
+        four_sensors.loops()["calibrated"], "const bool valid = phases_valid", "const bool valid = true || phases_valid"
     )
     assert failed_names(four_experiments.failures(loop).checks) == {"latched"}
 

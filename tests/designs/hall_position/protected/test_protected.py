@@ -22,7 +22,7 @@ from synth.verify.suite import Witnesses
 GENERATED = Path(__file__).parents[4] / "generated_c"
 BODIES = 1500
 BAR = 2e-3  # of samples that are valid and wrong
-WRONG_OF_THREE, VALID_OF_THREE = 5e-3, 0.45
+WRONG_OF_THREE, VALID_OF_THREE = 5e-3, 0.75
 
 
 def committed(name: str = config.NAME) -> tuple[dict[str, str], dict[str, object]]:
@@ -65,10 +65,28 @@ def test_calibrated_no_fault_of_a_sensor_misleads(fault: str) -> None:
         assert 0.7 < outcome.ratio < 1.5
 
 
-@pytest.mark.parametrize("fault", ["none", "offset", "drift", "dead sensor", "halved sensor"])
-def test_calibrated_three_sensors_mislead_as_seldom_and_are_less_often_valid(fault: str) -> None:
-    outcome = trust.run(config.CALIBRATED, "calibrated", fault, BODIES, name=config.THREE).outcome()
+@pytest.mark.parametrize("speed", [0.0, trust.SPEED])
+@pytest.mark.parametrize("fault", trust.FAULTS)
+def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed: float) -> None:
+    outcome = trust.run(config.CALIBRATED_THREE, "calibrated", fault, BODIES, speed, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE and (fault != "none" or outcome.valid > VALID_OF_THREE)
+
+
+@pytest.mark.parametrize("offset", [0.02, 0.05, 0.1, 0.2])
+def test_no_size_of_an_offset_misleads_three_sensors(offset: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The levels allow 1.5 mm; an offset that passes the test moves the estimate less, mostly."""
+    monkeypatch.setattr(trust, "OFFSET", offset)
+    outcome = trust.run(config.CALIBRATED_THREE, "calibrated", "offset", BODIES, name=config.THREE).outcome()
+    assert outcome.wrong < WRONG_OF_THREE
+
+
+def test_three_sensors_that_are_not_calibrated_are_not_protected() -> None:
+    """The planted defect: with the R of a calibration little is valid, with a wider one faults mislead."""
+    assumed, wide = (
+        trust.run(tuning, "built", fault, BODIES, name=config.THREE).outcome()
+        for tuning, fault in ((config.CALIBRATED_THREE, "none"), (config.USUAL, "offset"))
+    )
+    assert assumed.valid < 0.5 and wide.wrong > 5 * WRONG_OF_THREE
 
 
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
