@@ -84,6 +84,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
         tuple(pair for b in blocks for pair in b.numbers),
         tuple(intermediates),
+        tuple(f for b in blocks for f in b.failures),
     )
 
 

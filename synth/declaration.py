@@ -249,6 +249,7 @@ class Stage:
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
     header_notes      sentences of the C's header: the papers of equation numbers, where the machine is at init
+    reactions         what the machine does after a failure, by the key of its row in the header's table
     tuning            free parameters of the law and their goals, for `synth tune`
     warning           what a reader must know first: the first line of header, manifest and report
     """
@@ -278,6 +279,7 @@ class Stage:
     faults: FaultCampaign = field(default_factory=FaultCampaign)
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
+    reactions: Mapping[str, str] = field(default_factory=dict)
     tuning: Tuning | None = None
     warning: str = ""
 

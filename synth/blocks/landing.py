@@ -24,6 +24,7 @@ from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import safety
 from synth.errors import SignalError
+from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -115,23 +116,25 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 output[w.name] = ca.if_else(landing, clip(released, w), u[f"{w.name}_tracking"])
                 continue
             q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
-            pole = ca.SX(c.pole)
             if isinstance(c, Levelling):
-                pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
-            p, r, dr, ddr = pole, ca.SX(0), ca.SX(0), ca.SX(0)
-            if not isinstance(c, Levelling):
+                levelling_pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
+                damping = 2 * levelling_pole * v
+                named.append((Signal(f"damping_{c.coordinate}", w.unit, w.low, w.high, "part by the rate"), damping))
+                demand = -(levelling_pole * levelling_pole * q + damping + d)
+            else:
+                p = c.pole
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
                 dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
                 target = _descent_rate(c, r) if isinstance(c, Descent) else ca.SX(0)
                 ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
-                faster = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
+                dr_next = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
                 position, rate = (state.signal for state in _states(c))
-                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + faster), position), q)
+                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), q)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
-                next[rate.name] = ca.if_else(landing, clip(faster, rate), x[rate.name])
-                values = zip(_ramp(c), (r, dr, target), strict=True)
+                next[rate.name] = ca.if_else(landing, clip(dr_next, rate), x[rate.name])
+                values = zip(_ramp(c), (r, dr, target, dr_next), strict=True)
                 named += [(signal, value) for signal, value in values if not value.is_constant()]
-            demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
+                demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
             output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
             if isinstance(c, Descent):
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
@@ -148,10 +151,28 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
         states += _states(c)
     made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over"), LANDS], states=states,
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the ramp is at its end, wherever the body is"), LANDS], states=states,
         tag="ramps and state feedback",
     )  # fmt: skip
-    return replace(made, faults=(Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),))
+    faults = (Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),)
+    return replace(made, faults=faults, failures=(_row(courses, patience),))
+
+
+def _row(courses: Sequence[Course], patience: int) -> Failure:
+    """Return the row of the header's table on a landing."""
+    d = next(c for c in courses if isinstance(c, Descent))
+    braked = [f"{c.coordinate} at {c.acceleration:g} m/s^2" for c in courses if isinstance(c, Braking)]
+    course = f"{d.coordinate} sinks to {d.end:g} m with at most {d.speed:g} m/s and {d.acceleration:g} m/s^2, "
+    course += f"{d.touch:g} m/s at the stop"
+    course += f"; brakes {enumeration(braked, 'and')}" if braked else ""
+    over = f"over, and latches, when the ramp of {d.coordinate}, not the body, is at {d.end + d.beyond:g} m"
+    return Failure(
+        "landing",
+        "a coordinate that is not measured, in all rows above that say `lands`",
+        f"status bit {BRAKING_BIT}; in {patience} samples in a row",
+        "estimates of the observers",
+        f"{course}; {over}; only init ends it",
+    )
 
 
 def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
@@ -161,6 +182,7 @@ def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
         Signal(f"ramp_{q}", "m", -WIDE, WIDE, "set-point of the landing"),
         Signal(f"ramp_rate_{q}", "m/s", -WIDE, WIDE, "its rate"),
         Signal(f"ramp_target_{q}", "m/s", -WIDE, WIDE, "rate that the set-point approaches"),
+        Signal(f"ramp_rate_next_{q}", "m/s", -2 * WIDE, 2 * WIDE, "rate of the set-point one sample later"),
     )
 
 
@@ -187,15 +209,15 @@ def _of_course(c: Course, T: float) -> list[Constant]:
         Constant(f"stiffness_{n}", c.pole**2, "1/s^2", f"p^2, p = {c.pole:g} 1/s"),
         Constant(f"damping_{n}", 2 * c.pole, "1/s", f"2 p, p = {c.pole:g} 1/s"),
         Constant(f"acceleration_step_{n}", T * c.acceleration, "m/s", f"T times {c.acceleration:g} m/s^2 of the ramp"),
-        Constant(f"bound_{n}", c.bound, "m", "of the ramp"),
+        Constant(f"bound_{n}", c.bound, "m", "of the ramp: wider than any estimate"),
+        Constant(f"acceleration_{n}", c.acceleration, "m/s^2", "largest one of the ramp"),
+        Constant(f"ramp_rate_bound_{n}", WIDE, "m/s", "bound of the ramp's rate: wider than any estimate"),
     ]
-    if c.acceleration != 2:  # the factor of the damping has this value, too
-        numbers.append(Constant(f"acceleration_{n}", c.acceleration, "m/s^2", "of the ramp"))
     if isinstance(c, Descent):
         numbers += [
             Constant("stop", c.end, "m", "gap of the stop on which it lands"),
-            Constant("landed_at", c.end + c.beyond, "m", "the landing is over when its ramp is there"),
-            Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp"),
+            Constant("landed_at", c.end + c.beyond, "m", "end of the ramp, behind the stop: landed, wherever the body is"),
+            Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp: it is over before"),
             Constant("largest_speed", c.speed, "m/s", "largest speed of the ramp"),
             Constant("touch_speed", c.touch, "m/s", "speed of the ramp at the stop"),
             Constant("press_speed", c.press, "m/s", "least speed of the ramp, behind the stop"),

@@ -36,6 +36,7 @@ from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import isolation, safety
 from synth.blocks.isolation import FRESH
 from synth.blocks.redundancy_decision import DOUBTS, Decision
+from synth.blocks.redundancy_failures import of_redundancy
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -108,11 +109,12 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
-    return build(
+    made = build(
         safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
         outputs=_outputs(sensors, singles),
         states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
     )  # fmt: skip
+    return replace(made, failures=of_redundancy(by_name, relations, singles, decision))
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +163,9 @@ def _vote(
     E = {n: direction[n] * (y[n] - expected[n]) for n in names}
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
-    named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
+    isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
     final, moved = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0), ca.SX(0)
-    by_code = sum((ca.if_else(stands[n] >= FRESH, named[n] * final, 0.0) for n in names), start=ca.SX(0))
+    stuck_now = sum((ca.if_else(stands[n] >= FRESH, isolated[n] * final, 0.0) for n in names), start=ca.SX(0))
     for n in names:
         moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(excluded[n], ca.logic_not(u[f"fault_{n}"])))
         moved = ca.if_else(moves, 1, moved)
@@ -174,14 +176,14 @@ def _vote(
     value, suspects = {}, {}
     for n, w in weights.items():
         predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
-        corrected, replaced = y[n] - named[n] * r / w, ca.if_else(usable[n], y[n], predicted)
+        corrected, replaced = y[n] - isolated[n] * r / w, ca.if_else(usable[n], y[n], predicted)
         value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
-        suspects[n] = ca.if_else(by_case(undecided, named[n] + waited, excluded[n] + doubted) > 0, 1, 0)
+        suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
     next = {
         f"contradictions_{i}": by_case(ca.SX(0), _count(ca.SX(1), count, decision.undecided), ca.SX(0)),
-        f"stuck_{i}": by_case(stuck, ca.if_else(by_code + stuck > 0, 1, 0), stuck),
+        f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
-        **{f"excluded_{n}": by_case(excluded[n], named[n] * final, excluded[n]) for n in names},
+        **{f"excluded_{n}": by_case(excluded[n], isolated[n] * final, excluded[n]) for n in names},
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
@@ -238,7 +240,7 @@ def _inputs(sensors: Sequence[Signal], probed: Sequence[str]) -> list[Signal]:
 
 
 def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
-    flags = [_flag(f"suspect_{s.name}", "contradicts the other measurements") for s in sensors]
+    flags = [_flag(f"suspect_{s.name}", "wrong, or may be: contradicts the others or is frozen") for s in sensors]
     flags += [_flag(f"{n}_trusted", "measured, not predicted") for n in singles]
     unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
     held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]

@@ -40,7 +40,7 @@ class Decision:
         numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
         for n, ends in self.travel.items():
             unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
-            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion that a code must follow")]
+            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion in which a working code changes")]
             numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
         return [*numbers, *_counts(relations, self)]
 

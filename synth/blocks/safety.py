@@ -28,6 +28,7 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
+from synth.blocks import guard_failures, safety_numbers
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT, Judgement
 from synth.signals import Signal
@@ -126,7 +127,7 @@ def guard(
             next["left"] = ca.if_else(enough, samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
-        return Step(output, next, numbers=_latch_numbers(samples, braking) if measured else [])
+        return Step(output, next, numbers=safety_numbers.latch(samples, braking) if measured else [])
 
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
@@ -152,7 +153,8 @@ def guard(
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None
-    return replace(block, faults=tuple(faults), safety=declared)
+    failures = guard_failures.of_guard(inputs, bad_samples, suspected, redundant, braking)
+    return replace(block, faults=tuple(faults), safety=declared, failures=failures)
 
 
 @arguments.checked
@@ -188,7 +190,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
         return Step(
-            value | before, {f"last_{n}": v for n, v in value.items()}, numbers=_slew_numbers(time, outputs, safety)
+            value | before, {f"last_{n}": v for n, v in value.items()}, numbers=safety_numbers.slew(time, outputs, safety)
         )
 
     last = "last output"
@@ -200,30 +202,6 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     )  # fmt: skip
     values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
     return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
-
-
-def _latch_numbers(samples: int, braking: int) -> list[Constant]:
-    """Return the numbers of samples that the C names."""
-    numbers = [Constant("latch_samples", samples, "1", "bad samples in a row until it latches", ("left",))]
-    if braking:
-        first = f"of the {samples}, left at the first sample that brakes"
-        certain = f"of the {samples}, left from which on every sample counts as bad"
-        numbers.append(Constant("braking_from", braking + 1, "1", first, ("left",)))
-        numbers.append(Constant("latch_certain_from", braking, "1", certain, ("left",)))
-    return numbers
-
-
-def _slew_numbers(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> list[Constant]:
-    """Return the safe values and the largest changes in a sample, each once under the name of its first output."""
-    values = {safety.safe_output[s.name]: s for s in reversed(outputs)}
-    rates = {safety.slew_per_s[s.name]: s for s in reversed(outputs)}
-    return [
-        *(Constant(f"safe_{s.name}", v, s.unit, "safe output") for v, s in values.items()),
-        *(
-            Constant(f"slew_{s.name}", rate * time.period_s, s.unit, f"{rate:g} {s.unit}/s times {time.period_s:g} s")
-            for rate, s in rates.items()
-        ),
-    ]
 
 
 @arguments.checked

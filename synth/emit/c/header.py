@@ -6,7 +6,7 @@ from textwrap import wrap
 from synth.block import Block, Fault
 from synth.blocks import missed_calls
 from synth.blocks import safety as guards
-from synth.emit.c import diagnostics, routines
+from synth.emit.c import diagnostics, failure_table, routines
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import prose
 from synth.emit.lower import Program
@@ -61,7 +61,7 @@ def _usage(
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     at_once = "" if latency else ", and use its outputs at once"
-    texts = [
+    texts: list[str | list[str]] = [
         *([f"{name}: {warning}"] if warning else []),
         f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
@@ -72,6 +72,7 @@ def _usage(
         *_safe_output(block),
         *_replacements(block),
         *_missed_calls(block),
+        *(["What may fail, and what follows:", failure_table.rows(block)] if block.failures else []),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
@@ -80,6 +81,9 @@ def _usage(
     ]
     rows: list[str] = []
     for text in texts:
+        if not isinstance(text, str):
+            rows += text
+            continue
         rows += [""] if not text.startswith(_ITEM) else []
         indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
         rows += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
