@@ -1,6 +1,6 @@
 """Signs of the actuators: which coordinates a positive input accelerates, from the plant's input Jacobian df/du.
 
-    i_d1: +y -phi     the rates of y and phi change with i_d1 by a positive and a negative amount
+i_d1: +y -phi     the rates of y and phi change with i_d1 by a positive and a negative amount
 """
 
 from collections.abc import Mapping

@@ -35,9 +35,7 @@ def with_reactions(failures: Sequence[Failure], reactions: Mapping[str, str]) ->
     keys = [f.key for f in failures]
     if unknown := [key for key in reactions if key not in keys]:
         raise SignalError(f"there is no failure '{unknown[0]}': give reactions to {', '.join(keys) or 'none'}")
-    return tuple(
-        replace(f, reaction="; ".join(filter(None, (f.reaction, reactions.get(f.key, ""))))) for f in failures
-    )
+    return tuple(replace(f, reaction="; ".join(filter(None, (f.reaction, reactions.get(f.key, ""))))) for f in failures)
 
 
 def enumeration(names: Sequence[str], word: str = "or") -> str:

@@ -34,14 +34,15 @@ class Guarded(Protocol):
 
 
 def of_guard(
-    inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str], redundant: bool, braking: int
+    inputs: Sequence[Guarded], too_many: str, suspected: Sequence[str], redundant: bool, braking: int
 ) -> tuple[Failure, ...]:
     """Return the rows of measurements, of those that may be suspects, and of the other inputs.
 
-    Behind a `redundant` guard another Block replaces measurements as soon as all were good in one sample.
+    Behind a `redundant` guard another Block replaces measurements as soon as all were good in one sample. `too_many`
+    says how many bad samples latch.
     """
     latches = f"brakes for {braking - 1} samples, then latches" if braking else "latches"
-    together = f"{bad_samples} samples in a row, of any of them: {latches}"
+    together = f"{too_many}, of any of them: {latches}"
     rows = []
     for held in (True, False):
         names = [g.signal.name for g in inputs if g.measurement and g.held == held]

@@ -69,10 +69,24 @@ def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[S
 def numbers(unit: str, i: int, threshold: float) -> list[Constant]:
     """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
     return [
-        Constant(f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"),
-        Constant("candidate_part", CANDIDATE, "1", "of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it"),
-        Constant("lead_by_code", LEAD["by code"], "1", "of |r|: least lead over the next E by codes: more than noise of E"),
-        Constant("lead_by_innovation", LEAD["by innovation"], "1", "of |r|: least lead by innovations alone, which predictions that followed an error spoil"),
+        Constant(
+            f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"
+        ),
+        Constant(
+            "candidate_part",
+            CANDIDATE,
+            "1",
+            "of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it",
+        ),
+        Constant(
+            "lead_by_code", LEAD["by code"], "1", "of |r|: least lead over the next E by codes: more than noise of E"
+        ),
+        Constant(
+            "lead_by_innovation",
+            LEAD["by innovation"],
+            "1",
+            "of |r|: least lead by innovations alone, which predictions that followed an error spoil",
+        ),
         Constant("preference", PREFERENCE, unit, "more than any E: codes decide before innovations"),
         Constant("twice_preference", 2 * PREFERENCE, unit, "more than any score: no sensor is named"),
     ]

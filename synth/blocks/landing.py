@@ -1,6 +1,7 @@
 """Controlled landing of a levitated body: ramps of the set-points and a state feedback that follows them.
 
-From the sample on in which ``regular`` is lost for `patience` samples in a row, the demands w of all coordinates are
+From the sample on in which ``regular`` is lost for `patience` samples in a row, or too often (`bad_samples`), the
+demands w of all coordinates are
 
     w = -p^2 (q - r) - 2 p (v - r') + r'' - d            q, v, d: estimates of a predictive observer (`predictor`)
 
@@ -22,7 +23,7 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import safety
+from synth.blocks import bad_samples, safety
 from synth.errors import SignalError
 from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Fault
@@ -90,7 +91,9 @@ Course = Descent | Braking | Levelling | Release
 
 
 @arguments.checked
-def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> Block:
+def block(
+    time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int, good_samples: int = 0
+) -> Block:
     """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, and ``landed``.
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
@@ -98,15 +101,16 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the machine lands.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
-    positive.
+    positive or below 0 for `good_samples`, of which so many make up for one without ``regular``.
     """
     _check(courses, demands, patience)
+    bad_samples.check(good_samples)
     T, moving = time.period_s, [c for c in courses if isinstance(c, Descent | Braking)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
-        left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
-        due = ca.logic_and(waiting, x["left"] <= 1)
+        left = bad_samples.next_count(ca.logic_not(waiting), x["left"], 1, patience, good_samples)
+        due = ca.logic_and(waiting, bad_samples.is_due(x["left"], good_samples))
         landing = ca.if_else(due, 1, x["landing"])
         named: list[tuple[Signal, ca.SX]] = []
         output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
@@ -140,26 +144,29 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
         return Step(
-            output, next, named, numbers=[*_numbers(time, patience), *(n for c in courses for n in _of_course(c, T))]
+            output,
+            next,
+            named,
+            numbers=[*_numbers(time, patience, good_samples), *(n for c in courses for n in _of_course(c, T))],
         )
 
     states = [
-        State(Signal("left", "1", 1, max(patience, 2), "samples until it lands"), patience, True),
+        bad_samples.state(patience, good_samples, "samples until it lands"),
         State(Signal("landing", "1", 0, 1, "lands until init"), 0, True),
     ]
     for c in moving:
         states += _states(c)
     made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the ramp is at its end, wherever the body is"), LANDS], states=states,
-        tag="ramps and state feedback",
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the ramp is at its end, wherever the body is"), LANDS],
+        states=states, tag="ramps and state feedback",
     )  # fmt: skip
     faults = (Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),)
-    return replace(made, faults=faults, failures=(_row(courses, patience),))
+    return replace(made, faults=faults, failures=(_row(courses, bad_samples.rule(patience, good_samples)),))
 
 
-def _row(courses: Sequence[Course], patience: int) -> Failure:
-    """Return the row of the header's table on a landing."""
+def _row(courses: Sequence[Course], patience: str) -> Failure:
+    """Return the row of the header's table on a landing, which begins after `patience`."""
     d = next(c for c in courses if isinstance(c, Descent))
     braked = [f"{c.coordinate} at {c.acceleration:g} m/s^2" for c in courses if isinstance(c, Braking)]
     course = f"{d.coordinate} sinks to {d.end:g} m with at most {d.speed:g} m/s and {d.acceleration:g} m/s^2, "
@@ -169,7 +176,7 @@ def _row(courses: Sequence[Course], patience: int) -> Failure:
     return Failure(
         "landing",
         "a coordinate that is not measured, in all rows above that say `lands`",
-        f"status bit {BRAKING_BIT}; in {patience} samples in a row",
+        f"status bit {BRAKING_BIT}; in {patience}",
         "estimates of the observers",
         f"{course}; {over}; only init ends it",
     )
@@ -186,10 +193,12 @@ def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
     )
 
 
-def _numbers(time: Discrete, patience: int) -> list[Constant]:
+def _numbers(time: Discrete, patience: int, good_samples: int) -> list[Constant]:
     T = time.period_s
     return [
-        Constant("landing_patience", patience, "1", "samples in a row with a prediction until it lands", ("left",)),
+        *bad_samples.numbers(
+            "landing_patience", patience, good_samples, "samples in a row with a prediction until it lands"
+        ),
         Constant("half_T", T / 2, "s", "half the sample period"),
         Constant("inverse_T", 1 / T, "1/s", "1 / sample period"),
     ]
@@ -216,7 +225,9 @@ def _of_course(c: Course, T: float) -> list[Constant]:
     if isinstance(c, Descent):
         numbers += [
             Constant("stop", c.end, "m", "gap of the stop on which it lands"),
-            Constant("landed_at", c.end + c.beyond, "m", "end of the ramp, behind the stop: landed, wherever the body is"),
+            Constant(
+                "landed_at", c.end + c.beyond, "m", "end of the ramp, behind the stop: landed, wherever the body is"
+            ),
             Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp: it is over before"),
             Constant("largest_speed", c.speed, "m/s", "largest speed of the ramp"),
             Constant("touch_speed", c.touch, "m/s", "speed of the ramp at the stop"),

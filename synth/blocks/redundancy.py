@@ -13,9 +13,13 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
                     prediction, which agreed with it at the last DOUBTS changes, moves by more than `gate`; or a
                     `probe` says that its code did not answer.
+    jump            of a sensor without a group: it is further than `jump` from its prediction, which agreed with it at
+                    the last DOUBTS changes. The prediction replaces it at once. It is not looked for in a sample after
+                    missing calls, in which the body has moved on, nor where the prediction is outside `travel`.
 
-A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
-code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
+A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
+that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was
+wrong.
 
 ``determined`` says that the groups measure their coordinates: at most one reading of each is replaced, and nothing is
 undecided. ``regular`` says that further no reading without a group is replaced. ``sufficient`` says that at most
@@ -32,8 +36,8 @@ import casadi as ca
 
 from synth import arguments
 from synth.analyse.parity import Relation
-from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks import isolation, safety
+from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import isolation, redundancy_signals, safety
 from synth.blocks.isolation import FRESH
 from synth.blocks.redundancy_decision import DOUBTS, Decision
 from synth.blocks.redundancy_failures import of_redundancy
@@ -45,14 +49,21 @@ __all__ = ["Decision", "block"]
 
 
 @arguments.checked
-def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> Block:
+def block(
+    time: Discrete,
+    sensors: Sequence[Signal],
+    relations: Sequence[Relation],
+    decision: Decision,
+    missed_calls: Signal | None = None,
+) -> Block:
     """Return the Block between the guard and the laws.
 
     For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
     and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
-    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular``,
-    ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they
-    pass, and nothing else is computed. ``degraded`` says that this is not so, once ready.
+    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``, ``<s>_unchanged`` and ``<s>_frozen``, and
+    ``regular``, ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a
+    suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once ready. `missed_calls`
+    is the input that counts missing calls, if there is one.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
@@ -67,6 +78,8 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
+        frozen_now: dict[str, ca.SX] = {}
+        in_time = u[missed_calls.name] <= 0 if missed_calls else ca.SX(1)
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
@@ -82,15 +95,28 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         for n in singles:
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
-            gate, doubts = decision.gate[n], x[f"doubts_{n}"]
-            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+            gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
+            may_jump = _may_jump(decision, n, expected, doubts, in_time)
+            jumps = ca.if_else(distance > decision.jump[n], may_jump, 0) if n in decision.jump else ca.SX(0)
+            beyond = ca.if_else(jumps, doubts, DOUBTS)
+            changed = ca.if_else(distance > gate, beyond, ca.if_else(doubts >= 1, doubts - 1, 0))
             next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
             moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
             frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
+            frozen_now[n] = ca.if_else(frozen, 1, 0)
             next[f"excluded_{n}"] = suspects[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
+            if n in decision.jump:
+                count = x[f"jumps_{n}"]
+                calm = ca.logic_and(calm, ca.logic_or(same[n], ca.logic_not(jumps)))
+                jumped = ca.logic_and(ca.logic_or(ca.logic_not(same[n]), count >= 1), jumps)
+                jumped = ca.logic_and(ca.logic_and(jumped, u["ready"]), usable[n])
+                next[f"jumps_{n}"] = _count(jumped, count, decision.persistent)
+                last = ca.logic_and(jumped, count >= decision.persistent - 1)
+                next[f"excluded_{n}"] = ca.if_else(last, 1, next[f"excluded_{n}"])
+                suspects[n] = ca.if_else(jumped, 1, suspects[n])
             usable[n] = ca.logic_and(usable[n], ca.logic_not(suspects[n]))
             value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
             regular = ca.if_else(usable[n], regular, 0)
@@ -100,7 +126,9 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
         unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
         unusual |= {"regular": regular, "sufficient": sufficient, "determined": determined}
+        unusual |= {f"{n}_frozen": frozen_now[n] for n in singles}
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
+        usual |= {f"{n}_frozen": ca.SX(0) for n in singles}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
         output["degraded"] = ca.if_else(calm, 0, u["ready"])
@@ -110,9 +138,11 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
     made = build(
-        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
-        outputs=_outputs(sensors, singles),
-        states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
+        safety.REDUNDANCY, time, law,
+        inputs=redundancy_signals.inputs(sensors, singles if decision.at_rest else [], missed_calls),
+        outputs=redundancy_signals.outputs(sensors, singles),
+        states=redundancy_signals.states(sensors, relations, singles, decision),
+        tag="parity, innovations, frozen codes, jumps",
     )  # fmt: skip
     return replace(made, failures=of_redundancy(by_name, relations, singles, decision))
 
@@ -197,6 +227,13 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
+def _may_jump(decision: Decision, n: str, expected: ca.SX, doubts: ca.SX, in_time: ca.SX) -> ca.SX:
+    """Return whether a prediction is believed, and a stop does not hold the body: then a large innovation is a jump."""
+    low, high = decision.travel[n]
+    inside = ca.logic_and(expected > low, expected < high)
+    return ca.logic_and(ca.logic_and(doubts < 1, in_time), inside)
+
+
 def _count(flag: ca.SX, count: ca.SX, most: int) -> ca.SX:
     """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
     return ca.if_else(flag, ca.if_else(count >= most, count, count + 1), 0)
@@ -210,65 +247,19 @@ def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Deci
             raise SignalError(
                 f"the relations name '{n}': name at least two of {', '.join(names)} in each, and each sensor once"
             )
-    if unknown := [n for n in (*decision.gate, *decision.travel) if n not in names]:
+    if unknown := [n for n in (*decision.gate, *decision.travel, *decision.jump) if n not in names]:
         raise SignalError(
-            f"the decision has a gate or travel of '{unknown[0]}', and the sensors are {names}: give it as a sensor"
+            f"the decision has a gate, travel or jump of '{unknown[0]}', and the sensors are {names}: give a sensor"
         )
     singles = [n for n in names if n not in related]
     for n in singles:
         if not decision.gate.get(n, 0) > 0 or n not in decision.travel:
             raise SignalError(f"sensor '{n}' is in no relation and has no gate or travel: give both")
+        if decision.jump.get(n, decision.gate[n]) < decision.gate[n]:
+            raise SignalError(f"a jump of '{n}' is above {decision.jump[n]}, its gate {decision.gate[n]}: give no less")
     if decision.persistent < 1 or decision.undecided < decision.persistent:
         raise SignalError(
             f"a sensor is excluded after {decision.persistent} samples and a group undecided after "
             f"{decision.undecided}: give at least 1, and no fewer for the second"
         )
     return singles
-
-
-def _flag(name: str, about: str) -> Signal:
-    return Signal(name, "1", 0, 1, about)
-
-
-def _inputs(sensors: Sequence[Signal], probed: Sequence[str]) -> list[Signal]:
-    accepted = [replace(s, name=f"{s.name}_accepted") for s in sensors]
-    faults = [_flag(f"fault_{s.name}", "refused this sample") for s in sensors]
-    expected = [replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors]
-    answers = [_flag(f"{n}_unanswered", "no pair of the probe was answered") for n in probed]
-    ready = [_flag("ready", "every measurement was good at once"), _flag("complete", "all are good")]
-    return [*accepted, *faults, *expected, *answers, *ready]
-
-
-def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
-    flags = [_flag(f"suspect_{s.name}", "wrong, or may be: contradicts the others or is frozen") for s in sensors]
-    flags += [_flag(f"{n}_trusted", "measured, not predicted") for n in singles]
-    unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
-    held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]
-    return [
-        *held, *flags, *unchanged,
-        _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
-        _flag("determined", "every coordinate of the groups is measured"),
-        _flag("degraded", "a reading is refused, replaced or contradicted, or a sensor was a suspect"),
-    ]  # fmt: skip
-
-
-def _states(
-    sensors: Sequence[Signal], relations: Sequence[Relation], singles: Sequence[str], decision: Decision
-) -> list[State]:
-    states = []
-    for s in sensors:
-        start = (s.low + s.high) / 2
-        longest = decision.longest(s.name in singles)
-        states.append(State(replace(s, name=f"code_{s.name}", about="accepted reading one sample ago"), start))
-        states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))
-        states.append(State(_flag(f"excluded_{s.name}", "wrong until init"), 0, True))
-        if s.name in singles:
-            doubts = Signal(f"doubts_{s.name}", "1", 0, DOUBTS, "changes until its prediction is believed")
-            states.append(State(doubts, DOUBTS, True))
-            states.append(State(replace(s, name=f"before_{s.name}", about="prediction at the last change"), start))
-    for i in range(len(relations)):
-        count = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
-        states.append(State(count, 0, True))
-        states.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
-        states.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
-    return [*states, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]

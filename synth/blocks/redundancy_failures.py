@@ -28,9 +28,7 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
         f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row, and one has by far "
         f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
     )
-    unclear = (
-        f"the same in {decision.undecided} samples in a row, or the excluded one moves again after it stood still"
-    )
+    unclear = f"the same in {decision.undecided} samples in a row, or the excluded one moves again after it stood still"
     group = f"of {enumeration(names, 'and')}"
     return [
         Failure("one_refused", f"one {group} {REFUSED}", "in that sample", PARITY, "", names),
@@ -58,6 +56,21 @@ def _of_singles(signals: Mapping[str, Signal], singles: Sequence[str], decision:
     return [
         Failure("single_refused", f"{enumeration(names)} {REFUSED}", "in that sample", PREDICTION, "", names),
         Failure("single_frozen", f"{enumeration(names)} frozen", frozen, PREDICTION, "", (), names),
+        *_of_jumps(signals, decision),
         Failure("singles_lost", f"{enumeration(names, 'and')} refused or excluded", "in that sample", PREDICTION, "",
                 names, names),
     ]  # fmt: skip
+
+
+def _of_jumps(signals: Mapping[str, Signal], decision: Decision) -> list[Failure]:
+    if not decision.jump:
+        return []
+    names, (first, *_) = tuple(decision.jump), decision.jump
+    gates = enumeration([f"{g:g} {signals[first].unit}" for g in dict.fromkeys(decision.jump.values())])
+    noticed = (
+        f"further than {gates} from its prediction, which agreed with its last {DOUBTS} changes; excluded until init "
+        f"after {decision.persistent} samples in a row. Not after missed calls, until the prediction agrees again: "
+        "count them, else they look like a jump. A smaller offset, a drift and noise are not noticed"
+    )
+    what = f"{enumeration(names)} jumping inside its range"
+    return [Failure("single_jumps", what, noticed, f"{PREDICTION}, at once", "", (), names)]

@@ -1,16 +1,17 @@
-"""Numbers of guard and safe output that the C names: samples until the latch, safe values, largest changes in a sample."""
+"""Numbers of guard and safe output that the C names: samples until the latch, safe values, changes in a sample."""
 
 from collections.abc import Mapping, Sequence
-from os.path import commonprefix
+from itertools import takewhile
 
 from synth.block import Constant, Safety
+from synth.blocks import bad_samples
 from synth.signals import Signal
 from synth.timing import Discrete
 
 
-def latch(samples: int, braking: int) -> list[Constant]:
+def latch(samples: int, braking: int, good_samples: int) -> list[Constant]:
     """Return the numbers of samples that the C names."""
-    numbers = [Constant("latch_samples", samples, "1", "bad samples in a row until it latches", ("left",))]
+    numbers = bad_samples.numbers("latch_samples", samples, good_samples, "bad samples in a row until it latches")
     if braking:
         first = f"of the {samples}, left at the first sample that brakes"
         certain = f"of the {samples}, left from which on every sample counts as bad"
@@ -45,5 +46,6 @@ def _by_value(outputs: Sequence[Signal], of: Mapping[str, float]) -> dict[float,
 
 def _together(group: Sequence[Signal]) -> str:
     """Return the beginning that the names of several signals share, else the first name."""
-    shared = commonprefix([s.name for s in group]).rstrip("_0123456789")
+    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*(s.name for s in group), strict=False))
+    shared = "".join(letters[0] for letters in alike).rstrip("_0123456789")
     return shared if shared and len(group) > 1 else group[0].name

@@ -58,14 +58,27 @@ def accept(
     return Accepted(values, good, {f"guard_last_{n}": v for n, v in values.items() if n not in zeroed})
 
 
-def count(state: Columns, complete: Flags, bad_samples: int) -> dict[str, Array]:
-    """Return the next samples left before the latch, the latch, and whether all measurements have been good once."""
-    left = np.where(complete, bad_samples, np.asarray(state["guard_left"]) - 1)
+def count(state: Columns, complete: Flags, bad_samples: int, good_samples: int = 0) -> dict[str, Array]:
+    """Return the next count before the latch, the latch, and whether all measurements have been good once.
+
+    Where `good_samples` make up for a bad one, a bad one takes so many from the count and a good one gives one back.
+    """
+    before = np.asarray(state["guard_left"])
+    left, over = leak(before, ~complete, bad_samples, good_samples)
     return {
-        "guard_left": np.maximum(left, 1),
-        "guard_latched": np.where(left < 1, 1, state["guard_latched"]),
+        "guard_left": np.where(over, before, left),
+        "guard_latched": np.where(over, 1, state["guard_latched"]),
         "guard_ready": np.where(complete, 1, state["guard_ready"]),
     }
+
+
+def leak(left: Array, bad: Flags, bad_samples: int, good_samples: int) -> tuple[Array, Flags]:
+    """Return the next count, 1 at least, and whether bad samples have used it up."""
+    if not good_samples:
+        lower = np.where(bad, left - 1, bad_samples)
+        return np.maximum(lower, 1), lower < 1
+    lower = np.where(bad, left - good_samples, np.minimum(left + 1, bad_samples * good_samples))
+    return np.maximum(lower, 1), lower < 1
 
 
 def fault_word(bits: Any, after: Columns) -> Array:
@@ -74,12 +87,17 @@ def fault_word(bits: Any, after: Columns) -> Array:
 
 
 def standard(
-    state: Columns, inputs: Columns, limits: Limits, measurements: Collection[str], bad_samples: int
+    state: Columns,
+    inputs: Columns,
+    limits: Limits,
+    measurements: Collection[str],
+    bad_samples: int,
+    good_samples: int = 0,
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return the values to use, the next states of the guard and the fault word; bad `measurements` latch."""
     accepted = accept(state, inputs, limits)
     complete = np.all([accepted.good[n] for n in measurements], axis=0)
-    after = accepted.after | count(state, complete, bad_samples)
+    after = accepted.after | count(state, complete, bad_samples, good_samples)
     return accepted.values, after, fault_word(accepted.word, after)
 
 
