@@ -147,7 +147,7 @@ typedef struct {
  *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0),
  *         largest_gain), least_gain) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, bool frozen, float a_before, uint32_t unchanged)
+    bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -180,7 +180,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
             g_part = learning_step * (a_before * d_part);
         } else {
             float taken_back = 0.0f;
-            if (frozen) {
+            if (frozen != 0u) {
                 taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
             rate = v - taken_back;
@@ -419,10 +419,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool same_x = maglev_5dof_equal(x_accepted, state->redundancy_code_x);
     const float observer_x_q = state->observer_x.q;
     const float distance_x = fabsf(observer_x_q - x_accepted);
+    const bool far_x = jump < distance_x;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
     const bool in_time = missed_calls <= 0.0f;
-    const bool jumps_x = (jump < distance_x) && redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
+    const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
         (observer_x_q < travel);
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
@@ -432,24 +433,31 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
-        if (gate < distance_x) {
-            redundancy_doubts_x_next = (jumps_x) ? redundancy_doubts_x : doubted_changes;
+        if (far_x) {
+            redundancy_doubts_x_next = (believed_x) ? redundancy_doubts_x : doubted_changes;
         } else {
-            if (1u <= redundancy_doubts_x) {
-                redundancy_doubts_x_next = redundancy_doubts_x - 1u;
+            if (gate < distance_x) {
+                redundancy_doubts_x_next = doubted_changes;
             } else {
-                redundancy_doubts_x_next = 0u;
+                if (1u <= redundancy_doubts_x) {
+                    redundancy_doubts_x_next = redundancy_doubts_x - 1u;
+                } else {
+                    redundancy_doubts_x_next = 0u;
+                }
             }
         }
     }
     const bool frozen_x = (repeated_samples <= x_unchanged) && (-travel < x_accepted) && (x_accepted < travel) &&
         (((gate < fabsf(observer_x_q - before_x)) && redundancy_doubts_x_below_1) || x_unanswered);
+    const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
+    const bool jumps_x = far_x && ((1u <= redundancy_jumps_x) || (believed_x && !same_x));
     const bool same_z = maglev_5dof_equal(z_accepted, state->redundancy_code_z);
     const float observer_z_q = state->observer_z.q;
     const float distance_z = fabsf(observer_z_q - z_accepted);
+    const bool far_z = jump < distance_z;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
-    const bool jumps_z = (jump < distance_z) && redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
+    const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
         (observer_z_q < travel);
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
@@ -459,18 +467,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
-        if (gate < distance_z) {
-            redundancy_doubts_z_next = (jumps_z) ? redundancy_doubts_z : doubted_changes;
+        if (far_z) {
+            redundancy_doubts_z_next = (believed_z) ? redundancy_doubts_z : doubted_changes;
         } else {
-            if (1u <= redundancy_doubts_z) {
-                redundancy_doubts_z_next = redundancy_doubts_z - 1u;
+            if (gate < distance_z) {
+                redundancy_doubts_z_next = doubted_changes;
             } else {
-                redundancy_doubts_z_next = 0u;
+                if (1u <= redundancy_doubts_z) {
+                    redundancy_doubts_z_next = redundancy_doubts_z - 1u;
+                } else {
+                    redundancy_doubts_z_next = 0u;
+                }
             }
         }
     }
     const bool frozen_z = (repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && redundancy_doubts_z_below_1) || z_unanswered);
+    const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
+    const bool jumps_z = far_z && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -503,9 +517,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
     const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
     const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
-    const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
     const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
-    const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     bool gaps_sufficient = true;
@@ -517,8 +529,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y4_held = y4_accepted;
     float x_held = x_accepted;
     float z_held = z_accepted;
-    bool x_frozen = false;
-    bool z_frozen = false;
+    uint32_t x_frozen = 0u;
+    uint32_t z_frozen = 0u;
     bool regular = true;
     bool theta_measured = true;
     uint32_t degraded = 0u;
@@ -534,8 +546,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x &&
-            (same_x || !jumps_x) && !frozen_z && (same_z || !jumps_z))) {
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !jumps_x &&
+            !frozen_z && !jumps_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
@@ -567,7 +579,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
         static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
         static const uint32_t excluded_from = 2u;               /* 1; contradictions or jumps before the last */
-        static const uint32_t most_jumps = 3u;                  /* 1; jumps that are counted */
         static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
@@ -724,30 +735,30 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
         theta_measured = determined;
         const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const bool flag_x = (!same_x || (1u <= redundancy_jumps_x)) && jumps_x && (guard_ready != 0u) && usable_x;
-        const bool frozen_now_x = frozen_x && (guard_ready != 0u) && usable_x;
-        const uint32_t suspect_x_part = (frozen_now_x) ? 1u : redundancy_excluded_x;
+        const uint32_t stopped_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
         uint32_t suspect_x = 1u;
-        if (flag_x) {
-            redundancy_jumps_x_next = (most_jumps <= redundancy_jumps_x) ? redundancy_jumps_x :
-                (redundancy_jumps_x + 1u);
+        if (jumps_x) {
+            const bool last_x = excluded_from <= redundancy_jumps_x;
+            redundancy_excluded_x_next = (last_x) ? 1u : redundancy_excluded_x;
+            redundancy_jumps_x_next = (last_x) ? 0u : (redundancy_jumps_x + 1u);
         } else {
-            suspect_x = suspect_x_part;
+            suspect_x = stopped_x;
+            redundancy_excluded_x_next = stopped_x;
             redundancy_jumps_x_next = 0u;
         }
         const bool unusual_x_trusted = usable_x && (suspect_x == 0u);
         x_trusted = unusual_x_trusted;
         x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
         const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const bool flag_z = (!same_z || (1u <= redundancy_jumps_z)) && jumps_z && (guard_ready != 0u) && usable_z;
-        const bool frozen_now_z = frozen_z && (guard_ready != 0u) && usable_z;
-        const uint32_t suspect_z_part = (frozen_now_z) ? 1u : redundancy_excluded_z;
+        const uint32_t stopped_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
         uint32_t suspect_z = 1u;
-        if (flag_z) {
-            redundancy_jumps_z_next = (most_jumps <= redundancy_jumps_z) ? redundancy_jumps_z :
-                (redundancy_jumps_z + 1u);
+        if (jumps_z) {
+            const bool last_z = excluded_from <= redundancy_jumps_z;
+            redundancy_excluded_z_next = (last_z) ? 1u : redundancy_excluded_z;
+            redundancy_jumps_z_next = (last_z) ? 0u : (redundancy_jumps_z + 1u);
         } else {
-            suspect_z = suspect_z_part;
+            suspect_z = stopped_z;
+            redundancy_excluded_z_next = stopped_z;
             redundancy_jumps_z_next = 0u;
         }
         const bool unusual_z_trusted = usable_z && (suspect_z == 0u);
@@ -756,10 +767,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         regular = unusual_z_trusted && unusual_x_trusted && determined;
         redundancy_degraded_next = ((suspect_z != 0u) || (suspect_x != 0u) || suspect_y4 || suspect_y3 || suspect_y2 ||
             suspect_y1) ? 1u : redundancy_degraded;
-        x_frozen = frozen_now_x;
-        z_frozen = frozen_now_z;
-        redundancy_excluded_x_next = (flag_x && (excluded_from <= redundancy_jumps_x)) ? 1u : suspect_x_part;
-        redundancy_excluded_z_next = (flag_z && (excluded_from <= redundancy_jumps_z)) ? 1u : suspect_z_part;
+        x_frozen = stopped_x;
+        z_frozen = stopped_z;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -1054,7 +1063,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
          *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
          *         w_x_tracking; likewise w_z_unprobed
-         *     left_next = (1 if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
          *         else (left if landing_patience <= left, else left + 1)
          *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
          *     r_y_next = min((max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if
@@ -1072,6 +1081,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float damping_y = 120.0f;                  /* 1/s; 2 p, p = 60 1/s */
         static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
         static const float acceleration_y = 2.0f;               /* m/s^2; largest one of the ramp */
+        /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
+        static const float ramp_rate_bound = 10.0f;
         static const float acceleration_step = 0.004f;          /* m/s; T times 4 m/s^2 of the ramp; of x, z */
         static const float stiffness = 900.0f;                  /* 1/s^2; p^2, p = 30 1/s; of x, z */
         static const float damping = 60.0f;                     /* 1/s; 2 p, p = 30 1/s; of x, z */
@@ -1079,8 +1090,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* 1; samples in a row with a prediction until it lands, times 4 */
         static const uint32_t landing_patience = 20u;
         static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
-        /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
-        static const float ramp_rate_bound = 10.0f;
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
         const bool landing_left_at_most_4 = landing_left <= good_per_bad;
@@ -1091,7 +1100,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             landing = landing_landing;
         }
         if (waiting) {
-            state->landing_left = (landing_left_at_most_4) ? 1u : (landing_left - good_per_bad);
+            if (!landing_left_at_most_4) {
+                state->landing_left = landing_left - good_per_bad;
+            }
         } else {
             if (landing_left < landing_patience) {
                 state->landing_left = landing_left + 1u;
@@ -1110,9 +1121,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float ramp_y = landing_r_y;
             float ramp_rate_y = y_rate;
             float ramp_x = observer_x.estimate;
-            float ramp_rate_x = observer_x.rate;
+            float ramp_rate_x;
             float ramp_z = observer_z.estimate;
-            float ramp_rate_z = observer_z.rate;
+            float ramp_rate_z;
             if (landing_landing != 0u) {
                 ramp_rate_y = state->landing_dr_y;
                 ramp_x = state->landing_r_x;
@@ -1121,6 +1132,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 ramp_rate_z = state->landing_dr_z;
             } else {
                 ramp_y = y_estimate;
+                ramp_rate_x = maglev_5dof_limit(observer_x.rate, ramp_rate_bound);
+                ramp_rate_z = maglev_5dof_limit(observer_z.rate, ramp_rate_bound);
             }
             const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
                 largest_speed), press_speed);
@@ -1138,10 +1151,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->landing_dr_y = ramp_rate_next_y;
             state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f) : observer_x.estimate;
-            state->landing_dr_x = maglev_5dof_limit(ramp_rate_next_x, ramp_rate_bound);
+            state->landing_dr_x = ramp_rate_next_x;
             state->landing_r_z = (landing_landing != 0u) ?
                 maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f) : observer_z.estimate;
-            state->landing_dr_z = maglev_5dof_limit(ramp_rate_next_z, ramp_rate_bound);
+            state->landing_dr_z = ramp_rate_next_z;
             w_phi = -spring_phi * phi;
             w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
                 theta_disturbance);
@@ -1464,8 +1477,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
-        diagnostics->x_frozen = x_frozen ? 1.0f : 0.0f;
-        diagnostics->z_frozen = z_frozen ? 1.0f : 0.0f;
+        diagnostics->x_frozen = (float)x_frozen;
+        diagnostics->z_frozen = (float)z_frozen;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
         diagnostics->degraded = (float)degraded;

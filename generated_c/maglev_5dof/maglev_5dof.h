@@ -249,13 +249,13 @@ typedef struct {
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
     uint32_t redundancy_doubts_x;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
-    uint32_t redundancy_jumps_x;        /* 1, 0 .. 3: samples in a row far from its prediction */
+    uint32_t redundancy_jumps_x;        /* 1, 0 .. 2: samples in a row far from its prediction */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
     uint32_t redundancy_doubts_z;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
-    uint32_t redundancy_jumps_z;        /* 1, 0 .. 3: samples in a row far from its prediction */
+    uint32_t redundancy_jumps_z;        /* 1, 0 .. 2: samples in a row far from its prediction */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
@@ -376,8 +376,8 @@ typedef struct {
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */
     float y4_held;                      /* m: gap of motor 4 */
-    float x_frozen;                     /* 1: its code stands still although it ought to move, from now on */
-    float z_frozen;                     /* 1: its code stands still although it ought to move, from now on */
+    float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
+    float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float x_unchanged;                  /* 1: samples without a change of the code */
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */

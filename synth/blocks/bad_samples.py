@@ -23,11 +23,11 @@ def is_due(left: ca.SX, good_samples: int) -> ca.SX:
     return left <= max(good_samples, 1)
 
 
-def next_count(good: ca.SX, left: ca.SX, at_the_end: ca.SX | float, samples: int, good_samples: int) -> ca.SX:
-    """Return the count one sample later; after the last bad sample it is `at_the_end`."""
+def next_count(good: ca.SX, left: ca.SX, samples: int, good_samples: int) -> ca.SX:
+    """Return the count one sample later; the last bad sample leaves it as it is."""
     cost, most = max(good_samples, 1), full(samples, good_samples)
     restored = ca.if_else(left >= most, left, left + 1) if good_samples else most
-    return ca.if_else(good, restored, ca.if_else(is_due(left, good_samples), at_the_end, left - cost))
+    return ca.if_else(good, restored, ca.if_else(is_due(left, good_samples), left, left - cost))
 
 
 def state(samples: int, good_samples: int, about: str) -> State:

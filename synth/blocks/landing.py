@@ -109,7 +109,7 @@ def block(
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
-        left = bad_samples.next_count(ca.logic_not(waiting), x["left"], 1, patience, good_samples)
+        left = bad_samples.next_count(ca.logic_not(waiting), x["left"], patience, good_samples)
         due = ca.logic_and(waiting, bad_samples.is_due(x["left"], good_samples))
         landing = ca.if_else(due, 1, x["landing"])
         named: list[tuple[Signal, ca.SX]] = []
@@ -128,14 +128,14 @@ def block(
             else:
                 p = c.pole
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
-                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
+                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], clip(v, _states(c)[1].signal))
                 target = _descent_rate(c, r) if isinstance(c, Descent) else ca.SX(0)
                 ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
                 dr_next = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
                 position, rate = (state.signal for state in _states(c))
                 ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), q)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
-                next[rate.name] = ca.if_else(landing, clip(dr_next, rate), x[rate.name])
+                next[rate.name] = ca.if_else(landing, dr_next, x[rate.name])
                 values = zip(_ramp(c), (r, dr, target, dr_next), strict=True)
                 named += [(signal, value) for signal, value in values if not value.is_constant()]
                 demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)

@@ -78,7 +78,7 @@ def block(
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
-        frozen_now: dict[str, ca.SX] = {}
+        stopped: dict[str, ca.SX] = {}
         in_time = u[missed_calls.name] <= 0 if missed_calls else ca.SX(1)
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
@@ -96,27 +96,26 @@ def block(
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
-            may_jump = _may_jump(decision, n, expected, doubts, in_time)
-            jumps = ca.if_else(distance > decision.jump[n], may_jump, 0) if n in decision.jump else ca.SX(0)
-            beyond = ca.if_else(jumps, doubts, DOUBTS)
-            changed = ca.if_else(distance > gate, beyond, ca.if_else(doubts >= 1, doubts - 1, 0))
+            believed = _is_believed(decision, n, expected, doubts, in_time)
+            far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
+            count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
+            jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
+            near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+            changed = ca.if_else(far, ca.if_else(believed, doubts, DOUBTS), near)
             next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
             moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
             frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
-            frozen_now[n] = ca.if_else(frozen, 1, 0)
-            next[f"excluded_{n}"] = suspects[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
+            next[f"excluded_{n}"] = suspects[n] = stopped[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
             if n in decision.jump:
-                count = x[f"jumps_{n}"]
-                calm = ca.logic_and(calm, ca.logic_or(same[n], ca.logic_not(jumps)))
-                jumped = ca.logic_and(ca.logic_or(ca.logic_not(same[n]), count >= 1), jumps)
-                jumped = ca.logic_and(ca.logic_and(jumped, u["ready"]), usable[n])
-                next[f"jumps_{n}"] = _count(jumped, count, decision.persistent)
-                last = ca.logic_and(jumped, count >= decision.persistent - 1)
-                next[f"excluded_{n}"] = ca.if_else(last, 1, next[f"excluded_{n}"])
-                suspects[n] = ca.if_else(jumped, 1, suspects[n])
+                calm = ca.logic_and(calm, ca.logic_not(jumps))
+                last = count >= decision.persistent - 1
+                next[f"jumps_{n}"] = ca.if_else(jumps, ca.if_else(last, 0, count + 1), 0)
+                after_jump = ca.if_else(last, 1, x[f"excluded_{n}"])
+                next[f"excluded_{n}"] = ca.if_else(jumps, after_jump, stopped[n])
+                suspects[n] = ca.if_else(jumps, 1, stopped[n])
             usable[n] = ca.logic_and(usable[n], ca.logic_not(suspects[n]))
             value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
             regular = ca.if_else(usable[n], regular, 0)
@@ -126,7 +125,7 @@ def block(
         unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
         unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
         unusual |= {"regular": regular, "sufficient": sufficient, "determined": determined}
-        unusual |= {f"{n}_frozen": frozen_now[n] for n in singles}
+        unusual |= {f"{n}_frozen": stopped[n] for n in singles}
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
         usual |= {f"{n}_frozen": ca.SX(0) for n in singles}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
@@ -227,8 +226,8 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
-def _may_jump(decision: Decision, n: str, expected: ca.SX, doubts: ca.SX, in_time: ca.SX) -> ca.SX:
-    """Return whether a prediction is believed, and a stop does not hold the body: then a large innovation is a jump."""
+def _is_believed(decision: Decision, n: str, expected: ca.SX, doubts: ca.SX, in_time: ca.SX) -> ca.SX:
+    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump."""
     low, high = decision.travel[n]
     inside = ca.logic_and(expected > low, expected < high)
     return ca.logic_and(ca.logic_and(doubts < 1, in_time), inside)

@@ -74,7 +74,6 @@ def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]
             "contradictions or jumps before the last",
             ("contradictions", "jumps"),
         ),
-        "most_jumps": (decision.persistent, "jumps that are counted", ("jumps",)),
         "undecided_from": (decision.undecided - 1, "contradictions before all are suspects", ("contradictions",)),
         "most_contradictions": (decision.undecided, "contradictions that are counted", ("contradictions",)),
         "tolerated_missing": (decision.tolerated, "readings of a group that may be missing", ("missing",)),

@@ -27,7 +27,9 @@ def outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
     """Return the outputs; `singles` are the sensors without a group."""
     flags = [_flag(f"suspect_{s.name}", "wrong, or may be: contradicts the others or is frozen") for s in sensors]
     flags += [_flag(f"{n}_trusted", "measured, not predicted") for n in singles]
-    flags += [_flag(f"{n}_frozen", "its code stands still although it ought to move, from now on") for n in singles]
+    flags += [
+        _flag(f"{n}_frozen", "its code stands still although it ought to move, or it is excluded") for n in singles
+    ]
     unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
     held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]
     return [
@@ -54,7 +56,9 @@ def states(
             declared.append(State(doubts, DOUBTS, True))
             declared.append(State(replace(s, name=f"before_{s.name}", about="prediction at the last change"), start))
         if s.name in decision.jump:
-            jumps = Signal(f"jumps_{s.name}", "1", 0, decision.persistent, "samples in a row far from its prediction")
+            jumps = Signal(
+                f"jumps_{s.name}", "1", 0, max(decision.persistent - 1, 1), "samples in a row far from its prediction"
+            )
             declared.append(State(jumps, 0, True))
     for i in range(len(relations)):
         count = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")

@@ -131,7 +131,7 @@ def guard(
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
-            next["left"] = bad_sample_counts.next_count(enough, x["left"], x["left"], samples, good_samples)
+            next["left"] = bad_sample_counts.next_count(enough, x["left"], samples, good_samples)
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next, numbers=safety_numbers.latch(samples, braking, good_samples) if measured else [])

@@ -63,22 +63,20 @@ def count(state: Columns, complete: Flags, bad_samples: int, good_samples: int =
 
     Where `good_samples` make up for a bad one, a bad one takes so many from the count and a good one gives one back.
     """
-    before = np.asarray(state["guard_left"])
-    left, over = leak(before, ~complete, bad_samples, good_samples)
+    left, over = leak(np.asarray(state["guard_left"]), ~complete, bad_samples, good_samples)
     return {
-        "guard_left": np.where(over, before, left),
+        "guard_left": left,
         "guard_latched": np.where(over, 1, state["guard_latched"]),
         "guard_ready": np.where(complete, 1, state["guard_ready"]),
     }
 
 
 def leak(left: Array, bad: Flags, bad_samples: int, good_samples: int) -> tuple[Array, Flags]:
-    """Return the next count, 1 at least, and whether bad samples have used it up."""
-    if not good_samples:
-        lower = np.where(bad, left - 1, bad_samples)
-        return np.maximum(lower, 1), lower < 1
-    lower = np.where(bad, left - good_samples, np.minimum(left + 1, bad_samples * good_samples))
-    return np.maximum(lower, 1), lower < 1
+    """Return the next count and whether bad samples have used it up, where it stays."""
+    each = good_samples or 1
+    restored = np.minimum(left + 1, bad_samples * each) if good_samples else bad_samples
+    over = bad & (left <= each)
+    return np.where(over, left, np.where(bad, left - each, restored)), over
 
 
 def fault_word(bits: Any, after: Columns) -> Array:

@@ -61,7 +61,7 @@ def demand(
     next["landing_landing"] = landing
     ramp, rate = (
         np.where(was, rows(state, [f"landing_{n}_{s}" for s in ramps]), x[: len(ramps)])
-        for n, x in (("r", q), ("dr", v))
+        for n, x in (("r", q), ("dr", np.clip(v, -of.fastest, of.fastest)))
     )
     speed = np.clip(of.touch + of.descent / of.speed * (of.end - ramp[0]), of.press, of.speed)
     most = by_row([of.descent * T, *(b * T for b in of.braking)], q)
@@ -73,7 +73,7 @@ def demand(
     w = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
     high = by_row([of.end + 4 * of.beyond, *(of.farthest for _ in of.braking)], q)
     ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -of.farthest, high)
-    for n, x in (("r", ahead), ("dr", np.clip(rate + change, -of.fastest, of.fastest))):
+    for n, x in (("r", ahead), ("dr", rate + change)):
         before = rows(state, [f"landing_{n}_{s}" for s in ramps])
         next |= {f"landing_{n}_{s}": row for s, row in zip(ramps, np.where(landing, x, before), strict=True)}
     landed = was & (np.asarray(state[f"landing_r_{ramps[0]}"]) >= of.end + of.beyond)

