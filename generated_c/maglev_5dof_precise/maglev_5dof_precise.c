@@ -455,7 +455,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
-    const bool same_x = maglev_5dof_precise_equal(x_accepted, state->redundancy_code_x);
+    const float redundancy_code_x = state->redundancy_code_x;
+    const bool same_x = maglev_5dof_precise_equal(x_accepted, redundancy_code_x);
     const float observer_x_q = state->observer_x.q;
     const float distance_x = fabsf(observer_x_q - x_accepted);
     const bool far_x = jump < distance_x;
@@ -463,7 +464,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
     const bool in_time = missed_calls <= 0.0f;
     const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
-        (observer_x_q < travel);
+        (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
     uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
@@ -490,14 +491,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         (((gate < fabsf(observer_x_q - before_x)) && redundancy_doubts_x_below_1) || x_unanswered);
     const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
     const bool jumps_x = far_x && ((1u <= redundancy_jumps_x) || (believed_x && !same_x));
-    const bool same_z = maglev_5dof_precise_equal(z_accepted, state->redundancy_code_z);
+    const float redundancy_code_z = state->redundancy_code_z;
+    const bool same_z = maglev_5dof_precise_equal(z_accepted, redundancy_code_z);
     const float observer_z_q = state->observer_z.q;
     const float distance_z = fabsf(observer_z_q - z_accepted);
     const bool far_z = jump < distance_z;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
     const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
-        (observer_z_q < travel);
+        (observer_z_q < travel) && (-travel < redundancy_code_z) && (redundancy_code_z < travel);
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
     uint32_t redundancy_doubts_z_next = redundancy_doubts_z;

@@ -15,7 +15,8 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
                     `probe` says that its code did not answer.
     jump            of a sensor without a group: it is further than `jump` from its prediction, which agreed with it at
                     the last DOUBTS changes. The prediction replaces it at once. It is not looked for in a sample after
-                    missing calls, in which the body has moved on, nor where the prediction is outside `travel`.
+                    missing calls, in which the body has moved on, nor where the prediction or the
+                    code before it is outside `travel`.
 
 A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
 that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was
@@ -96,7 +97,7 @@ def block(
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
-            believed = _is_believed(decision, n, expected, doubts, in_time)
+            believed = _is_believed(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
             far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
             count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
             jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
@@ -226,11 +227,15 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
-def _is_believed(decision: Decision, n: str, expected: ca.SX, doubts: ca.SX, in_time: ca.SX) -> ca.SX:
-    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump."""
-    low, high = decision.travel[n]
-    inside = ca.logic_and(expected > low, expected < high)
-    return ca.logic_and(ca.logic_and(doubts < 1, in_time), inside)
+def _is_believed(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX) -> ca.SX:
+    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump.
+
+    The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
+    """
+    (low, high), believed = travel, ca.logic_and(doubts < 1, in_time)
+    for position in positions:
+        believed = ca.logic_and(believed, ca.logic_and(position > low, position < high))
+    return believed
 
 
 def _count(flag: ca.SX, count: ca.SX, most: int) -> ca.SX:

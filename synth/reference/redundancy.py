@@ -79,7 +79,9 @@ def readings(
     doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
     with np.errstate(invalid="ignore"):
-        believed = (doubts == 0) & (np.abs(expected[g:]) < of.travel) & (np.asarray(missed) <= 0)
+        believed = (doubts == 0) & (np.asarray(missed) <= 0)
+    last = rows(state, [f"redundancy_code_{n}" for n in of.others])
+    believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
     doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
