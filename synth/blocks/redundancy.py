@@ -97,7 +97,7 @@ def block(
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
-            believed = _is_believed(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
+            believed = _is_jump_possible(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
             far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
             count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
             jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
@@ -227,7 +227,9 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
-def _is_believed(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX) -> ca.SX:
+def _is_jump_possible(
+    travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX
+) -> ca.SX:
     """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump.
 
     The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.

@@ -144,7 +144,7 @@ def test_four_bad_samples_and_a_good_one_for_ever_land_or_latch(emitted_rig: Rig
 def test_a_reading_that_is_offset_by_half_a_millimetre_is_noticed_at_once_and_the_platen_lands(
     emitted_rig: Rig, name: str
 ) -> None:
-    """At rest, where the sound reading hardly changes; the prediction replaces it from the first sample on."""
+    """At rest, where the sound reading stays within a count; the prediction replaces it from the first sample on."""
     time = sample_times(3.0, platen.TIME.period_s)
     healthy = emitted_rig.run(3.0, {"y": 0.025}, {})
     jumped = healthy.measured[name] + 5e-4 * (time >= 0.5)
