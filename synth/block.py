@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from synth import arguments, intermediates, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
+from synth.failure import Failure
 from synth.fault import LATCH_BIT, Fault, Safety
 from synth.signals import Signal, identifier, signal_names
 from synth.timing import Discrete
@@ -98,7 +99,7 @@ class Block:
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
     a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names, and
-    `intermediates` the values that its law's variables hold, by their names.
+    `intermediates` the values that its law's variables hold, by their names. `failures` are rows of the header's table.
     """
 
     name: str
@@ -116,6 +117,7 @@ class Block:
     safety: Safety | None = None
     numbers: tuple[tuple[str, Constant], ...] = ()
     intermediates: tuple[tuple[str, ca.SX], ...] = ()
+    failures: tuple[Failure, ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)

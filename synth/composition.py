@@ -84,6 +84,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
         tuple(pair for b in blocks for pair in b.numbers),
         tuple(intermediates),
+        tuple(f for b in blocks for f in b.failures),
     )
 
 
@@ -115,7 +116,15 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
     reasons = [s.reason for _, s in declared if s.safe_output] or [safety.reason]
     values, rates = ({o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates))
     judgement = next((s.judgement for _, s in declared if s.judgement), None)
-    return Safety(safety.bad_samples, values, rates, "; ".join(dict.fromkeys(reasons)), judgement, safety.braking)
+    return Safety(
+        safety.bad_samples,
+        values,
+        rates,
+        "; ".join(dict.fromkeys(reasons)),
+        judgement,
+        safety.braking,
+        safety.good_samples,
+    )
 
 
 def _with_prefix(block: Block) -> Block:

@@ -80,10 +80,10 @@ class Interface:
     """The interface between plant and laws, as `stage.interface` completes it: every `of`, low and high is set.
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
-    actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
-    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares. A law
-    that reads ``braking`` has that many samples more to stop the machine before. `missed_calls` is the input that
-    counts missing calls, if there is one.
+    actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor,
+    of which `good_samples` make up for one, the actuators go to their safe values, for the `reason` given. `suspected`
+    are sensors that a law compares. A law that reads ``braking`` has that many samples more to stop the machine before.
+    `missed_calls` is the input that counts missing calls, if there is one.
     """
 
     plant: Plant
@@ -98,6 +98,7 @@ class Interface:
     suspected: tuple[str, ...] = ()
     missed_calls: Signal | None = None
     braking: int = 0
+    good_samples: int = 0
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""
@@ -248,7 +249,7 @@ class Stage:
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
-    header_notes      sentences of the C's header: the papers of equation numbers, where the machine is at init
+    header_notes      sentences of the C's header; `reactions` of the machine, by the key of a row of failures in it
     tuning            free parameters of the law and their goals, for `synth tune`
     warning           what a reader must know first: the first line of header, manifest and report
     """
@@ -278,6 +279,7 @@ class Stage:
     faults: FaultCampaign = field(default_factory=FaultCampaign)
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
+    reactions: Mapping[str, str] = field(default_factory=dict)
     tuning: Tuning | None = None
     warning: str = ""
 

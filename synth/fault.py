@@ -44,8 +44,8 @@ class Judgement:
     """A law that replaces and judges readings decides on the latch, by two of its flags.
 
     The guard counts the samples in which `counts` is 0; `at_once` latches in its sample. A law clears `counts` only in
-    a sample with a refused one of the `measurements` or a suspect. It sets `at_once` only after `bad_samples` such
-    samples in a row, which may have ended before.
+    a sample with a refused one of the `measurements` or a suspect. It sets `at_once` only after too many such
+    samples, as `Safety` counts them, which may have ended before.
     """
 
     counts: str
@@ -60,7 +60,8 @@ class Safety:
 
     Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
     these values. With a `judgement` a law decides which samples count. `braking` of these samples are the last before
-    the latch, in which the step brakes.
+    the latch, in which the step brakes. Where `good_samples` make up for a bad one, bad samples with fewer good ones
+    between them latch, too; with 0 one good sample makes up for all before it.
     """
 
     bad_samples: int
@@ -69,6 +70,7 @@ class Safety:
     reason: str
     judgement: Judgement | None = None
     braking: int = 0
+    good_samples: int = 0
 
     def renamed(self, names: Mapping[str, str]) -> "Safety":
         """Return the safety with outputs and measurements renamed, old name to new; other names stay."""

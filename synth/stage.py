@@ -67,13 +67,14 @@ def interface(
     suspected: Sequence[str] = (),
     missed_calls: float | None = None,
     braking: int = 0,
+    good_samples: int = 0,
 ) -> Interface:
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
-    go to their safe values, for a `reason` that the C header states. `suspected` are sensors that a law compares.
-    Before that, ``braking`` is 1 for `braking` samples more. With `missed_calls`, the largest number of calls that may
-    be missing in a row, the controller has an input of this name and a fault bit above that number.
+    go to their safe values, for a `reason` that the C header states; `good_samples` make up for a bad one. `suspected`
+    are sensors that a law compares. Before that, ``braking`` is 1 for `braking` samples more. With `missed_calls`, the
+    largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
     an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.
@@ -102,7 +103,7 @@ def interface(
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
-        tuple(suspected), None if missed_calls is None else calls.signal(missed_calls), braking,
+        tuple(suspected), None if missed_calls is None else calls.signal(missed_calls), braking, good_samples,
     )  # fmt: skip
 
 
@@ -148,9 +149,9 @@ def guarded_inputs(interface: Interface) -> tuple[safety.GuardedInput, ...]:
 
 def safe(interface: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
-    values, slews = {a.name: a.safe for a in interface.actuators}, {a.name: a.slew_per_s for a in interface.actuators}
-    samples = interface.bad_samples + interface.braking
-    return safety.Safety(samples, values, slews, interface.reason, braking=interface.braking)
+    i, samples = interface, interface.bad_samples + interface.braking
+    values, slews = {a.name: a.safe for a in i.actuators}, {a.name: a.slew_per_s for a in i.actuators}
+    return safety.Safety(samples, values, slews, i.reason, None, i.braking, i.good_samples)
 
 
 def errors(time: Discrete, interface: Interface, of: Sequence[str]) -> Block:
@@ -224,7 +225,7 @@ def _composition(
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
     i, inputs = interface, guarded_inputs(interface)
-    guard = safety.guard(time, inputs, i.bad_samples, i.suspected, i.reason, bool(replaced), i.braking)
+    guard = safety.guard(time, inputs, i.bad_samples, i.suspected, i.reason, bool(replaced), i.braking, i.good_samples)
     parts = (
         guard.renamed(replaced),
         *([errors(time, interface, controlled)] if controlled else []),

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import actuation
 from synth.block import Block
 from synth.blocks import safety
 from synth.companion import Companion
@@ -27,6 +28,7 @@ from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
 from synth.execute import build, host
+from synth.failure import with_reactions
 from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
@@ -69,7 +71,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
-    block, notes = _with_measured_safe_output(stage), [*_call_order(stage), *_start(stage), *stage.header_notes]
+    block, notes = _with_measured_safe_output(stage), header_notes(stage)
     files = write.emit(
         block,
         scalar,
@@ -87,6 +89,11 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     for companion in stage.companions:
         folders[companion.block.name] = _emit_companion(companion, stage, scalar, inputs, replay)
     return folders
+
+
+def header_notes(stage: Stage) -> list[str]:
+    """Return the sentences of the header of the stage's controller."""
+    return [*_call_order(stage), *_start(stage), *_signs(stage), *stage.header_notes]
 
 
 def _emit_companion(
@@ -119,6 +126,17 @@ def _start(stage: Stage) -> list[str]:
     return ["At init the machine is at rest under the safe output, which acts until the first outputs of the step do."]
 
 
+def _signs(stage: Stage) -> list[str]:
+    """Return what a positive value of each actuator accelerates, of a stage with rates and points of operation."""
+    if not stage.velocities or not stage.operating_points:
+        return []
+    actuators = {a.of: a.name for a in stage.interface.actuators}
+    safe = {a.of: a.safe for a in stage.interface.actuators}
+    signs = actuation.signs(stage.plant, stage.velocities, safe | dict(next(iter(stage.operating_points.values()))))
+    texts = [f"{actuators[n]} {text}" for n, text in signs.items() if n in actuators]
+    return [f"Signs of what a positive value accelerates, from the plant: {'; '.join(texts)}."]
+
+
 def _call_order(stage: Stage) -> list[str]:
     return [stage.drive.call_order(stage.name)] if stage.drive else []
 
@@ -126,6 +144,7 @@ def _call_order(stage: Stage) -> list[str]:
 def _with_measured_safe_output(stage: Stage) -> Block:
     """Return the controller's Block, with the measured effect of the safe output appended to the reason for it."""
     block = stage.controller.block
+    block = replace(block, failures=with_reactions(block.failures, stage.reactions))
     if stage.safe_output is None or block.safety is None:
         return block
     reason = f"{block.safety.reason}; {stage.safe_output.text()}"

@@ -10,6 +10,7 @@ from designs.maglev import (
     fault_handling,
     motions,
     platen,
+    reactions,
     reference_phase,
     verification,
 )
@@ -43,7 +44,8 @@ def design(
         "velocities": maglev_stage.RATE,
         "wires": motions.WIRES,
         "faults": fault_campaign.FAULTS,
-        "header_notes": [START, fault_handling.UNTESTED, EQUATIONS],
+        "header_notes": [reactions.AXES, START, fault_handling.UNTESTED, EQUATIONS],
+        "reactions": reactions.REACTIONS,
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),
         "recording": verification.vectors,

@@ -32,6 +32,8 @@ from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks import landing, missed_calls, predictor, probe, redundancy
+from synth.blocks.redundancy_decision import jump_gate
+from synth.emit.c import digits
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -40,12 +42,19 @@ OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the thresho
 BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
 RATES = {"y": 4.0, "x": 2.0, "z": 2.0, "phi": 4.0, "theta": 4.0}  # m/s or rad/s
 DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
+# m/s^2: twice the largest thrust, as if it acted against its prediction, at the smallest gap with magnets 10 % stronger
+WRONG_ACCELERATION = 2 * 1.1 * platen.largest_acceleration()
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
 LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
+GATE = 40e-6  # m: a code that stands still while its prediction moves further is frozen
+JUMP = jump_gate(GATE, WRONG_ACCELERATION, RESOLUTION, TIME.period_s)
 DECISION = redundancy.Decision(
-    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
+    gate=dict.fromkeys("xz", GATE),
+    travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)),
+    at_rest=PROBE.count_limit,
+    jump=dict.fromkeys("xz", digits.round_up(JUMP)),
 )
 STOP, RAMP_BOUND = platen.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
@@ -131,7 +140,7 @@ def delayed_accelerations() -> Block:
 def observer(axis: Axis) -> Block:
     """Return the observer of an axis; x and z learn the gain of their thrust."""
     before = _with_free_range(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
-    flags = predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged", f"suspect_{axis.name}")
+    flags = predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged", f"{axis.name}_frozen")
     return predictor.block(
         axis.name,
         TIME,
@@ -185,9 +194,11 @@ def laws(plant: Plant, law: Sequence[Block], at_rest: probe.Probe) -> list[Block
     diverted = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES} | handover.BALANCED
     computed = {s.name for block in law for s in block.outputs}
     modelled = [] if {acceleration(a).name for a in AXES if a.excess} <= computed else [accelerations(plant)]
-    readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
+    readings = redundancy.block(
+        TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION, INTERFACE_OF_ALL.missed_calls
+    )
     readings = replace(readings, faults=(DEGRADED,))
-    descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], platen.BAD_SAMPLES)
+    descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], platen.BAD_SAMPLES, platen.GOOD_SAMPLES)
     return [
         readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),
         sufficiency(),

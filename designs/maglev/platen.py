@@ -13,7 +13,7 @@ from math import pi, sqrt
 import casadi as ca
 import numpy as np
 
-from models import maglev_stage
+from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Exprs, Step, build
 from synth.plant import Plant
@@ -29,6 +29,7 @@ CURRENT = maglev_stage.PEAK  # A rms, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # A rms, limit of i_d: keeps sqrt(CURRENT^2 - i_d^2) away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 BAD_SAMPLES = 5
+GOOD_SAMPLES = 4  # make up for a bad one: more than one bad sample in five lands, too
 SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap; with 2 A the magnets hold it at the upper stop
 PULLED_UP = 28.7e-3  # m: gap of balance without current, rounded down
 SLEW = 100.0  # A/s
@@ -59,6 +60,7 @@ INTERFACE = stage.interface(
         *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
     ],
     bad_samples=BAD_SAMPLES,
+    good_samples=GOOD_SAMPLES,
     reason=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; the safe output, "
     f"{SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to {GAP[1] * 1e3:g} mm, "
     "also with all parameters at their tolerances",
@@ -136,6 +138,14 @@ def acceleration(axis: Axis) -> Signal:
     """Return the acceleration by the limited currents: of x and z from the model, of the others the demanded one."""
     about = f"acceleration by u_{axis.name}"
     return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
+
+
+def largest_acceleration() -> float:
+    """Return the largest acceleration of x or z by thrust, in m/s^2: CURRENT at the smallest gap."""
+    values, limits = maglev_stage.nominal(), []
+    for gap, mass in ((maglev_stage.GAP_2_4[0], "M_x"), (maglev_stage.GAP_1_3[0], "M_z")):
+        limits.append(2 * CURRENT * float(ca.DM(pmlsm.force_law(ca.SX(gap), values).h / values[mass])))
+    return max(limits)
 
 
 def kinematics(plant: Plant) -> Block:

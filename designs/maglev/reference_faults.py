@@ -32,6 +32,7 @@ SENSING = redundancy.Sensors(
     4 * (5e-6 + 7e-6),  # m: half a count and an offset of each gap encoder
     "xz",
     gate=40e-6,  # m
+    jump=0.15e-3,  # m: 40 um, 66 um at the rate and 27 um by an acceleration of 53 m/s^2, and a count of 10 um
     travel=0.0499,  # m
     longest=40,
     low=LOW[:SENSORS],
@@ -61,6 +62,7 @@ LANDING = landing.Landing(
     descent=2.0,
     braking=(4.0, 4.0),
     bad_samples=reference_stage.BAD_SAMPLES,
+    good_samples=reference_stage.GOOD_SAMPLES,
     T=T,
 )
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5, T=T)
@@ -108,13 +110,13 @@ def step(
     ready = np.asarray(state["guard_ready"]) > 0
     expected = expected_readings(predictor.positions(state, AXES))
     used, suspects, flag, after_readings = redundancy.readings(
-        state, values[:SENSORS], good, expected, at_rest.attempts, SENSING
+        state, values[:SENSORS], good, expected, at_rest.attempts, inputs["missed_calls"], SENSING
     )
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     acting = rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     q, v, d, after_observers = predictor.observe(
-        state, pose, acting, flag["trusted"], suspects[4:], still, ready, OBSERVERS
+        state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
     )
     last, e = rows(state, LAST), pose - values[SENSORS:]
     w, finish = law(state, pose, values[SENSORS:], ready)
@@ -125,7 +127,7 @@ def step(
     transfer, computed = without_positions(state, computed, flag["trusted"])
     complete = good.all(axis=0)
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), complete)
-    after = accepted.after | guard.count(state, enough, reference_stage.BAD_SAMPLES)
+    after = accepted.after | guard.count(state, enough, reference_stage.BAD_SAMPLES, reference_stage.GOOD_SAMPLES)
     latched = (after["guard_latched"] > 0) | after_landing.pop("landed")
     after |= {"guard_latched": latched, "guard_ready": np.where(complete, 1, state["guard_ready"])}
     demands = {"w_y": w[0], "a_x": thrust[0], "a_z": thrust[1], "w_phi": w[3], "w_theta": w[4]}

@@ -23,7 +23,7 @@ Columns = Mapping[str, NDArray[Any]]
 AXES = ("y", "x", "z", "phi", "theta")
 CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
 MAX_I_D = CURRENT * (1 - 1e-4)  # A rms: keeps sqrt(CURRENT^2 - i_d^2) away from 0
-BAD_SAMPLES = 5
+BAD_SAMPLES, GOOD_SAMPLES = 5, 4  # four good samples make up for a bad one
 SLEW = 100.0 / 1000  # A in a sample
 COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the fraction of each guide spring that the corrected law compensates
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
@@ -96,7 +96,7 @@ def motor(g: Array, p: Parameters) -> Motor:
 
 def guard_inputs(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
     """Return the values to use (11, n), the guard's next state and the fault word."""
-    values, after, word = guard.standard(state, inputs, LIMITS, NAMES, BAD_SAMPLES)
+    values, after, word = guard.standard(state, inputs, LIMITS, NAMES, BAD_SAMPLES, GOOD_SAMPLES)
     return np.array([*values.values()]), after, word
 
 

@@ -16,6 +16,13 @@
  *
  * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by).
  *
+ * What may fail, and what follows:
+ * what fails           | noticed by, and when              | used instead       | what follows
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * V_ax, V_ay, V_bx or  | bits 0 to 3; in that sample       | its last good      | the law goes on; 5 samples in a row,
+ * V_by not finite or   |                                   | value              | of any of them: latches
+ * outside its range    |                                   |                    |
+ *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 2.5 degrees of yaw 0. It
  * rests until the first valid sample. A lost position lock needs init.
  *

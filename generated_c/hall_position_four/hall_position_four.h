@@ -12,6 +12,15 @@
  * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy,
  * V_dx, V_dy).
  *
+ * What may fail, and what follows:
+ * what fails           | noticed by, and when              | used instead       | what follows
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * V_ax, V_ay, V_bx,    | bits 0 to 7; in that sample       | its last good      | the law goes on; 5 samples in a row,
+ * V_by, V_cx, V_cy,    |                                   | value              | of any of them: latches
+ * V_dx or V_dy not     |                                   |                    |
+ * finite or outside    |                                   |                    |
+ * its range            |                                   |                    |
+ *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
  * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
  * voltages within 55 mV rms of the model.

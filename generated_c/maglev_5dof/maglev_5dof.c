@@ -137,16 +137,17 @@ typedef struct {
  *         if guard_ready is set, else 0
  *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
  *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
- *         T * gained if suspect_x is set, else 0)) if guard_ready is set, else 0
+ *         T * gained if x_frozen is set, else 0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
  *         largest_position)
  *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
  *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
  *         else 0
  *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
- *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+ *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0),
+ *         largest_gain), least_gain) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, uint32_t suspect, float a_before, uint32_t unchanged)
+    bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -158,6 +159,8 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     static const float largest_rate = 2.0f;                     /* m/s; bound of the predicted rate */
     static const float gained_decay = 0.9980469f;               /* 1; part of the sum that stays */
     static const float learning_step = 0.03f;                   /* s^4/m^2; 30 times T */
+    static const float largest_gain = 1.2f;                     /* 1; bound of the learnt gain */
+    static const float least_gain = 0.8f;                       /* 1; bound of the learnt gain */
 
     const float d_at_change = state->d_at_change;
     const float gained = state->gained;
@@ -177,7 +180,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
             g_part = learning_step * (a_before * d_part);
         } else {
             float taken_back = 0.0f;
-            if (suspect != 0u) {
+            if (frozen != 0u) {
                 taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
             rate = v - taken_back;
@@ -185,9 +188,9 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         estimate = q + (alpha * nu);
     }
     const float g = state->g;
-    const float faster = rate + (T * ((g * a_before) + d_next));
-    state->q = maglev_5dof_limit(estimate + (half_T * (rate + faster)), largest_position);
-    state->v = maglev_5dof_limit(faster, largest_rate);
+    const float rate_ahead = rate + (T * ((g * a_before) + d_next));
+    state->q = maglev_5dof_limit(estimate + (half_T * (rate + rate_ahead)), largest_position);
+    state->v = maglev_5dof_limit(rate_ahead, largest_rate);
     state->d = d_next;
     if (trusted && (1u <= unchanged)) {
         state->gained = (gained_decay * gained) + (d_next - d_at_change);
@@ -195,7 +198,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         state->gained = 0.0f;
         state->d_at_change = d_next;
     }
-    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, largest_gain), least_gain);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
@@ -230,27 +233,29 @@ typedef struct {
 
 /* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
  *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
- *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
- *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
- *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
+ *     sum_next = sum + e_y if |sum + e_y| <= bound, else sum
+ *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= p1_bound, else p1
+ *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= bound, else q1 */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
     const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
 {
+    static const float bound = 600.0f; /* m; of the internal model: a larger next value is not taken; of sum, q1 */
     static const float c1 = 2.2206568e-05f;                     /* 1; F(14)-(16): 2 - 2 cos(w T), w T = 0.00471239 */
+    static const float p1_bound = 3.0f; /* m; of the internal model: a larger next value is not taken */
 
     const float sum = state->sum;
     const float sum_next = sum + e;
-    if (fabsf(sum_next) <= 600.0f) {
+    if (fabsf(sum_next) <= bound) {
         state->sum = sum_next;
     }
     const float p1 = state->p1;
     const float q1 = state->q1;
     const float p1_next = p1 + (c1 * q1);
-    if (fabsf(p1_next) <= 3.0f) {
+    if (fabsf(p1_next) <= p1_bound) {
         state->p1 = p1_next;
     }
     const float q1_next = q1 - p1_next + e;
-    if (fabsf(q1_next) <= 600.0f) {
+    if (fabsf(q1_next) <= bound) {
         state->q1 = q1_next;
     }
     return (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) +
@@ -259,10 +264,12 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
 
 /* regulator_x, regulator_z: F(14)-(17)
  *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
- *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
- *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
+ *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= bound, else
+ *         sum
+ *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= p1_bound,
+ *         else p1
  *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
- *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
+ *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= bound, else q1 */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
     float filter_r_next)
 {
@@ -280,21 +287,23 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
 MAGLEV_5DOF_INLINE void maglev_5dof_regulator_update(maglev_5dof_regulator_state_t *state, float e, float excess)
 {
     static const float sum_excess = 0.0016244627f;              /* m/A; F(14)-(17): anti-windup into sum */
+    static const float bound = 600.0f; /* m; of the internal model: a larger next value is not taken; of sum, q1 */
     static const float c1 = 2.2206568e-05f;                     /* 1; F(14)-(17): 2 - 2 cos(w T), w T = 0.00471239 */
     static const float p1_excess = 1.5544656e-06f;              /* m/A; F(14)-(17): anti-windup into p1 */
+    static const float p1_bound = 3.0f; /* m; of the internal model: a larger next value is not taken */
     static const float q1_excess = 7.0777234e-05f;              /* m/A; F(14)-(17): anti-windup into q1 */
 
     const float sum_next = state->sum + e + (sum_excess * excess);
-    if (fabsf(sum_next) <= 600.0f) {
+    if (fabsf(sum_next) <= bound) {
         state->sum = sum_next;
     }
     const float q1 = state->q1;
     const float p1_next = state->p1 + (c1 * q1) + (p1_excess * excess);
-    if (fabsf(p1_next) <= 3.0f) {
+    if (fabsf(p1_next) <= p1_bound) {
         state->p1 = p1_next;
     }
     const float q1_next = q1 - p1_next + e + (q1_excess * excess);
-    if (fabsf(q1_next) <= 600.0f) {
+    if (fabsf(q1_next) <= bound) {
         state->q1 = q1_next;
     }
 }
@@ -308,7 +317,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y3 = 0.031f,
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
-        .guard_left = 5u,
+        .guard_left = 20u,
         .redundancy_code_y1 = 0.0245f,
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
@@ -318,7 +327,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .observer_y_q = 0.0245f,
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
-        .landing_left = 5u,
+        .landing_left = 20u,
         .probe_x_towards = 0.46666667f,
         .probe_z_towards = 0.46666667f,
         .safe_output_last_i_d1 = 2.5f,
@@ -343,11 +352,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
     static const float T = 0.001f;                              /* s; sample period */
     static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
     static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
     static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
     static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
+    static const float largest_demand = 10000.0f;               /* m/s^2; bound of the demand with a push */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
     /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
@@ -366,9 +377,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
     /* guard: range acceptance, hold, latch
      *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
-     *         if left <= 1, else latched))
-     *     left_next = latch_samples if (sufficient if ready is set, else complete) is set, else (left if left
-     *         <= 1, else left - 1) */
+     *         if left <= good_per_bad, else latched))
+     *     left_next = (left if latch_samples <= left, else left + 1) if (sufficient if ready is set, else
+     *         complete) is set, else (left if left <= good_per_bad, else left - good_per_bad) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -391,63 +402,91 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const float missed_calls = in->missed_calls;
 
-    /* redundancy: parity, innovations, frozen codes */
-    static const float threshold_0 = 4.8e-05f;                  /* m; largest |r| without a fault */
+    /* redundancy: parity, innovations, frozen codes, jumps */
+    /* m; largest |r| without a fault: half a count and an offset of each sensor */
+    static const float threshold_0 = 4.8e-05f;
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    /* m; end of the travel, where a stop may hold it, also travel_low_x, also travel_high_x, also travel_low_z, also
-     * travel_high_z */
-    static const float travel = -0.0499f;
-    static const float gate = 4e-05f; /* m; predicted motion that a code must follow, also gate_x, also gate_z */
+    /* m; end of the travel, where a stop may hold it; of low x, high x, low z, high z */
+    static const float travel = 0.0499f;
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes; of x, z */
+    static const float jump = 0.00015f; /* m; from the prediction: no machine moves so far in a sample; of x, z */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
+    const float redundancy_code_x = state->redundancy_code_x;
+    const bool same_x = maglev_5dof_equal(x_accepted, redundancy_code_x);
     const float observer_x_q = state->observer_x.q;
+    const float distance_x = fabsf(observer_x_q - x_accepted);
+    const bool far_x = jump < distance_x;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
+    const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
+    const bool in_time = missed_calls <= 0.0f;
+    const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
+        (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
     uint32_t x_unchanged = 0u;
     float before_x = observer_x_q;
     uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
-    if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
+    if (same_x) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
         x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         before_x = state->redundancy_before_x;
     } else {
-        if (gate < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_next = doubted_changes;
+        if (far_x) {
+            redundancy_doubts_x_next = (believed_x) ? redundancy_doubts_x : doubted_changes;
         } else {
-            if (1u <= redundancy_doubts_x) {
-                redundancy_doubts_x_next = redundancy_doubts_x - 1u;
+            if (gate < distance_x) {
+                redundancy_doubts_x_next = doubted_changes;
             } else {
-                redundancy_doubts_x_next = 0u;
+                if (1u <= redundancy_doubts_x) {
+                    redundancy_doubts_x_next = redundancy_doubts_x - 1u;
+                } else {
+                    redundancy_doubts_x_next = 0u;
+                }
             }
         }
     }
-    const bool frozen_x = (repeated_samples <= x_unchanged) && (travel < x_accepted) && (x_accepted < -travel) &&
-        (((gate < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
+    const bool frozen_x = (repeated_samples <= x_unchanged) && (-travel < x_accepted) && (x_accepted < travel) &&
+        (((gate < fabsf(observer_x_q - before_x)) && redundancy_doubts_x_below_1) || x_unanswered);
+    const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
+    const bool jumps_x = far_x && ((1u <= redundancy_jumps_x) || (believed_x && !same_x));
+    const float redundancy_code_z = state->redundancy_code_z;
+    const bool same_z = maglev_5dof_equal(z_accepted, redundancy_code_z);
     const float observer_z_q = state->observer_z.q;
+    const float distance_z = fabsf(observer_z_q - z_accepted);
+    const bool far_z = jump < distance_z;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
+    const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
+    const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
+        (observer_z_q < travel) && (-travel < redundancy_code_z) && (redundancy_code_z < travel);
     uint32_t z_unchanged = 0u;
     float before_z = observer_z_q;
     uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
-    if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
+    if (same_z) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
         z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
-        if (gate < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_next = doubted_changes;
+        if (far_z) {
+            redundancy_doubts_z_next = (believed_z) ? redundancy_doubts_z : doubted_changes;
         } else {
-            if (1u <= redundancy_doubts_z) {
-                redundancy_doubts_z_next = redundancy_doubts_z - 1u;
+            if (gate < distance_z) {
+                redundancy_doubts_z_next = doubted_changes;
             } else {
-                redundancy_doubts_z_next = 0u;
+                if (1u <= redundancy_doubts_z) {
+                    redundancy_doubts_z_next = redundancy_doubts_z - 1u;
+                } else {
+                    redundancy_doubts_z_next = 0u;
+                }
             }
         }
     }
-    const bool frozen_z = (repeated_samples <= z_unchanged) && (travel < z_accepted) && (z_accepted < -travel) &&
-        (((gate < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
+    const bool frozen_z = (repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) &&
+        (((gate < fabsf(observer_z_q - before_z)) && redundancy_doubts_z_below_1) || z_unanswered);
+    const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
+    const bool jumps_z = far_z && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -483,8 +522,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
-    uint32_t suspect_x = 0u;
-    uint32_t suspect_z = 0u;
     bool gaps_sufficient = true;
     bool x_trusted = true;
     bool z_trusted = true;
@@ -494,6 +531,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y4_held = y4_accepted;
     float x_held = x_accepted;
     float z_held = z_accepted;
+    uint32_t x_frozen = 0u;
+    uint32_t z_frozen = 0u;
     bool regular = true;
     bool theta_measured = true;
     uint32_t degraded = 0u;
@@ -502,12 +541,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
     uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
     uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
+    uint32_t redundancy_jumps_x_next = redundancy_jumps_x;
     uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
+    uint32_t redundancy_jumps_z_next = redundancy_jumps_z;
     uint32_t redundancy_contradictions_0_next = 0u;
     uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !jumps_x &&
+            !frozen_z && !jumps_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
@@ -518,26 +560,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y3_expected = observer_y_q + r_phi;
         const float y4_expected = observer_y_q - r_theta;
 
-        /* redundancy: parity, innovations, frozen codes (continued)
+        /* redundancy: parity, innovations, frozen codes, jumps (continued)
          *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
          *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-         *     score_y1 = E_y1 + preference * (candidate_y1 - first + preferred_y1); likewise score_y2, score_y3,
-         *         score_y4
+         *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
+         *         score_y3, score_y4
          *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
          *         0; likewise z_unchanged
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
-         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
-         *     doubts_x_next = doubts_x if x_accepted == code_x, else (doubted_changes if gate < |observer_x_q -
-         *         x_accepted|, else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
-        static const float candidate_part = 0.4f; /* 1; of |r|: least E of a sensor whose code stands still */
+         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
+        /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
+        static const float candidate_part = 0.4f;
         static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
-        static const float preference = 10.0f; /* m; more than any reading, so codes decide before innovations */
-        static const float lead_by_code = 0.05f; /* 1; of |r|: of the largest E over the next one, by codes */
-        static const float lead_by_innovation = 0.3f;           /* 1; of |r|: the same, by innovations alone */
+        static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
+        /* 1; of |r|: least lead over the next E by codes: more than noise of E */
+        static const float lead_by_code = 0.05f;
+        /* 1; of |r|: least lead by innovations alone, which predictions that followed an error spoil */
+        static const float lead_by_innovation = 0.3f;
         static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
         static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
         static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
-        static const uint32_t excluded_from = 2u;               /* 1; contradictions before the one that excludes */
+        static const uint32_t excluded_from = 2u;               /* 1; contradictions or jumps before the last */
         static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
         const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
@@ -580,7 +623,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
-                const bool first = candidates != 0u;
+                const bool by_first_rule = candidates != 0u;
                 const uint32_t moving = maglev_5dof_flag(still_y1 < repeated_samples) +
                     maglev_5dof_flag(still_y2 < repeated_samples) + maglev_5dof_flag(still_y3 < repeated_samples) +
                     maglev_5dof_flag(still_y4 < repeated_samples);
@@ -591,26 +634,26 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 uint32_t standing = 0u;
                 if (moving == all_but_one_of_4) {
                     const bool stands_y1 = still_samples <= still_y1;
-                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
-                    preferred_y1 = (stands_y1) ? second_rule : 0.0f;
+                    const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
+                    preferred_y1 = (stands_y1) ? by_second_rule : 0.0f;
                     const bool stands_y2 = still_samples <= still_y2;
-                    preferred_y2 = (stands_y2) ? second_rule : 0.0f;
+                    preferred_y2 = (stands_y2) ? by_second_rule : 0.0f;
                     const bool stands_y3 = still_samples <= still_y3;
-                    preferred_y3 = (stands_y3) ? second_rule : 0.0f;
+                    preferred_y3 = (stands_y3) ? by_second_rule : 0.0f;
                     const bool stands_y4 = still_samples <= still_y4;
-                    preferred_y4 = (stands_y4) ? second_rule : 0.0f;
+                    preferred_y4 = (stands_y4) ? by_second_rule : 0.0f;
                     standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
                         maglev_5dof_flag(stands_y4);
                 }
                 const float score_y1 = E_y1 +
-                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
+                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y1));
                 const float score_y2 = E_y2 +
-                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
+                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y2));
                 const float score_y3 = E_y3 +
-                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
+                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y3));
                 const float score_y4 = E_y4 +
-                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
-                const bool by_code_suspect_y1 = (candidates + standing) != 0u;
+                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y4));
+                const bool by_code = (candidates + standing) != 0u;
                 const float best_y1 = maglev_5dof_max(-preference, score_y1);
                 const float best_y2 = maglev_5dof_max(best_y1, score_y2);
                 const float best_y3 = maglev_5dof_max(best_y2, score_y3);
@@ -618,30 +661,30 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
                     maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
                     maglev_5dof_min(best_y3, score_y4));
-                const float least = (((((by_code_suspect_y1) ? lead_by_code : lead_by_innovation) * size) <
-                    (best - second)) && (by_code_suspect_y1 || agreeing)) ? best : twice_preference;
-                const bool least_upto_score_y1 = least <= score_y1;
+                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
+                    (by_code || agreeing)) ? best : twice_preference;
+                const bool isolated_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
-                const bool least_upto_score_y2 = least <= score_y2;
-                suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
-                const bool least_upto_score_y3 = least <= score_y3;
-                suspect_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
-                const bool least_upto_score_y4 = least <= score_y4;
-                suspect_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? residual_0 : 0.0f),
-                    0.0322f), 0.0168f);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? residual_0 : 0.0f),
-                    0.0366f), 0.0124f);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? residual_0 : 0.0f),
-                    0.0322f), 0.0168f);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? residual_0 : 0.0f),
-                    0.0366f), 0.0124f);
-                bool contradictory_y1 = least_upto_score_y1;
-                bool contradictory_y2 = least_upto_score_y2;
-                bool contradictory_y3 = least_upto_score_y3;
-                bool contradictory_y4 = least_upto_score_y4;
+                suspect_y1 = (maglev_5dof_flag(isolated_y1) + waited) != 0u;
+                const bool isolated_y2 = least <= score_y2;
+                suspect_y2 = (maglev_5dof_flag(isolated_y2) + waited) != 0u;
+                const bool isolated_y3 = least <= score_y3;
+                suspect_y3 = (maglev_5dof_flag(isolated_y3) + waited) != 0u;
+                const bool isolated_y4 = least <= score_y4;
+                suspect_y4 = (maglev_5dof_flag(isolated_y4) + waited) != 0u;
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1) ? residual_0 : 0.0f), 0.0322f),
+                    0.0168f);
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2) ? residual_0 : 0.0f), 0.0366f),
+                    0.0124f);
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3) ? residual_0 : 0.0f), 0.0322f),
+                    0.0168f);
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4) ? residual_0 : 0.0f), 0.0366f),
+                    0.0124f);
+                bool contradictory_y1 = isolated_y1;
+                bool contradictory_y2 = isolated_y2;
+                bool contradictory_y3 = isolated_y3;
+                bool contradictory_y4 = isolated_y4;
                 if (redundancy_contradictions_0 < excluded_from) {
                     contradictory_y1 = false;
                     contradictory_y2 = false;
@@ -692,24 +735,42 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_undecided_0_next = doubted;
         }
-        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const uint32_t flag_suspect_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
-        const bool unusual_z_trusted = usable_z && (flag_suspect_z == 0u);
-        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const uint32_t suspects_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
-        const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
-        regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspect_y4 || suspect_y3 ||
-            suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
-        suspect_x = suspects_x;
-        suspect_z = flag_suspect_z;
+        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
+        const uint32_t stopped_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
+        uint32_t suspect_x = 1u;
+        if (jumps_x) {
+            const bool last_x = excluded_from <= redundancy_jumps_x;
+            redundancy_excluded_x_next = (last_x) ? 1u : redundancy_excluded_x;
+            redundancy_jumps_x_next = (last_x) ? 0u : (redundancy_jumps_x + 1u);
+        } else {
+            suspect_x = stopped_x;
+            redundancy_excluded_x_next = stopped_x;
+            redundancy_jumps_x_next = 0u;
+        }
+        const bool unusual_x_trusted = usable_x && (suspect_x == 0u);
         x_trusted = unusual_x_trusted;
-        z_trusted = unusual_z_trusted;
         x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
+        const uint32_t stopped_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
+        uint32_t suspect_z = 1u;
+        if (jumps_z) {
+            const bool last_z = excluded_from <= redundancy_jumps_z;
+            redundancy_excluded_z_next = (last_z) ? 1u : redundancy_excluded_z;
+            redundancy_jumps_z_next = (last_z) ? 0u : (redundancy_jumps_z + 1u);
+        } else {
+            suspect_z = stopped_z;
+            redundancy_excluded_z_next = stopped_z;
+            redundancy_jumps_z_next = 0u;
+        }
+        const bool unusual_z_trusted = usable_z && (suspect_z == 0u);
+        z_trusted = unusual_z_trusted;
         z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
-        redundancy_excluded_x_next = suspects_x;
-        redundancy_excluded_z_next = flag_suspect_z;
+        regular = unusual_z_trusted && unusual_x_trusted && determined;
+        redundancy_degraded_next = ((suspect_z != 0u) || (suspect_x != 0u) || suspect_y4 || suspect_y3 || suspect_y2 ||
+            suspect_y1) ? 1u : redundancy_degraded;
+        x_frozen = stopped_x;
+        z_frozen = stopped_z;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -724,11 +785,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (suspect_y4) {
             faults |= 0x00004000u;
         }
-        if (suspects_x != 0u) {
+        if (suspect_x != 0u) {
             faults |= 0x00008000u;
         }
         degraded = guard_ready;
-        if (flag_suspect_z != 0u) {
+        if (suspect_z != 0u) {
             faults |= 0x00010000u;
         }
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -741,20 +802,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
             diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
             diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
+            diagnostics->suspect_x = (float)suspect_x;
+            diagnostics->suspect_z = (float)suspect_z;
         }
 #endif
     }
-    const bool lost_1 = !x_trusted;
-    const bool lost_2 = !z_trusted;
+    const bool lost_x_faded_transfer = !x_trusted;
+    const bool lost_z_faded_transfer = !z_trusted;
 
     /* landing: ramps and state feedback */
-    static const float landed_at = 0.0314f;                     /* m; the landing is over when its ramp is there */
+    static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
     const float landing_r_y = state->landing_r_y;
     const uint32_t landing_landing = state->landing_landing;
     const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
-    const float pole = (theta_measured) ? pole_theta : predicted_pole_theta;
+    const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
@@ -768,7 +831,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float theta_disturbance = 0.0f;
     float theta_estimate = theta;
     float theta_rate = 0.0f;
-    float w_theta_part = 0.0f;
+    float damping_theta = 0.0f;
     float y_disturbance = 0.0f;
     float y_estimate = y;
     float y_rate = 0.0f;
@@ -793,14 +856,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
-        w_theta_part = 2.0f * (pole * theta_rate_part);
+        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_part);
 
         /* observer_y: predictive observer, alpha-beta-gamma
          *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
          *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
          *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
          *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
-         *         0.0345), 0.0145)
+         *         largest_position), least_position)
          *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
         static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
         static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
@@ -836,17 +899,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
 
     /* guard: range acceptance, hold, latch (continued) */
-    static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
+    static const uint32_t latch_samples = 20u;                  /* 1; bad samples in a row until it latches, times 4 */
     const uint32_t guard_latched = state->guard_latched;
+    const uint32_t guard_left = state->guard_left;
     uint32_t gave_up = guard_latched;
     if (enough) {
-        state->guard_left = latch_samples;
+        if (guard_left < latch_samples) {
+            state->guard_left = guard_left + 1u;
+        }
     } else {
-        const uint32_t guard_left = state->guard_left;
-        if (guard_left <= 1u) {
+        if (guard_left <= good_per_bad) {
             gave_up = 1u;
         } else {
-            state->guard_left = guard_left - 1u;
+            state->guard_left = guard_left - good_per_bad;
         }
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
@@ -859,14 +924,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    const float x_commutation = ((latched != 0u) && lost_1) ? not_known : x_held;
+    const float x_commutation = ((latched != 0u) && lost_x_faded_transfer) ? not_known : x_held;
     out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && lost_2) ? not_known : z_held;
+    const float z_commutation = ((latched != 0u) && lost_z_faded_transfer) ? not_known : z_held;
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
-    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
-    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float safe_i_d = 2.5f;                         /* A; safe output */
+    static const float slew_step = 0.1f;                        /* A; 100 A/s times 0.001 s */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
     const float safe_output_last_i_d3 = state->safe_output_last_i_d3;
@@ -877,16 +942,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (latched != 0u) {
         state->guard_latched = 1u;
         fault_word = faults_before | 0x80000000u;
-        state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
+        state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d, slew_step);
         out->i_d1 = state->safe_output_last_i_d1;
-        state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
+        state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d, slew_step);
         out->i_d2 = state->safe_output_last_i_d2;
-        state->safe_output_last_i_d3 = maglev_5dof_slew(safe_output_last_i_d3, safe_i_d1, slew_i_d1);
+        state->safe_output_last_i_d3 = maglev_5dof_slew(safe_output_last_i_d3, safe_i_d, slew_step);
         out->i_d3 = state->safe_output_last_i_d3;
-        state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, safe_i_d1, slew_i_d1);
+        state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, safe_i_d, slew_step);
         out->i_d4 = state->safe_output_last_i_d4;
-        state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, slew_i_d1);
-        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
+        state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, slew_step);
+        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_step);
         out->i_q2 = state->safe_output_last_u_x;
         out->i_q4 = state->safe_output_last_u_x;
         out->i_q1 = state->safe_output_last_u_z;
@@ -911,11 +976,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_excluded_x = redundancy_excluded_x_next;
         state->redundancy_doubts_x = redundancy_doubts_x_next;
         state->redundancy_before_x = before_x;
+        state->redundancy_jumps_x = redundancy_jumps_x_next;
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
         state->redundancy_excluded_z = redundancy_excluded_z_next;
         state->redundancy_doubts_z = redundancy_doubts_z_next;
         state->redundancy_before_z = before_z;
+        state->redundancy_jumps_z = redundancy_jumps_z_next;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
@@ -941,9 +1008,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
             .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
         const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, suspect_x, state->delay_a_x_last, x_unchanged);
+            x_held, x_frozen, state->delay_a_x_last, x_unchanged);
         const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, suspect_z, state->delay_a_z_last, z_unchanged);
+            z_held, z_frozen, state->delay_a_z_last, z_unchanged);
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
         const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
             filter_y_r_next);
@@ -959,70 +1026,90 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
         static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        const float faster_observer_phi_q = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + faster_observer_phi_q)),
+        const float rate_ahead_observer_phi_q = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead_observer_phi_q)),
             observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, observer_phi_largest_rate);
+        state->observer_phi_v = maglev_5dof_limit(rate_ahead_observer_phi_q, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
         static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float faster_observer_theta_q = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + faster_observer_theta_q)),
-            observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, observer_theta_largest_rate);
+        const float rate_ahead_observer_theta_q = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate +
+            (half_T * (theta_rate + rate_ahead_observer_theta_q)), observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(rate_ahead_observer_theta_q, observer_theta_largest_rate);
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
+        static const float observer_y_largest_position = 0.0345f; /* m; bound of the prediction */
+        static const float least_position = 0.0145f;            /* m; bound of the prediction */
         static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float faster_observer_y_q = y_rate + (T * (state->delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + faster_observer_y_q)),
-            0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, observer_y_largest_rate);
+        const float rate_ahead_observer_y_q = y_rate + (T * (state->delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate +
+            (half_T * (y_rate + rate_ahead_observer_y_q)), observer_y_largest_position), least_position);
+        state->observer_y_v = maglev_5dof_limit(rate_ahead_observer_y_q, observer_y_largest_rate);
 
         /* landing: ramps and state feedback (continued)
+         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
+         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
+         *         else 0
+         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
+         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
          *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+         *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+         *         acceleration_step_y)
          *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
-         *         (ramp_target_y - ramp_rate_y), 2) - y_disturbance if landing_next is set, else w_y_tracking
+         *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
+         *         w_y_tracking
+         *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
+         *         likewise ramp_rate_next_z
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
          *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
          *         w_x_tracking; likewise w_z_unprobed
-         *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else landing_patience
-         *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-         *     dr_y_next = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
-         *         acceleration_step_y) if landing_next is set, else dr_y
-         *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + max(min(0, ramp_rate_x + acceleration_step),
-         *         ramp_rate_x - acceleration_step)), bound) if landing is set, else x_estimate) if landing_next is
-         *         set, else r_x; likewise r_z_next
-         *     dr_x_next = limit(max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step), 10)
-         *         if landing_next is set, else dr_x; likewise dr_z_next */
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
+         *         else (left if landing_patience <= left, else left + 1)
+         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+         *     r_y_next = min((max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if
+         *         landing is set, else y_estimate) if landing_next is set, else r_y, ramp_end)
+         *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
+         *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
         static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
         static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
         static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
         static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
         static const float largest_speed = 0.08f;               /* m/s; largest speed of the ramp */
         static const float press_speed = 0.001f;                /* m/s; least speed of the ramp, behind the stop */
+        static const float acceleration_step_y = 0.002f;        /* m/s; T times 2 m/s^2 of the ramp */
         static const float stiffness_y = 3600.0f;               /* 1/s^2; p^2, p = 60 1/s */
         static const float damping_y = 120.0f;                  /* 1/s; 2 p, p = 60 1/s */
         static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
-        static const float stiffness = 900.0f; /* 1/s^2; p^2, p = 30 1/s, also stiffness_x, also stiffness_z */
-        static const float damping = 60.0f; /* 1/s; 2 p, p = 30 1/s, also damping_x, also damping_z */
-        static const float acceleration = 4.0f; /* m/s^2; of the ramp, also acceleration_x, also acceleration_z */
-        static const uint32_t landing_patience = 5u; /* 1; samples in a row with a prediction until it lands */
-        static const float acceleration_step_y = 0.002f;        /* m/s; T times 2 m/s^2 of the ramp */
-        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp */
-        static const float bound = 0.5f; /* m; of the ramp, also bound_y, also bound_x, also bound_z */
-        /* m/s; T times 4 m/s^2 of the ramp, also acceleration_step_x, also acceleration_step_z */
-        static const float acceleration_step = 0.004f;
+        static const float acceleration_y = 2.0f;               /* m/s^2; largest one of the ramp */
+        /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
+        static const float ramp_rate_bound = 10.0f;
+        static const float acceleration_step = 0.004f;          /* m/s; T times 4 m/s^2 of the ramp; of x, z */
+        static const float stiffness = 900.0f;                  /* 1/s^2; p^2, p = 30 1/s; of x, z */
+        static const float damping = 60.0f;                     /* 1/s; 2 p, p = 30 1/s; of x, z */
+        static const float acceleration = 4.0f;                 /* m/s^2; largest one of the ramp; of x, z */
+        /* 1; samples in a row with a prediction until it lands, times 4 */
+        static const uint32_t landing_patience = 20u;
+        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
-        const bool landing_left_at_most_1 = landing_left <= 1u;
+        const bool landing_left_at_most_4 = landing_left <= good_per_bad;
         uint32_t landing = 1u;
-        if (waiting && landing_left_at_most_1) {
+        if (waiting && landing_left_at_most_4) {
             state->landing_landing = 1u;
         } else {
             landing = landing_landing;
         }
-        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : landing_patience;
+        if (waiting) {
+            if (!landing_left_at_most_4) {
+                state->landing_left = landing_left - good_per_bad;
+            }
+        } else {
+            if (landing_left < landing_patience) {
+                state->landing_left = landing_left + 1u;
+            }
+        }
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -1036,9 +1123,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float ramp_y = landing_r_y;
             float ramp_rate_y = y_rate;
             float ramp_x = observer_x.estimate;
-            float ramp_rate_x = observer_x.rate;
+            float ramp_rate_x;
             float ramp_z = observer_z.estimate;
-            float ramp_rate_z = observer_z.rate;
+            float ramp_rate_z;
             if (landing_landing != 0u) {
                 ramp_rate_y = state->landing_dr_y;
                 ramp_x = state->landing_r_x;
@@ -1047,29 +1134,32 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 ramp_rate_z = state->landing_dr_z;
             } else {
                 ramp_y = y_estimate;
+                ramp_rate_x = maglev_5dof_limit(observer_x.rate, ramp_rate_bound);
+                ramp_rate_z = maglev_5dof_limit(observer_z.rate, ramp_rate_bound);
             }
             const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
                 largest_speed), press_speed);
+            const float ramp_rate_next_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
+            const float ramp_rate_next_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
             w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
-                (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), 2.0f) - y_disturbance);
+                (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
             w_x_unprobed = (stiffness * (ramp_x - observer_x.estimate)) + (damping * (ramp_rate_x - observer_x.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            const float faster_w_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
             landing_r_y_part = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
-                (half_T * (ramp_rate_y + faster_w_y)), ramp_end), -bound) : y_estimate;
-            state->landing_dr_y = faster_w_y;
-            const float faster_w_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
+                (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate;
+            const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
+            state->landing_dr_y = ramp_rate_next_y;
             state->landing_r_x = (landing_landing != 0u) ?
-                maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + faster_w_x)), bound) : observer_x.estimate;
-            state->landing_dr_x = maglev_5dof_limit(faster_w_x, 10.0f);
-            const float faster_w_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
+                maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f) : observer_x.estimate;
+            state->landing_dr_x = ramp_rate_next_x;
             state->landing_r_z = (landing_landing != 0u) ?
-                maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + faster_w_z)), bound) : observer_z.estimate;
-            state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
+                maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f) : observer_z.estimate;
+            state->landing_dr_z = ramp_rate_next_z;
             w_phi = -spring_phi * phi;
-            w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
+                theta_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->x_estimate = observer_x.estimate;
@@ -1119,7 +1209,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
                         -push_w_x : push_w_x;
                 }
-                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, largest_demand);
                 if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (pair_samples <= x_unchanged) ?
@@ -1150,7 +1240,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
                         -push_w_z : push_w_z;
                 }
-                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, largest_demand);
                 if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (pair_samples <= z_unchanged) ?
@@ -1196,7 +1286,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad, also half_I_x_over_r, also half_I_z_over_r */
+        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; of x, z */
         static const float half_I_over_r = 0.66347605f;
         static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
         /* A; largest direct current, rms: a little below the current limit */
@@ -1299,34 +1389,40 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
 
-        /* handover: direct currents without x or z
-         *     i_d1_computed = remainder_z * limit(i_d1_balanced + handed_z, room_z) if lost_1 or lost_2 or 0 <
-         *         transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed, i_d4_computed */
+        /* handover: direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once
+         *     faded_transfer = max(min(transfer if not x_trusted and not z_trusted, else ((0 if z_trusted is set,
+         *         else -1) if x_trusted is set, else 1), transfer + fade_step), transfer - fade_step)
+         *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
+         *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
+         *         i_d4_computed
+         *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
         static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
-        static const float current_limit = 4.9497476f;          /* A; largest hypot(i_d, i_q) of a motor, rms */
+        /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
+        static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
-        if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
+        if (lost_x_faded_transfer || lost_z_faded_transfer || (0.0f < (handover_transfer * handover_transfer))) {
+            const float faded_transfer = maglev_5dof_slew(handover_transfer,
+                (lost_x_faded_transfer && lost_z_faded_transfer) ? handover_transfer :
                 ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
-            const bool of_x = 0.0f < transfer;
-            const float part = fabsf(transfer);
-            const float part_z = (of_x) ? 0.0f : part;
-            const float remainder_z = 1.0f - part_z;
+            const bool of_x = 0.0f < faded_transfer;
+            const float part = fabsf(faded_transfer);
             const float part_x = (of_x) ? part : 0.0f;
-            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_z = current_limit - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
-            const float remainder_x = 1.0f - part_x;
+            const float part_z = (of_x) ? 0.0f : part;
             const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
             const float room_x = current_limit - fabsf(u_x_computed);
+            const float remainder_x = 1.0f - part_x;
             state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
-            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
             state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
-            state->handover_transfer = transfer;
-            out->i_d1 = state->safe_output_last_i_d1;
+            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+            const float room_z = current_limit - fabsf(u_z_computed);
+            const float remainder_z = 1.0f - part_z;
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
+            state->handover_transfer = faded_transfer;
             out->i_d2 = state->safe_output_last_i_d2;
-            out->i_d3 = state->safe_output_last_i_d3;
             out->i_d4 = state->safe_output_last_i_d4;
+            out->i_d1 = state->safe_output_last_i_d1;
+            out->i_d3 = state->safe_output_last_i_d3;
         } else {
             /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
@@ -1376,8 +1472,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
         diagnostics->x_unchanged = (float)x_unchanged;
         diagnostics->z_unchanged = (float)z_unchanged;
-        diagnostics->suspect_x = (float)suspect_x;
-        diagnostics->suspect_z = (float)suspect_z;
         diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
         diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
         diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
@@ -1385,6 +1479,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
+        diagnostics->x_frozen = (float)x_frozen;
+        diagnostics->z_frozen = (float)z_frozen;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
         diagnostics->degraded = (float)degraded;

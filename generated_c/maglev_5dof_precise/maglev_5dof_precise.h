@@ -9,9 +9,9 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init, and the
- * outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100
- * A/s.
+ * When the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or a landing is over, the step
+ * latches until init, and the outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2,
+ * i_q3, i_q4 to 0 A at 100 A/s.
  *
  * What this does to the machine:
  *   - a gap encoder that is refused or excluded is replaced
@@ -36,10 +36,110 @@
  * brakes nor latches: the caller must then stop the motion, by set-points that no longer move or by the safe output and
  * init at rest.
  *
+ * What may fail, and what follows:
+ * what fails           | noticed by, and when              | used instead       | what follows
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * y1, y2, y3, y4, x or | bits 0 to 5; in that sample       | its last good      | the law goes on; 5 samples in a row,
+ * z not finite or      |                                   | value              | or more than 1 in 5 for long, of any
+ * outside its range,   |                                   |                    | of them: latches
+ * before all were good |                                   |                    |
+ * in one sample        |                                   |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * y_ref, x_ref, z_ref, | bits 6 to 10; in that sample      | its last good      | the law goes on; never latches; all
+ * phi_ref or theta_ref |                                   | value              | axes go on to it
+ * not finite or        |                                   |                    |
+ * outside its range    |                                   |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * one of y1, y2, y3    | bits 0 to 3; in that sample       | what the others    | all axes go on
+ * and y4 not finite or |                                   | say, by the parity |
+ * outside its range    |                                   | relation           |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | all axes go on
+ * and y4 frozen,       | 4.8e-05 m in 3 samples in a row,  | say, by the parity |
+ * offset, drifting or  | and one has by far the largest    | relation           |
+ * jumping              | innovation or alone a code that   |                    |
+ *                      | stands still (3 or 8 samples):    |                    |
+ *                      | excluded until init               |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * the same, but which  | bits 11 to 14; the same in 10     | nothing: all stay  | lands, y, phi and theta by the
+ * one is not clear:    | samples in a row, or the excluded | in use             | readings as they are; then i_d of all
+ * all of y1, y2, y3    | one moves again after it stood    |                    | 2.5 A, i_q 0 A, at measured angles
+ * and y4 are suspects  | still                             |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the gaps left do not tell
+ * and y4 refused or    | sample                            | its observer       | of y, phi, theta is predicted; x and
+ * excluded             |                                   |                    | z go on measured; then i_d of all 2.5
+ *                      |                                   |                    | A, i_q 0 A, at measured angles
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * more than 2 of y1,   | bits 0 to 3, 11 to 14; in that    | the prediction of  | the 5th sample in a row latches in
+ * y2, y3 and y4        | sample                            | its observer       | flight, without a landing: i_d 2.5 A,
+ * refused or excluded  |                                   |                    | i_q 0 A, at measured angles
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x or z not finite or | bits 4, 5; in that sample         | the prediction of  | lands; without x, motors 2 and 4 hand
+ * outside its range    |                                   | its observer       | i_d over to 1 and 3 in 25 samples and
+ *                      |                                   |                    | keep i_q, and vice versa without z;
+ *                      |                                   |                    | commutated at the prediction; then
+ *                      |                                   |                    | i_d 2.5 A, i_q 0 A, and 0.2 m for the
+ *                      |                                   |                    | lost position: the phase step refuses
+ *                      |                                   |                    | it and fades the currents of its
+ *                      |                                   |                    | motors out, so that the two others
+ *                      |                                   |                    | carry with 4.95 A
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x or z frozen        | bits 15, 16; its code stands      | the prediction of  | as the row above; bit and exclusion
+ *                      | still for 3 samples or more while | its observer       | stay
+ *                      | its prediction, which agreed with |                    |
+ *                      | its last 10 changes, moves by     |                    |
+ *                      | more than 4e-05 m; or no answer   |                    |
+ *                      | to the probe; only inside -0.0499 |                    |
+ *                      | .. 0.0499 m; excluded until init  |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x or z jumping       | bits 15, 16; further than 0.00015 | the prediction of  | as the rows above; a single such
+ * inside its range     | m from its prediction, which      | its observer, at   | sample sets the bit, and all axes go
+ *                      | agreed with its last 10 changes;  | once               | on
+ *                      | excluded until init after 3       |                    |
+ *                      | samples in a row. Not after       |                    |
+ *                      | missed calls, until the           |                    |
+ *                      | prediction agrees again: count    |                    |
+ *                      | them, else they look like a jump. |                    |
+ *                      | A smaller offset, a drift and     |                    |
+ *                      | noise are not noticed             |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x and z refused or   | bits 4, 5, 15, 16; in that sample | the prediction of  | the 5th sample in a row latches in
+ * excluded             |                                   | its observer       | flight, without a landing: i_d 2.5 A,
+ *                      |                                   |                    | i_q 0 A, 0.2 m for both: the phase
+ *                      |                                   |                    | step keeps the angles for 80 samples,
+ *                      |                                   |                    | then fades all currents out in 25
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * a coordinate that is | status bit 30; in 5 samples in a  | estimates of the   | y sinks to 0.031 m with at most 0.08
+ * not measured, in all | row, or more than 1 in 5 for long | observers          | m/s and 2 m/s^2, 0.005 m/s at the
+ * rows above that say  |                                   |                    | stop; brakes x at 4 m/s^2 and z at 4
+ * `lands`              |                                   |                    | m/s^2; over, and latches, when the
+ *                      |                                   |                    | ramp of y, not the body, is at 0.0314
+ *                      |                                   |                    | m; only init ends it
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x frozen at rest     | bit 15; 12 samples without a      | its prediction     | as frozen in motion
+ *                      | change of its code, then 8 pairs  |                    |
+ *                      | of pushes without an answer:      |                    |
+ *                      | after 77 samples                  |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * z frozen at rest     | bit 16; 12 samples without a      | its prediction     | as frozen in motion
+ *                      | change of its code, then 8 pairs  |                    |
+ *                      | of pushes without an answer:      |                    |
+ *                      | after 77 samples                  |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * more than 40 calls   | bit 18; at the next call, where   | the last outputs   | nothing: the caller must stop the
+ * missed, or no count  | the caller counts them            | act until then     | motion
+ *
  * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
  * steps before it, and the outputs of the last one go to the hardware.
  *
  * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
+ *
+ * Signs of what a positive value accelerates, from the plant: i_d1 +y -phi; i_d2 +y +theta; i_d3 +y +phi; i_d4 +y
+ * -theta; u_x -x; u_z -z.
+ *
+ * y counts positive downwards, away from the motors. u_x is i_q of motors 2 and 4, along X; u_z is i_q of motors 1 and
+ * 3, along Z.
  *
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
  * stop at 31 mm.
@@ -134,7 +234,7 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.05 .. 0.05: last good value */
     float guard_last_phi_ref;           /* rad, -0.003 .. 0.003: last good value */
     float guard_last_theta_ref;         /* rad, -0.014 .. 0.014: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches times 4 */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
@@ -154,11 +254,13 @@ typedef struct {
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
     uint32_t redundancy_doubts_x;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t redundancy_jumps_x;        /* 1, 0 .. 2: samples in a row far from its prediction */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
     uint32_t redundancy_doubts_z;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t redundancy_jumps_z;        /* 1, 0 .. 2: samples in a row far from its prediction */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
@@ -195,7 +297,7 @@ typedef struct {
     float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
     float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
     float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
-    uint32_t landing_left;              /* 1, 1 .. 5: samples until it lands */
+    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands times 4 */
     uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
     float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
     float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
@@ -221,11 +323,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_precise_input_t) == 48u, "size of maglev_5dof_precise_input_t");
 _Static_assert(sizeof(maglev_5dof_precise_output_t) == 40u, "size of maglev_5dof_precise_output_t");
-_Static_assert(sizeof(maglev_5dof_precise_state_t) == 552u, "size of maglev_5dof_precise_state_t");
+_Static_assert(sizeof(maglev_5dof_precise_state_t) == 560u, "size of maglev_5dof_precise_state_t");
 #else
 extern char maglev_5dof_precise_input_size_is_48[(sizeof(maglev_5dof_precise_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_precise_output_size_is_40[(sizeof(maglev_5dof_precise_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_precise_state_size_is_552[(sizeof(maglev_5dof_precise_state_t) == 552u) ? 1 : -1];
+extern char maglev_5dof_precise_state_size_is_560[(sizeof(maglev_5dof_precise_state_t) == 560u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -269,13 +371,13 @@ typedef struct {
     float y3_expected;                  /* m: gap of motor 3 */
     float y4_expected;                  /* m: gap of motor 4 */
     float z_unanswered;                 /* 1: no pair of the probe was answered */
-    float suspect_y1;                   /* 1: contradicts the other measurements */
-    float suspect_y2;                   /* 1: contradicts the other measurements */
-    float suspect_y3;                   /* 1: contradicts the other measurements */
-    float suspect_y4;                   /* 1: contradicts the other measurements */
-    float suspect_x;                    /* 1: contradicts the other measurements */
-    float suspect_z;                    /* 1: contradicts the other measurements */
-    float landed;                       /* 1: the landing is over */
+    float suspect_y1;                   /* 1: wrong, or may be: contradicts the others or is frozen */
+    float suspect_y2;                   /* 1: wrong, or may be: contradicts the others or is frozen */
+    float suspect_y3;                   /* 1: wrong, or may be: contradicts the others or is frozen */
+    float suspect_y4;                   /* 1: wrong, or may be: contradicts the others or is frozen */
+    float suspect_x;                    /* 1: wrong, or may be: contradicts the others or is frozen */
+    float suspect_z;                    /* 1: wrong, or may be: contradicts the others or is frozen */
+    float landed;                       /* 1: the ramp is at its end, wherever the body is */
     float gaps_sufficient;              /* 1: the machine can be controlled */
     float x_trusted;                    /* 1: measured, not predicted */
     float z_trusted;                    /* 1: measured, not predicted */
@@ -284,6 +386,8 @@ typedef struct {
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */
     float y4_held;                      /* m: gap of motor 4 */
+    float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
+    float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float x_unchanged;                  /* 1: samples without a change of the code */
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */

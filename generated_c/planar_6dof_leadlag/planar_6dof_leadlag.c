@@ -330,24 +330,24 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
     if (latched != 0u) {
         /* safe_output: slew to the safe output once latched */
-        static const float slew_i_AA = 0.126f;                  /* A; 126 A/s times 0.001 s */
-        state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
+        static const float slew_step = 0.126f;                  /* A; 126 A/s times 0.001 s */
+        state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_step);
         out->i_AA = state->safe_output_last_i_AA;
-        state->safe_output_last_i_AB = planar_6dof_leadlag_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
+        state->safe_output_last_i_AB = planar_6dof_leadlag_slew(state->safe_output_last_i_AB, 0.0f, slew_step);
         out->i_AB = state->safe_output_last_i_AB;
-        state->safe_output_last_i_AC = planar_6dof_leadlag_slew(state->safe_output_last_i_AC, 0.0f, slew_i_AA);
+        state->safe_output_last_i_AC = planar_6dof_leadlag_slew(state->safe_output_last_i_AC, 0.0f, slew_step);
         out->i_AC = state->safe_output_last_i_AC;
-        state->safe_output_last_i_BA = planar_6dof_leadlag_slew(state->safe_output_last_i_BA, 0.0f, slew_i_AA);
+        state->safe_output_last_i_BA = planar_6dof_leadlag_slew(state->safe_output_last_i_BA, 0.0f, slew_step);
         out->i_BA = state->safe_output_last_i_BA;
-        state->safe_output_last_i_BB = planar_6dof_leadlag_slew(state->safe_output_last_i_BB, 0.0f, slew_i_AA);
+        state->safe_output_last_i_BB = planar_6dof_leadlag_slew(state->safe_output_last_i_BB, 0.0f, slew_step);
         out->i_BB = state->safe_output_last_i_BB;
-        state->safe_output_last_i_BC = planar_6dof_leadlag_slew(state->safe_output_last_i_BC, 0.0f, slew_i_AA);
+        state->safe_output_last_i_BC = planar_6dof_leadlag_slew(state->safe_output_last_i_BC, 0.0f, slew_step);
         out->i_BC = state->safe_output_last_i_BC;
-        state->safe_output_last_i_CA = planar_6dof_leadlag_slew(state->safe_output_last_i_CA, 0.0f, slew_i_AA);
+        state->safe_output_last_i_CA = planar_6dof_leadlag_slew(state->safe_output_last_i_CA, 0.0f, slew_step);
         out->i_CA = state->safe_output_last_i_CA;
-        state->safe_output_last_i_CB = planar_6dof_leadlag_slew(state->safe_output_last_i_CB, 0.0f, slew_i_AA);
+        state->safe_output_last_i_CB = planar_6dof_leadlag_slew(state->safe_output_last_i_CB, 0.0f, slew_step);
         out->i_CB = state->safe_output_last_i_CB;
-        state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
+        state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_step);
         out->i_CC = state->safe_output_last_i_CC;
         state->guard_latched = 1u;
         faults |= 0x80000000u;

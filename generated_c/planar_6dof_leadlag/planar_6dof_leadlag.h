@@ -25,6 +25,29 @@
  * A refused input is replaced by its last good value, before its first one by 0 m (d1, d2, d3, x_ref, y_ref, z_ref), 0
  * rad (phi_ref, theta_ref, psi_ref), or always by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
  *
+ * What may fail, and what follows:
+ * what fails           | noticed by, and when              | used instead       | what follows
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * d1, d2 or d3 not     | bits 6 to 8; in that sample       | its last good      | the law goes on; 5 samples in a row,
+ * finite or outside    |                                   | value              | of any of them: brakes for 23
+ * its range            |                                   |                    | samples, then latches
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | always its initial | the law goes on; 5 samples in a row,
+ * V_by, V_cx or V_cy   |                                   | value              | of any of them: brakes for 23
+ * not finite or        |                                   |                    | samples, then latches
+ * outside its range    |                                   |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | nothing            | counts as refused: 5 samples in a
+ * V_by, V_cx or V_cy   | sample on                         |                    | row, of any of them: brakes for 23
+ * contradicts the      |                                   |                    | samples, then latches
+ * others               |                                   |                    |
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * x_ref, y_ref,        | bits 9 to 14; in that sample      | its last good      | the law goes on; never latches
+ * phi_ref, z_ref,      |                                   | value              |
+ * theta_ref or psi_ref |                                   |                    |
+ * not finite or        |                                   |                    |
+ * outside its range    |                                   |                    |
+ *
  * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
  *
  * (n) is equation (n) of H. Yu, W.-J. Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable

@@ -44,10 +44,10 @@ def isolate(
     stands = {n: still[n] >= STILL for n in names}
     alone = {n: _one(stands[n]) * others_move for n in names}
     candidates = sum(candidate.values(), start=ca.SX(0))
-    first = _one(candidates > 0)
-    second_rule = 1 - first
-    preferred = {n: second_rule * alone[n] for n in names}
-    score = {n: E[n] + PREFERENCE * (candidate[n] - first + preferred[n]) for n in names}
+    by_first_rule = _one(candidates > 0)
+    by_second_rule = 1 - by_first_rule
+    preferred = {n: by_second_rule * alone[n] for n in names}
+    score = {n: E[n] + PREFERENCE * (candidate[n] - by_first_rule + preferred[n]) for n in names}
     best, second = ca.SX(-PREFERENCE), ca.SX(-PREFERENCE)
     for n in names:
         second = ca.fmax(second, ca.fmin(best, score[n]))
@@ -69,11 +69,25 @@ def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[S
 def numbers(unit: str, i: int, threshold: float) -> list[Constant]:
     """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
     return [
-        Constant(f"threshold_{i}", threshold, unit, "largest |r| without a fault"),
-        Constant("candidate_part", CANDIDATE, "1", "of |r|: least E of a sensor whose code stands still"),
-        Constant("lead_by_code", LEAD["by code"], "1", "of |r|: of the largest E over the next one, by codes"),
-        Constant("lead_by_innovation", LEAD["by innovation"], "1", "of |r|: the same, by innovations alone"),
-        Constant("preference", PREFERENCE, unit, "more than any reading, so codes decide before innovations"),
+        Constant(
+            f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"
+        ),
+        Constant(
+            "candidate_part",
+            CANDIDATE,
+            "1",
+            "of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it",
+        ),
+        Constant(
+            "lead_by_code", LEAD["by code"], "1", "of |r|: least lead over the next E by codes: more than noise of E"
+        ),
+        Constant(
+            "lead_by_innovation",
+            LEAD["by innovation"],
+            "1",
+            "of |r|: least lead by innovations alone, which predictions that followed an error spoil",
+        ),
+        Constant("preference", PREFERENCE, unit, "more than any E: codes decide before innovations"),
         Constant("twice_preference", 2 * PREFERENCE, unit, "more than any score: no sensor is named"),
     ]
 

@@ -1,6 +1,7 @@
 """Controlled landing of a levitated body: ramps of the set-points and a state feedback that follows them.
 
-From the sample on in which ``regular`` is lost for `patience` samples in a row, the demands w of all coordinates are
+From the sample on in which ``regular`` is lost for `patience` samples in a row, or too often (`bad_samples`), the
+demands w of all coordinates are
 
     w = -p^2 (q - r) - 2 p (v - r') + r'' - d            q, v, d: estimates of a predictive observer (`predictor`)
 
@@ -22,8 +23,9 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import safety
+from synth.blocks import bad_samples, safety
 from synth.errors import SignalError
+from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -89,7 +91,9 @@ Course = Descent | Braking | Levelling | Release
 
 
 @arguments.checked
-def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> Block:
+def block(
+    time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int, good_samples: int = 0
+) -> Block:
     """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, and ``landed``.
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
@@ -97,15 +101,16 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the machine lands.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
-    positive.
+    positive or below 0 for `good_samples`, of which so many make up for one without ``regular``.
     """
     _check(courses, demands, patience)
+    bad_samples.check(good_samples)
     T, moving = time.period_s, [c for c in courses if isinstance(c, Descent | Braking)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
-        left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
-        due = ca.logic_and(waiting, x["left"] <= 1)
+        left = bad_samples.next_count(ca.logic_not(waiting), x["left"], patience, good_samples)
+        due = ca.logic_and(waiting, bad_samples.is_due(x["left"], good_samples))
         landing = ca.if_else(due, 1, x["landing"])
         named: list[tuple[Signal, ca.SX]] = []
         output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
@@ -115,43 +120,66 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 output[w.name] = ca.if_else(landing, clip(released, w), u[f"{w.name}_tracking"])
                 continue
             q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
-            pole = ca.SX(c.pole)
             if isinstance(c, Levelling):
-                pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
-            p, r, dr, ddr = pole, ca.SX(0), ca.SX(0), ca.SX(0)
-            if not isinstance(c, Levelling):
+                levelling_pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
+                damping = 2 * levelling_pole * v
+                named.append((Signal(f"damping_{c.coordinate}", w.unit, w.low, w.high, "part by the rate"), damping))
+                demand = -(levelling_pole * levelling_pole * q + damping + d)
+            else:
+                p = c.pole
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
-                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
+                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], clip(v, _states(c)[1].signal))
                 target = _descent_rate(c, r) if isinstance(c, Descent) else ca.SX(0)
                 ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
-                faster = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
+                dr_next = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
                 position, rate = (state.signal for state in _states(c))
-                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + faster), position), q)
+                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), q)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
-                next[rate.name] = ca.if_else(landing, clip(faster, rate), x[rate.name])
-                values = zip(_ramp(c), (r, dr, target), strict=True)
+                next[rate.name] = ca.if_else(landing, dr_next, x[rate.name])
+                values = zip(_ramp(c), (r, dr, target, dr_next), strict=True)
                 named += [(signal, value) for signal, value in values if not value.is_constant()]
-            demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
+                demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
             output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
             if isinstance(c, Descent):
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
         return Step(
-            output, next, named, numbers=[*_numbers(time, patience), *(n for c in courses for n in _of_course(c, T))]
+            output,
+            next,
+            named,
+            numbers=[*_numbers(time, patience, good_samples), *(n for c in courses for n in _of_course(c, T))],
         )
 
     states = [
-        State(Signal("left", "1", 1, max(patience, 2), "samples until it lands"), patience, True),
+        bad_samples.state(patience, good_samples, "samples until it lands"),
         State(Signal("landing", "1", 0, 1, "lands until init"), 0, True),
     ]
     for c in moving:
         states += _states(c)
     made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over"), LANDS], states=states,
-        tag="ramps and state feedback",
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the ramp is at its end, wherever the body is"), LANDS],
+        states=states, tag="ramps and state feedback",
     )  # fmt: skip
-    return replace(made, faults=(Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),))
+    faults = (Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),)
+    return replace(made, faults=faults, failures=(_row(courses, bad_samples.rule(patience, good_samples)),))
+
+
+def _row(courses: Sequence[Course], patience: str) -> Failure:
+    """Return the row of the header's table on a landing, which begins after `patience`."""
+    d = next(c for c in courses if isinstance(c, Descent))
+    braked = [f"{c.coordinate} at {c.acceleration:g} m/s^2" for c in courses if isinstance(c, Braking)]
+    course = f"{d.coordinate} sinks to {d.end:g} m with at most {d.speed:g} m/s and {d.acceleration:g} m/s^2, "
+    course += f"{d.touch:g} m/s at the stop"
+    course += f"; brakes {enumeration(braked, 'and')}" if braked else ""
+    over = f"over, and latches, when the ramp of {d.coordinate}, not the body, is at {d.end + d.beyond:g} m"
+    return Failure(
+        "landing",
+        "a coordinate that is not measured, in all rows above that say `lands`",
+        f"status bit {BRAKING_BIT}; in {patience}",
+        "estimates of the observers",
+        f"{course}; {over}; only init ends it",
+    )
 
 
 def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
@@ -161,13 +189,16 @@ def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
         Signal(f"ramp_{q}", "m", -WIDE, WIDE, "set-point of the landing"),
         Signal(f"ramp_rate_{q}", "m/s", -WIDE, WIDE, "its rate"),
         Signal(f"ramp_target_{q}", "m/s", -WIDE, WIDE, "rate that the set-point approaches"),
+        Signal(f"ramp_rate_next_{q}", "m/s", -2 * WIDE, 2 * WIDE, "rate of the set-point one sample later"),
     )
 
 
-def _numbers(time: Discrete, patience: int) -> list[Constant]:
+def _numbers(time: Discrete, patience: int, good_samples: int) -> list[Constant]:
     T = time.period_s
     return [
-        Constant("landing_patience", patience, "1", "samples in a row with a prediction until it lands", ("left",)),
+        *bad_samples.numbers(
+            "landing_patience", patience, good_samples, "samples in a row with a prediction until it lands"
+        ),
         Constant("half_T", T / 2, "s", "half the sample period"),
         Constant("inverse_T", 1 / T, "1/s", "1 / sample period"),
     ]
@@ -187,15 +218,17 @@ def _of_course(c: Course, T: float) -> list[Constant]:
         Constant(f"stiffness_{n}", c.pole**2, "1/s^2", f"p^2, p = {c.pole:g} 1/s"),
         Constant(f"damping_{n}", 2 * c.pole, "1/s", f"2 p, p = {c.pole:g} 1/s"),
         Constant(f"acceleration_step_{n}", T * c.acceleration, "m/s", f"T times {c.acceleration:g} m/s^2 of the ramp"),
-        Constant(f"bound_{n}", c.bound, "m", "of the ramp"),
+        Constant(f"bound_{n}", c.bound, "m", "of the ramp: wider than any estimate"),
+        Constant(f"acceleration_{n}", c.acceleration, "m/s^2", "largest one of the ramp"),
+        Constant(f"ramp_rate_bound_{n}", WIDE, "m/s", "bound of the ramp's rate: wider than any estimate"),
     ]
-    if c.acceleration != 2:  # the factor of the damping has this value, too
-        numbers.append(Constant(f"acceleration_{n}", c.acceleration, "m/s^2", "of the ramp"))
     if isinstance(c, Descent):
         numbers += [
             Constant("stop", c.end, "m", "gap of the stop on which it lands"),
-            Constant("landed_at", c.end + c.beyond, "m", "the landing is over when its ramp is there"),
-            Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp"),
+            Constant(
+                "landed_at", c.end + c.beyond, "m", "end of the ramp, behind the stop: landed, wherever the body is"
+            ),
+            Constant("ramp_end", c.end + 4 * c.beyond, "m", "bound of the ramp: it is over before"),
             Constant("largest_speed", c.speed, "m/s", "largest speed of the ramp"),
             Constant("touch_speed", c.touch, "m/s", "speed of the ramp at the stop"),
             Constant("press_speed", c.press, "m/s", "least speed of the ramp, behind the stop"),

@@ -17,6 +17,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Exprs, Fault, Step, build
 from synth.errors import SignalError
+from synth.failure import Failure
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -54,4 +55,12 @@ def block(time: Discrete, count: Signal, bit: int) -> Block:
 
     made = build(MISSED_CALLS, time, law, inputs=[count], outputs=[flag], tag="missed calls")
     about = f"more than {count.high:g} calls missed, or no count"
-    return replace(made, faults=(Fault(bit, flag.name, count.name, about=about),))
+    row = Failure(
+        MISSED_CALLS,
+        about,
+        "at the next call, where the caller counts them",
+        "the last outputs act until then",
+        "nothing: the caller must stop the motion",
+        (count.name,),
+    )
+    return replace(made, faults=(Fault(bit, flag.name, count.name, about=about),), failures=(row,))

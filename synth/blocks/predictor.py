@@ -114,8 +114,16 @@ def block(
     ]
     if measured.low == -measured.high:
         numbers.append(Constant("largest_position", measured.high, measured.unit, "bound of the prediction"))
+    else:
+        ends = {"least_position": measured.low, "largest_position": measured.high}
+        numbers += [Constant(n, v, unit, "bound of the prediction") for n, v in ends.items() if v]
     numbers += [Constant("gained_decay", 1 - LEAK, "1", "part of the sum that stays")] if flags else []
-    numbers += [Constant("learning_step", gain.rate * T, "s^4/m^2", f"{gain.rate:g} times T")] if gain else []
+    if gain:
+        numbers += [
+            Constant("learning_step", gain.rate * T, "s^4/m^2", f"{gain.rate:g} times T"),
+            Constant("least_gain", gain.low, "1", "bound of the learnt gain"),
+            Constant("largest_gain", gain.high, "1", "bound of the learnt gain"),
+        ]
     expected = Signal(f"{name}_expected", unit, measured.low, measured.high, f"{name} predicted for this sample")
     signals = [
         expected,
@@ -148,13 +156,13 @@ def block(
             more = (1 - LEAK) * x["gained"] + (d - x["d_at_change"])
             next |= {"gained": ca.if_else(same, more, 0.0), "d_at_change": ca.if_else(same, x["d_at_change"], d)}
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
-        faster = v + T * a
-        further = q + T / 2 * (v + faster)
-        next |= {"q": further, "v": faster, "d": d}
+        rate_ahead = v + T * a
+        position_ahead = q + T / 2 * (v + rate_ahead)
+        next |= {"q": position_ahead, "v": rate_ahead, "d": d}
         if gain:
             next["g"] = x["g"] + gain.rate * T * (u[demand.name] * d)
         values = [x["q"], q, v, d]
-        values += [clip(further, states[0].signal), clip(faster, states[1].signal)] if ahead else []
+        values += [clip(position_ahead, states[0].signal), clip(rate_ahead, states[1].signal)] if ahead else []
         return Step(dict(zip((s.name for s in signals), values, strict=True)), next, numbers=numbers)
 
     states = [

@@ -16,13 +16,14 @@ must move the body by more than one count in spite of both. A body on a stop is 
 Source: active fault diagnosis; Campbell, Nikoukhah, *Auxiliary Signal Design for Failure Detection*, 2004, chapter 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.failure import Failure
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -81,6 +82,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         Constant("reverse_push_end", 3 * n, "1", "last sample of the push to the other side", ("sample",)),
         Constant("last_push_end", 4 * n, "1", "last sample of the second push", ("sample",)),
         Constant("pair_samples", pair, "1", "of a pair with its answer", ("sample", "unchanged")),
+        Constant("largest_demand", demand.high, demand.unit, "bound of the demand with a push"),
         Constant("most_attempts", probe.attempts, "1", "pairs without an answer: the sensor is frozen", ("attempt",)),
     ]
 
@@ -119,7 +121,12 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
     ]
     unanswered = Signal(f"{sensor}_unanswered", "1", 0, 1, "no pair of the probe was answered")
     free = Signal("free", "1", 0, 1, "the body may move")
-    return build(
+    made = build(
         f"probe_{sensor}", time, law, inputs=[plain, unchanged, error, free], outputs=[demand, unanswered],
         states=states, tag="probe at rest",
     )  # fmt: skip
+    noticed = f"{probe.quiet} samples without a change of its code, then {probe.attempts} pairs of pushes without an "
+    noticed += f"answer: after {probe.samples} samples"
+    row = Failure(f"unanswered_{sensor}", f"{sensor} frozen at rest", noticed, "its prediction", "as frozen in motion",
+                  (), (sensor,))  # fmt: skip
+    return replace(made, failures=(row,))

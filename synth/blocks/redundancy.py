@@ -13,9 +13,14 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
                     prediction, which agreed with it at the last DOUBTS changes, moves by more than `gate`; or a
                     `probe` says that its code did not answer.
+    jump            of a sensor without a group: it is further than `jump` from its prediction, which agreed with it at
+                    the last DOUBTS changes. The prediction replaces it at once. It is not looked for in a sample after
+                    missing calls, in which the body has moved on, nor where the prediction or the
+                    code before it is outside `travel`.
 
-A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
-code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
+A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
+that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was
+wrong.
 
 ``determined`` says that the groups measure their coordinates: at most one reading of each is replaced, and nothing is
 undecided. ``regular`` says that further no reading without a group is replaced. ``sufficient`` says that at most
@@ -32,10 +37,11 @@ import casadi as ca
 
 from synth import arguments
 from synth.analyse.parity import Relation
-from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks import isolation, safety
+from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import isolation, redundancy_signals, safety
 from synth.blocks.isolation import FRESH
 from synth.blocks.redundancy_decision import DOUBTS, Decision
+from synth.blocks.redundancy_failures import of_redundancy
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -44,14 +50,21 @@ __all__ = ["Decision", "block"]
 
 
 @arguments.checked
-def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> Block:
+def block(
+    time: Discrete,
+    sensors: Sequence[Signal],
+    relations: Sequence[Relation],
+    decision: Decision,
+    missed_calls: Signal | None = None,
+) -> Block:
     """Return the Block between the guard and the laws.
 
     For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
     and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
-    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular``,
-    ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they
-    pass, and nothing else is computed. ``degraded`` says that this is not so, once ready.
+    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``, ``<s>_unchanged`` and ``<s>_frozen``, and
+    ``regular``, ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a
+    suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once ready. `missed_calls`
+    is the input that counts missing calls, if there is one.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
@@ -66,6 +79,8 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
+        stopped: dict[str, ca.SX] = {}
+        in_time = u[missed_calls.name] <= 0 if missed_calls else ca.SX(1)
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
@@ -81,15 +96,27 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         for n in singles:
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
-            gate, doubts = decision.gate[n], x[f"doubts_{n}"]
-            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+            gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
+            believed = _is_jump_possible(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
+            far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
+            count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
+            jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
+            near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+            changed = ca.if_else(far, ca.if_else(believed, doubts, DOUBTS), near)
             next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
             moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
             frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
-            next[f"excluded_{n}"] = suspects[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
+            next[f"excluded_{n}"] = suspects[n] = stopped[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
+            if n in decision.jump:
+                calm = ca.logic_and(calm, ca.logic_not(jumps))
+                last = count >= decision.persistent - 1
+                next[f"jumps_{n}"] = ca.if_else(jumps, ca.if_else(last, 0, count + 1), 0)
+                after_jump = ca.if_else(last, 1, x[f"excluded_{n}"])
+                next[f"excluded_{n}"] = ca.if_else(jumps, after_jump, stopped[n])
+                suspects[n] = ca.if_else(jumps, 1, stopped[n])
             usable[n] = ca.logic_and(usable[n], ca.logic_not(suspects[n]))
             value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
             regular = ca.if_else(usable[n], regular, 0)
@@ -99,7 +126,9 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
         unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
         unusual |= {"regular": regular, "sufficient": sufficient, "determined": determined}
+        unusual |= {f"{n}_frozen": stopped[n] for n in singles}
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
+        usual |= {f"{n}_frozen": ca.SX(0) for n in singles}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
         output["degraded"] = ca.if_else(calm, 0, u["ready"])
@@ -108,11 +137,14 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
-    return build(
-        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
-        outputs=_outputs(sensors, singles),
-        states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
+    made = build(
+        safety.REDUNDANCY, time, law,
+        inputs=redundancy_signals.inputs(sensors, singles if decision.at_rest else [], missed_calls),
+        outputs=redundancy_signals.outputs(sensors, singles),
+        states=redundancy_signals.states(sensors, relations, singles, decision),
+        tag="parity, innovations, frozen codes, jumps",
     )  # fmt: skip
+    return replace(made, failures=of_redundancy(by_name, relations, singles, decision))
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +193,9 @@ def _vote(
     E = {n: direction[n] * (y[n] - expected[n]) for n in names}
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
-    named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
+    isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
     final, moved = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0), ca.SX(0)
-    by_code = sum((ca.if_else(stands[n] >= FRESH, named[n] * final, 0.0) for n in names), start=ca.SX(0))
+    stuck_now = sum((ca.if_else(stands[n] >= FRESH, isolated[n] * final, 0.0) for n in names), start=ca.SX(0))
     for n in names:
         moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(excluded[n], ca.logic_not(u[f"fault_{n}"])))
         moved = ca.if_else(moves, 1, moved)
@@ -174,14 +206,14 @@ def _vote(
     value, suspects = {}, {}
     for n, w in weights.items():
         predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
-        corrected, replaced = y[n] - named[n] * r / w, ca.if_else(usable[n], y[n], predicted)
+        corrected, replaced = y[n] - isolated[n] * r / w, ca.if_else(usable[n], y[n], predicted)
         value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
-        suspects[n] = ca.if_else(by_case(undecided, named[n] + waited, excluded[n] + doubted) > 0, 1, 0)
+        suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
     next = {
         f"contradictions_{i}": by_case(ca.SX(0), _count(ca.SX(1), count, decision.undecided), ca.SX(0)),
-        f"stuck_{i}": by_case(stuck, ca.if_else(by_code + stuck > 0, 1, 0), stuck),
+        f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
-        **{f"excluded_{n}": by_case(excluded[n], named[n] * final, excluded[n]) for n in names},
+        **{f"excluded_{n}": by_case(excluded[n], isolated[n] * final, excluded[n]) for n in names},
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
@@ -193,6 +225,19 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     """Return whether the code of a sensor without a group stands still although it ought to move."""
     low, high = travel
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
+
+
+def _is_jump_possible(
+    travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX
+) -> ca.SX:
+    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump.
+
+    The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
+    """
+    (low, high), believed = travel, ca.logic_and(doubts < 1, in_time)
+    for position in positions:
+        believed = ca.logic_and(believed, ca.logic_and(position > low, position < high))
+    return believed
 
 
 def _count(flag: ca.SX, count: ca.SX, most: int) -> ca.SX:
@@ -208,65 +253,19 @@ def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Deci
             raise SignalError(
                 f"the relations name '{n}': name at least two of {', '.join(names)} in each, and each sensor once"
             )
-    if unknown := [n for n in (*decision.gate, *decision.travel) if n not in names]:
+    if unknown := [n for n in (*decision.gate, *decision.travel, *decision.jump) if n not in names]:
         raise SignalError(
-            f"the decision has a gate or travel of '{unknown[0]}', and the sensors are {names}: give it as a sensor"
+            f"the decision has a gate, travel or jump of '{unknown[0]}', and the sensors are {names}: give a sensor"
         )
     singles = [n for n in names if n not in related]
     for n in singles:
         if not decision.gate.get(n, 0) > 0 or n not in decision.travel:
             raise SignalError(f"sensor '{n}' is in no relation and has no gate or travel: give both")
+        if decision.jump.get(n, decision.gate[n]) < decision.gate[n]:
+            raise SignalError(f"a jump of '{n}' is above {decision.jump[n]}, its gate {decision.gate[n]}: give no less")
     if decision.persistent < 1 or decision.undecided < decision.persistent:
         raise SignalError(
             f"a sensor is excluded after {decision.persistent} samples and a group undecided after "
             f"{decision.undecided}: give at least 1, and no fewer for the second"
         )
     return singles
-
-
-def _flag(name: str, about: str) -> Signal:
-    return Signal(name, "1", 0, 1, about)
-
-
-def _inputs(sensors: Sequence[Signal], probed: Sequence[str]) -> list[Signal]:
-    accepted = [replace(s, name=f"{s.name}_accepted") for s in sensors]
-    faults = [_flag(f"fault_{s.name}", "refused this sample") for s in sensors]
-    expected = [replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors]
-    answers = [_flag(f"{n}_unanswered", "no pair of the probe was answered") for n in probed]
-    ready = [_flag("ready", "every measurement was good at once"), _flag("complete", "all are good")]
-    return [*accepted, *faults, *expected, *answers, *ready]
-
-
-def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
-    flags = [_flag(f"suspect_{s.name}", "contradicts the other measurements") for s in sensors]
-    flags += [_flag(f"{n}_trusted", "measured, not predicted") for n in singles]
-    unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
-    held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]
-    return [
-        *held, *flags, *unchanged,
-        _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
-        _flag("determined", "every coordinate of the groups is measured"),
-        _flag("degraded", "a reading is refused, replaced or contradicted, or a sensor was a suspect"),
-    ]  # fmt: skip
-
-
-def _states(
-    sensors: Sequence[Signal], relations: Sequence[Relation], singles: Sequence[str], decision: Decision
-) -> list[State]:
-    states = []
-    for s in sensors:
-        start = (s.low + s.high) / 2
-        longest = decision.longest(s.name in singles)
-        states.append(State(replace(s, name=f"code_{s.name}", about="accepted reading one sample ago"), start))
-        states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))
-        states.append(State(_flag(f"excluded_{s.name}", "wrong until init"), 0, True))
-        if s.name in singles:
-            doubts = Signal(f"doubts_{s.name}", "1", 0, DOUBTS, "changes until its prediction is believed")
-            states.append(State(doubts, DOUBTS, True))
-            states.append(State(replace(s, name=f"before_{s.name}", about="prediction at the last change"), start))
-    for i in range(len(relations)):
-        count = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
-        states.append(State(count, 0, True))
-        states.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
-        states.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
-    return [*states, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]

@@ -1,7 +1,8 @@
 """Decision thresholds of sensor fault detection (FDIA): the samples, gates and travels of `redundancy`, with names."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import sqrt
 
 from synth import arguments
 from synth.analyse.parity import Relation
@@ -20,7 +21,8 @@ class Decision:
 
     `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
     and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
-    reading is inside `travel`; at an end, a stop may hold it.
+    reading is inside `travel`; at an end, a stop may hold it. A reading further than `jump` from its prediction has
+    jumped (`jump_gate`); without one no jump is looked for.
     """
 
     gate: Mapping[str, float]
@@ -29,6 +31,7 @@ class Decision:
     undecided: int = 10
     at_rest: int = 0
     tolerated: int = 2
+    jump: Mapping[str, float] = field(default_factory=dict)
 
     def longest(self, single: bool) -> int:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
@@ -40,9 +43,22 @@ class Decision:
         numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
         for n, ends in self.travel.items():
             unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
-            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion that a code must follow")]
+            if n in self.jump:
+                about = "from the prediction: no machine moves so far in a sample"
+                numbers.append(Constant(f"jump_{n}", self.jump[n], unit, about))
+            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion in which a working code changes")]
             numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
         return [*numbers, *_counts(relations, self)]
+
+
+def jump_gate(gate: float, acceleration: float, resolution: float, period: float) -> float:
+    """Return the largest innovation of a sound sensor one sample after it was inside its `gate`.
+
+    The acceleration differs from the prediction by at most `acceleration`, e. Such an error needs sqrt(2 gate / e) to
+    leave the gate, and the rate is then wrong by sqrt(2 gate e); in the sample that follows it adds T times this and
+    e T^2 / 2, and rounding may add a count.
+    """
+    return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
 
 
 def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]:
@@ -53,7 +69,11 @@ def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]
         "still_samples": (STILL, "samples without a change of the code: it stands still", still),
         "most_unchanged": (longest, "samples without a change that are counted", still),
         "doubted_changes": (DOUBTS, "changes of the code until its prediction is believed", ("doubts",)),
-        "excluded_from": (decision.persistent - 1, "contradictions before the one that excludes", ("contradictions",)),
+        "excluded_from": (
+            decision.persistent - 1,
+            "contradictions or jumps before the last",
+            ("contradictions", "jumps"),
+        ),
         "undecided_from": (decision.undecided - 1, "contradictions before all are suspects", ("contradictions",)),
         "most_contradictions": (decision.undecided, "contradictions that are counted", ("contradictions",)),
         "tolerated_missing": (decision.tolerated, "readings of a group that may be missing", ("missing",)),

@@ -65,8 +65,10 @@ def block(
             next[q] = x[q] - next[p] + u[error.name] + added[q]
         next = {s: ca.if_else(ca.fabs(v) <= b, v, x[s]) for (s, v), b in zip(next.items(), bounds, strict=True)}
         w = k["k_e"] * u[error.name] + k["k_de"] * u[rate.name]
-        return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next)
+        return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next, numbers=numbers)
 
+    why = "of the internal model: a larger next value is not taken"
+    numbers = [Constant(f"{s}_bound", b, error.unit, why) for s, b in zip(eta, bounds, strict=True)]
     gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_exact_product(gain.K[0, 2:], model.T)], strict=True)
     constants = [Constant(f"k_{s}", float(v), "1/s" if s == "de" else "1/s^2", f"{tag}: gain on {s}") for s, v in gains]
     phases = [f * time.period_s for f in sorted(frequencies) if f]

@@ -28,6 +28,8 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
+from synth.blocks import bad_samples as bad_sample_counts
+from synth.blocks import guard_failures, safety_numbers
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT, Judgement
 from synth.signals import Signal
@@ -69,6 +71,7 @@ def guard(
     reason: str = NO_SAFE_OUTPUT,
     redundant: bool = False,
     braking: int = 0,
+    good_samples: int = 0,
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -85,14 +88,19 @@ def guard(
     ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
     `fault.Judgement` declares this. Such a guard does not brake: its law lands the machine before the latch.
 
+    With `good_samples` these make up for a bad one (`bad_samples`), so that bad samples with good ones between them
+    latch, too; with 0 one good sample makes up for all before it.
+
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, BRAKING_BIT with
     `braking`, and LATCH_BIT.
 
     Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for
-    negative `braking` or any without a measurement or of a `redundant` guard, for an initial value outside its range,
+    negative `braking` or any without a measurement, with `good_samples` or of a `redundant` guard, for negative
+    `good_samples`, for an initial value outside its range,
     or for a suspected name that is not a measurement or is listed twice.
     """
     _check_guard(inputs, bad_samples, suspected, braking, redundant)
+    bad_sample_counts.check(good_samples, braking)
     samples = bad_samples + braking
     held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
@@ -108,7 +116,7 @@ def guard(
             f"fault_{s.name}": u[s.name] if redundant else ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects
         }
         if measured:
-            complete, final = ca.SX(1), x["left"] <= 1
+            complete, final = ca.SX(1), bad_sample_counts.is_due(x["left"], good_samples)
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
             complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects and not redundant else complete
@@ -123,16 +131,16 @@ def guard(
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
-            next["left"] = ca.if_else(enough, samples, ca.if_else(final, x["left"], x["left"] - 1))
+            next["left"] = bad_sample_counts.next_count(enough, x["left"], samples, good_samples)
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
-        return Step(output, next, numbers=_latch_numbers(samples, braking) if measured else [])
+        return Step(output, next, numbers=safety_numbers.latch(samples, braking, good_samples) if measured else [])
 
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
-    left = Signal("left", "1", 1, max(samples, 2), "samples with a bad measurement until it latches")
+    left = bad_sample_counts.state(samples, good_samples, "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
-    states += [State(left, samples, True), *(State(f, 0, True) for f in flags)] if measured else []
+    states += [left, *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [replace(g.signal, name=f"{g.signal.name}_held") for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
@@ -151,8 +159,10 @@ def guard(
     faults += [Fault(BRAKING_BIT, BRAKING.name, about=BRAKES.format(braking - 1))] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
-    declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None
-    return replace(block, faults=tuple(faults), safety=declared)
+    declared = Safety(samples, {}, {}, reason, judgement, braking, good_samples) if measured else None
+    row = bad_sample_counts.rule(bad_samples, good_samples)
+    failures = guard_failures.of_guard(inputs, row, suspected, redundant, braking)
+    return replace(block, faults=tuple(faults), safety=declared, failures=failures)
 
 
 @arguments.checked
@@ -188,7 +198,9 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
         return Step(
-            value | before, {f"last_{n}": v for n, v in value.items()}, numbers=_slew_numbers(time, outputs, safety)
+            value | before,
+            {f"last_{n}": v for n, v in value.items()},
+            numbers=safety_numbers.slew(time, outputs, safety),
         )
 
     last = "last output"
@@ -200,30 +212,6 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     )  # fmt: skip
     values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
     return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
-
-
-def _latch_numbers(samples: int, braking: int) -> list[Constant]:
-    """Return the numbers of samples that the C names."""
-    numbers = [Constant("latch_samples", samples, "1", "bad samples in a row until it latches", ("left",))]
-    if braking:
-        first = f"of the {samples}, left at the first sample that brakes"
-        certain = f"of the {samples}, left from which on every sample counts as bad"
-        numbers.append(Constant("braking_from", braking + 1, "1", first, ("left",)))
-        numbers.append(Constant("latch_certain_from", braking, "1", certain, ("left",)))
-    return numbers
-
-
-def _slew_numbers(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> list[Constant]:
-    """Return the safe values and the largest changes in a sample, each once under the name of its first output."""
-    values = {safety.safe_output[s.name]: s for s in reversed(outputs)}
-    rates = {safety.slew_per_s[s.name]: s for s in reversed(outputs)}
-    return [
-        *(Constant(f"safe_{s.name}", v, s.unit, "safe output") for v, s in values.items()),
-        *(
-            Constant(f"slew_{s.name}", rate * time.period_s, s.unit, f"{rate:g} {s.unit}/s times {time.period_s:g} s")
-            for rate, s in rates.items()
-        ),
-    ]
 
 
 @arguments.checked

@@ -58,14 +58,25 @@ def accept(
     return Accepted(values, good, {f"guard_last_{n}": v for n, v in values.items() if n not in zeroed})
 
 
-def count(state: Columns, complete: Flags, bad_samples: int) -> dict[str, Array]:
-    """Return the next samples left before the latch, the latch, and whether all measurements have been good once."""
-    left = np.where(complete, bad_samples, np.asarray(state["guard_left"]) - 1)
+def count(state: Columns, complete: Flags, bad_samples: int, good_samples: int = 0) -> dict[str, Array]:
+    """Return the next count before the latch, the latch, and whether all measurements have been good once.
+
+    Where `good_samples` make up for a bad one, a bad one takes so many from the count and a good one gives one back.
+    """
+    left, over = leak(np.asarray(state["guard_left"]), ~complete, bad_samples, good_samples)
     return {
-        "guard_left": np.maximum(left, 1),
-        "guard_latched": np.where(left < 1, 1, state["guard_latched"]),
+        "guard_left": left,
+        "guard_latched": np.where(over, 1, state["guard_latched"]),
         "guard_ready": np.where(complete, 1, state["guard_ready"]),
     }
+
+
+def leak(left: Array, bad: Flags, bad_samples: int, good_samples: int) -> tuple[Array, Flags]:
+    """Return the next count and whether bad samples have used it up, where it stays."""
+    each = good_samples or 1
+    restored = np.minimum(left + 1, bad_samples * each) if good_samples else bad_samples
+    over = bad & (left <= each)
+    return np.where(over, left, np.where(bad, left - each, restored)), over
 
 
 def fault_word(bits: Any, after: Columns) -> Array:
@@ -74,12 +85,17 @@ def fault_word(bits: Any, after: Columns) -> Array:
 
 
 def standard(
-    state: Columns, inputs: Columns, limits: Limits, measurements: Collection[str], bad_samples: int
+    state: Columns,
+    inputs: Columns,
+    limits: Limits,
+    measurements: Collection[str],
+    bad_samples: int,
+    good_samples: int = 0,
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return the values to use, the next states of the guard and the fault word; bad `measurements` latch."""
     accepted = accept(state, inputs, limits)
     complete = np.all([accepted.good[n] for n in measurements], axis=0)
-    after = accepted.after | count(state, complete, bad_samples)
+    after = accepted.after | count(state, complete, bad_samples, good_samples)
     return accepted.values, after, fault_word(accepted.word, after)
 
 

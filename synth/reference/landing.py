@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.reference.guard import by_row, rows
+from synth.reference.guard import by_row, leak, rows
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -36,6 +36,7 @@ class Landing:
     descent: float
     braking: tuple[float, ...]
     bad_samples: int
+    good_samples: int
     T: float
     most: float = 1e4
     fastest: float = 10.0
@@ -53,13 +54,14 @@ def demand(
     """Return the demands (m, n) of a landing, whether it lands, and the next states; `landed` is beside them."""
     (q, v, d), T, ramps = estimate, of.T, of.ramps
     waiting = ~regular & (np.asarray(state["guard_ready"]) > 0)
-    left, was = np.asarray(state["landing_left"]), np.asarray(state["landing_landing"]) > 0
-    landing = was | (waiting & (left <= 1))
-    next: dict[str, Any] = {"landing_left": np.where(waiting, np.maximum(left - 1, 1), of.bad_samples)}
+    was = np.asarray(state["landing_landing"]) > 0
+    left, over = leak(np.asarray(state["landing_left"]), waiting, of.bad_samples, of.good_samples)
+    landing = was | over
+    next: dict[str, Any] = {"landing_left": left}
     next["landing_landing"] = landing
     ramp, rate = (
         np.where(was, rows(state, [f"landing_{n}_{s}" for s in ramps]), x[: len(ramps)])
-        for n, x in (("r", q), ("dr", v))
+        for n, x in (("r", q), ("dr", np.clip(v, -of.fastest, of.fastest)))
     )
     speed = np.clip(of.touch + of.descent / of.speed * (of.end - ramp[0]), of.press, of.speed)
     most = by_row([of.descent * T, *(b * T for b in of.braking)], q)
@@ -71,7 +73,7 @@ def demand(
     w = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
     high = by_row([of.end + 4 * of.beyond, *(of.farthest for _ in of.braking)], q)
     ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -of.farthest, high)
-    for n, x in (("r", ahead), ("dr", np.clip(rate + change, -of.fastest, of.fastest))):
+    for n, x in (("r", ahead), ("dr", rate + change)):
         before = rows(state, [f"landing_{n}_{s}" for s in ramps])
         next |= {f"landing_{n}_{s}": row for s, row in zip(ramps, np.where(landing, x, before), strict=True)}
     landed = was & (np.asarray(state[f"landing_r_{ramps[0]}"]) >= of.end + of.beyond)

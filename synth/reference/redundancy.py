@@ -3,7 +3,8 @@
 parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
              or more follow from the predictions
 isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
-others       a code that stands still while the prediction moves by more than a gate is frozen
+others       a code that stands still while the prediction moves by more than a gate is frozen; a reading further
+             than `jump` from a prediction that is believed has jumped
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,6 +35,7 @@ class Sensors:
     threshold: float
     others: Sequence[str]
     gate: float
+    jump: float
     travel: float
     longest: int
     low: Array
@@ -54,11 +56,12 @@ class Sensors:
 
 
 def readings(
-    state: Columns, y: Array, good: Flags, expected: Array, attempts: int, of: Sensors
+    state: Columns, y: Array, good: Flags, expected: Array, attempts: int, missed: Array, of: Sensors
 ) -> tuple[Array, Flags, dict[str, Flags], dict[str, Any]]:
     """Return the readings to use (m, n), the suspects (m, n), flags of the sample, and the next states.
 
-    `expected` are the predicted readings; `attempts` of the probe without an answer exclude one of the others.
+    `expected` are the predicted readings; `attempts` of the probe without an answer exclude one of the others. A jump
+    is not looked for in a sample before which calls were `missed`.
     """
     g, names = len(of.signs), of.sensors
     same = y == rows(state, [f"redundancy_code_{n}" for n in names])
@@ -74,10 +77,19 @@ def readings(
     before = np.where(same[g:], rows(state, [f"redundancy_before_{n}" for n in of.others]), expected[g:])
     unanswered = rows(state, [f"probe_{n}_attempt" for n in of.others]) >= attempts
     doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
-    doubted = np.where(np.abs(expected[g:] - y[g:]) > of.gate, DOUBTS, np.maximum(doubts - 1, 0))
+    distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
+    with np.errstate(invalid="ignore"):
+        believed = (doubts == 0) & (np.asarray(missed) <= 0)
+    last = rows(state, [f"redundancy_code_{n}" for n in of.others])
+    believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
+    far = distance > of.jump
+    doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
-    frozen = (ready & stands & usable[g:]) | excluded[g:]
+    freezes = ready & stands & usable[g:]
+    jumps = far & ((counted > 0) | (believed & ~same[g:]))
+    frozen = freezes | jumps | excluded[g:]
+    out = np.where(jumps, counted >= PERSISTENT - 1, freezes) | excluded[g:]
     trusted = usable[g:] & ~frozen
     value = np.concatenate([related, np.where(trusted, y[g:], expected[g:])])
     low, high = by_row(of.low, y), by_row(of.high, y)
@@ -87,10 +99,13 @@ def readings(
     next |= {f"redundancy_before_{n}": v for n, v in zip(of.others, before, strict=True)}
     kept_doubts = np.where(same[g:], doubts, doubted)
     next |= {f"redundancy_doubts_{n}": v for n, v in zip(of.others, kept_doubts, strict=True)}
-    leave_out = np.concatenate([excluded[:g] | after["excluded"], frozen])
+    leave_out = np.concatenate([excluded[:g] | after["excluded"], out])
     degraded = np.asarray(state["redundancy_degraded"]) > 0
     calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
-    calm &= np.abs(of.parity(y[:g])) <= of.threshold
+    calm &= (np.abs(of.parity(y[:g])) <= of.threshold) & ~jumps.any(axis=0)
+    count_of_jumps = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
+    jump_counts = np.where(calm, counted, count_of_jumps)
+    next |= {f"redundancy_jumps_{n}": v for n, v in zip(of.others, jump_counts, strict=True)}
     decisions = {f"redundancy_excluded_{n}": v for n, v in zip(names, leave_out, strict=True)}
     decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
     decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0)
@@ -104,6 +119,7 @@ def readings(
         "sufficient": calm | (missing <= 2),
         "trusted": calm | trusted,
         "degraded": ~calm & ready,
+        "frozen": ~calm & (freezes | excluded[g:]),
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, flags, next
 

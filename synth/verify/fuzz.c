@@ -161,6 +161,14 @@ static uint32_t expected(const void *input)
     return bits;
 }
 
+/* A bad sample counts BAD_WEIGHT times, and GOOD_SAMPLES good ones make up for it; without them one ends the row. */
+#define BAD_WEIGHT (GOOD_SAMPLES > 0u ? GOOD_SAMPLES : 1u)
+static uint32_t next_row(uint32_t row, bool bad)
+{
+    if (bad) return row + BAD_WEIGHT;
+    return GOOD_SAMPLES > 0u && row > 0u ? row - 1u : 0u;
+}
+
 /* From init the latch may be set only after BAD_SAMPLES consecutive samples with a bad input; it is never reset. `row`
  * counts those up to now, or with LATCHES_LATER the longest row since init, which may have ended. The
  * step decides freely which inputs are suspects, and on the bits that concern no single input. */
@@ -169,7 +177,7 @@ static void require_faults(uint32_t found, uint32_t before, uint32_t called_for,
     const double word = (double)(found & ~(LATCH | DECIDED)), wanted = (double)called_for;
     if (word != wanted) finding("fault word", "", word, wanted, wanted);
     if ((before & LATCH) && !(found & LATCH)) finding("latch", "", 0.0, 1.0, 1.0);
-    if (from_init && (found & LATCH) && !(before & LATCH) && row < BAD_SAMPLES)
+    if (from_init && (found & LATCH) && !(before & LATCH) && row < BAD_SAMPLES * BAD_WEIGHT)
         finding("latch", "from init", 1.0, 0.0, 0.0);
 }
 
@@ -199,7 +207,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const uint32_t before = faults, called_for = expected(input);
         faults = STEP(state, input, output);
         steps++;
-        row = ((called_for & COUNTED) | (faults & SUSPECTS)) != 0u ? row + 1u : 0u;
+        row = next_row(row, ((called_for & COUNTED) | (faults & SUSPECTS)) != 0u);
         longest = row > longest ? row : longest;
         require_faults(faults, before, called_for, LATCHES_LATER ? longest : row, from_init);
         require_bounds("output", output, OUTPUTS, COUNT(OUTPUTS));

@@ -5,7 +5,8 @@ with inputs of every bit pattern: raw bits, values in range, bounds and the next
 
     outputs in Y, all finite;  states in S;  fault bit k is 1 where input k is not finite or out of range, else 0;
     the latch is never reset, and from init it is set only after the declared number of consecutive samples with a
-    bad input, or with an input that the step marks as a suspect.
+    bad input, or with an input that the step marks as a suspect; where the manifest declares good samples that make up
+    for a bad one, after as many bad ones more than these make up for.
 
 Where the manifest declares a judgement (`fault.Judgement`), a flag of the law may set the latch later, in a sample
 without a bad input. Required is then: from init no latch before the declared number of consecutive samples with a bad
@@ -176,6 +177,7 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
             f"#define DECIDED {suspects | others:#x}u",
             f"#define LATCH {latch:#x}u",
             f"#define BAD_SAMPLES {safety.get('bad_samples', 0)}u",
+            f"#define GOOD_SAMPLES {safety.get('good_samples', 0)}u",
             f"#define COUNTED {sum(1 << f['bit'] for f in manifest['faults'] if f.get('input') in counted):#x}u",
             f"#define LATCHES_LATER {int(judgement is not None)}",
             f"#define INIT {functions['init']}",

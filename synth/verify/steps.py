@@ -112,9 +112,9 @@ def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
 
 
 def contradictory(controller: host.Controller, steps: Steps) -> Steps:
-    """Return steps in which some readings differ from the others by any size, are those of the sample before, or NaN.
+    """Return steps in which some readings differ from the others, are those before, or NaN.
 
-    For a refused reading the code before it serves. Some predictions have moved since the last change of a code. The
+    For most refused readings the code before it serves. Some predictions have moved since their code changed. The
     whole-number states of `blocks.redundancy`, of the landing and of the probe are resampled. The result is empty for a
     controller that replaces no readings.
     """
@@ -122,15 +122,19 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
     rng, n = np.random.default_rng(SEED + 4), len(steps) if measurements else 0
     states, inputs = steps.states[:n].copy(), steps.inputs[:n].copy()
     for f in (f for f in _fields(controller, "input") if f["name"] in measurements):
-        size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** rng.uniform(-4, 0, n)
+        size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** (-4 * rng.uniform(0, 1, n) ** 0.6)
         wrong = np.where(rng.uniform(size=n) < 0.25, size, 0)
         inputs[f["name"]] = np.clip(inputs[f["name"]] + wrong, f["low"], f["high"])
         stands, code = rng.uniform(size=n) < 0.5, f"redundancy_code_{f['name']}"
         states[code] = np.where(stands, inputs[f["name"]], _uniform(rng, f, n))
+        if (doubts := f"redundancy_doubts_{f['name']}") in (states.dtype.names or ()):
+            believed = rng.uniform(size=n) < 0.5
+            states[doubts] = np.where(believed, 0, states[doubts])
+    share = rng.choice((0.05, 0.5), n)
     for f in _fields(controller, "state"):
         if f["ctype"] in _INTEGERS and not f["name"].startswith("guard_"):
             values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
-            states[f["name"]] = np.where(rng.uniform(size=n) < 0.5, values, states[f["name"]])
+            states[f["name"]] = np.where(rng.uniform(size=n) < share, values, states[f["name"]])
     for f in (f for f in _fields(controller, "state") if f["name"].startswith("redundancy_before_")):
         size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** rng.uniform(-4, 0, n)
         moved = np.clip(states[f["name"]] + size, f["low"], f["high"])
@@ -138,8 +142,11 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
     for f in (f for f in _fields(controller, "input") if f["name"] in measurements):
         refused, name = rng.uniform(size=n) < 0.05, f["name"]
         inputs[name] = np.where(refused, np.nan, inputs[name])
+        as_before = refused & (rng.uniform(size=n) < 0.7)
         states[f"guard_last_{name}"] = np.where(
-            refused, states[f"redundancy_code_{name}"], states[f"guard_last_{name}"]
+            as_before,
+            states[f"redundancy_code_{name}"],
+            np.where(refused, _uniform(rng, f, n), states[f"guard_last_{name}"]),
         )
     return Steps("contradictions", states, inputs)
 

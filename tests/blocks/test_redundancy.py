@@ -10,6 +10,7 @@ import pytest
 from synth.analyse.parity import Relation
 from synth.block import Block
 from synth.blocks import landing, predictor, probe, redundancy
+from synth.blocks.redundancy_decision import jump_gate
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT
 from synth.signals import Signal, signal_names
@@ -105,14 +106,77 @@ def test_a_sensor_at_rest_is_frozen_only_if_the_probe_was_not_answered() -> None
         assert named == [0.0] * 60 if not unanswered else named[4:] == [1.0] * 56
 
 
+JUMPING = replace(DECISION, jump={"x": 2e-3})
+MISSED = Signal("missed_calls", "1", 0, 40)
+
+
+def jump(
+    by: float, samples: int, missed: float = 0.0, error: float = 0.0, x: float = 0.1, decision: Any = JUMPING
+) -> tuple[list[float], list[float], list[float]]:
+    """Return suspects, values less predictions, and frozen flags, of a reading that jumps after 30 good samples."""
+    runner = Runner(redundancy.block(TIME, SENSORS, [SUM], decision, MISSED))
+    suspects, differences, frozen = [], [], []
+    for k in range(40):
+        true = moving(k) | {"x": x + 1e-4 * k}
+        away = by if 30 <= k < 30 + samples else 0.0
+        inputs = sample(true | {"x": true["x"] + away}, true | {"x": true["x"] + error})
+        out = runner(**inputs, missed_calls=missed if k == 30 else 0.0)
+        suspects.append(out["suspect_x"])
+        differences.append(out["x_held"] - true["x"])
+        frozen.append(out["x_frozen"])
+    return suspects[28:], differences[28:], frozen
+
+
+def test_a_reading_that_jumps_is_replaced_at_once_and_excluded_in_the_third_sample() -> None:
+    suspects, differences, frozen = jump(-3e-3, 10)
+    assert suspects == [0, 0, *[1] * 10] and np.abs(differences).max() < 1e-12 and not any(frozen[:33])
+    assert jump(3e-3, 3)[0] == [0, 0, *[1] * 10]
+
+
+@pytest.mark.parametrize("samples", [1, 2])
+def test_a_spike_is_noticed_and_replaced_and_the_sensor_stays_in_use(samples: int) -> None:
+    suspects, differences, _ = jump(0.3, samples)
+    assert suspects == [0, 0, *[1] * samples, *[0] * (10 - samples)] and np.abs(differences).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "harmless",
+    [
+        {"by": 1.9e-3, "samples": 10},  # inside the gate
+        {"by": 3e-3, "samples": 10, "missed": 5.0},  # the body has moved on
+        {"by": 3e-3, "samples": 10, "missed": np.nan},  # nobody knows
+        {"by": 3e-3, "samples": 10, "error": 1.5e-3},  # the prediction is not believed
+        {"by": 3e-3, "samples": 10, "x": 0.95},  # a stop may hold it
+    ],
+)
+def test_a_reading_far_from_a_prediction_that_is_not_believed_has_not_jumped(harmless: dict[str, float]) -> None:
+    assert not any(jump(**harmless)[0])  # type: ignore[arg-type]
+
+
+def test_without_a_gate_of_jumps_none_is_noticed() -> None:
+    """The planted defect: without the test a jump is used as it is."""
+    suspects, differences, _ = jump(3e-3, 10, decision=DECISION)
+    assert not any(suspects) and differences[-1] == pytest.approx(3e-3)
+
+
+def test_the_gate_of_jumps_is_what_a_wrong_acceleration_adds_in_a_sample() -> None:
+    gate, e = 40e-6, 53.0
+    t = np.sqrt(2 * gate / e)
+    assert jump_gate(gate, e, 1e-5, T) == pytest.approx(e * (t + T) ** 2 / 2 + 1e-5)
+
+
 def test_wrong_declarations_are_refused() -> None:
+    with pytest.raises(SignalError, match="jump of 'x' is above"):
+        redundancy.block(TIME, SENSORS, [SUM], replace(DECISION, jump={"x": 1e-4}))
+    with pytest.raises(SignalError, match="give 0"):
+        landing.block(TIME, [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)], [W], 5, -1)
     with pytest.raises(SignalError, match="each sensor once"):
         redundancy.block(TIME, SENSORS, [SUM, SUM], DECISION)
     with pytest.raises(SignalError, match="no gate"):
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({}, {}))
     with pytest.raises(SignalError, match="undecided"):
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({"x": 1.0}, {"x": (-1, 1)}, 3, 2))
-    with pytest.raises(SignalError, match="gate or travel of 'q', and the sensors are"):
+    with pytest.raises(SignalError, match="gate, travel or jump of 'q', and the sensors are"):
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({**DECISION.gate, "q": 1.0}, DECISION.travel))
     with pytest.raises(SignalError, match="positive step"):
         probe.block(TIME, "x", ERROR, W, probe.Probe(10, 4, 0.0, 3))

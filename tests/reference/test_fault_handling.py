@@ -52,14 +52,19 @@ def differs(block: Block, x: Columns, u: Columns, states: Columns, outputs: Colu
 
 
 SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
-DECISION = redundancy_block.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50)
-OF = redundancy.Sensors({"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 0.9, 50, np.full(4, -1.0), np.full(4, 1.0))
+DECISION = redundancy_block.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3})
+MISSED = Signal("missed_calls", "1", 0, 40)
+OF = redundancy.Sensors(
+    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
+)
 
 
 def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
-    block = whole(redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION))
+    block = whole(redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION, MISSED))
     x, u = draw(block)
     rng = np.random.default_rng(1)
+    u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, np.nan), N)
+    x["redundancy_doubts_x"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["redundancy_doubts_x"])
     u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 0.01), N), -1, 1)
     for s in SENSORS:
         off = rng.choice((0.0, 5e-4, 0.02), N) * rng.choice((-1, 1), N)
@@ -70,10 +75,11 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     read = x | {"guard_ready": u["ready"], "probe_x_attempt": u["x_unanswered"]}
     y, expected = (np.array([u[f"{s.name}_{n}"] for s in SENSORS]) for n in ("accepted", "expected"))
     good = np.array([u[f"fault_{s.name}"] == 0 for s in SENSORS])
-    value, suspects, flags, after = redundancy.readings(read, y, good, expected, 1, of)
+    value, suspects, flags, after = redundancy.readings(read, y, good, expected, 1, u["missed_calls"], of)
     outputs = {f"{s.name}_held": v for s, v in zip(SENSORS, value, strict=True)}
     outputs |= {f"suspect_{s.name}": v.astype(float) for s, v in zip(SENSORS, suspects, strict=True)}
     outputs |= {n: flags[n].astype(float) for n in ("regular", "determined", "sufficient")}
+    outputs |= {f"x_{n}": flags[n][0].astype(float) for n in ("trusted", "frozen")}
     return differs(block, x, u, {n: np.asarray(v, float) for n, v in after.items()}, outputs)
 
 
@@ -106,17 +112,17 @@ def probe_differs(quarter: int = 3) -> list[str]:
     return differs(block, x, u, {n: np.asarray(v, float) for n, v in after.items()}, {"w_x": demand[0]})
 
 
-def landing_differs(descent: float = 2.0) -> list[str]:
+def landing_differs(descent: float = 2.0, good_samples: int = 4) -> list[str]:
     y = replace(W, name="w_y")
     courses = [
         landing_block.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, 0.5),
         landing_block.Braking("x", 4.0, 30.0, 0.5),
     ]
-    block = whole(landing_block.block(TIME, courses, [y, W], 5))
+    block = whole(landing_block.block(TIME, courses, [y, W], 5, 4))
     x, u = draw(block)
     u["latched"] = np.zeros(N)
     poles = {"y": 60.0, "x": 30.0}
-    of = landing.Landing(poles, poles, 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, descent, (4.0,), 5, T)
+    of = landing.Landing(poles, poles, 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, descent, (4.0,), 5, good_samples, T)
     estimate = tuple(np.array([u[f"{q}_{n}"] for q in "yx"]) for n in ("estimate", "rate", "disturbance"))
     read = x | {"guard_ready": u["ready"]}
     w, lands, after = landing.demand(read, estimate, u["regular"] > 0, np.ones(N, bool), of)  # type: ignore[arg-type]
@@ -137,9 +143,11 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
     [
         lambda: redundancy_differs(replace(OF, threshold=0.02)),
         lambda: redundancy_differs(replace(OF, gate=0.05)),
+        lambda: redundancy_differs(replace(OF, jump=0.03)),
         lambda: predictor_differs(61.0),
         lambda: probe_differs(4),
         lambda: landing_differs(2.1),
+        lambda: landing_differs(good_samples=3),
     ],
 )
 def test_a_planted_defect_is_detected(of: Callable[[], list[str]]) -> None:

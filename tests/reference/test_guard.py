@@ -21,27 +21,34 @@ INPUTS = [
 ]
 OUTPUT = Signal("i", "A", -3.0, 3.0)
 LIMITS = {g.signal.name: (g.signal.low, g.signal.high) for g in INPUTS}
-BAD, SLEW, SAFE = 3, 100.0, {"i": 1.0}
+BAD, GOOD, SLEW, SAFE = 3, 4, 100.0, {"i": 1.0}
 COMPUTED = Signal("i_computed", "A", -3.0, 3.0)
 
 
-def block() -> Any:
+def block(good: int) -> Any:
     law = safety.Safety(BAD, SAFE, {"i": SLEW}, "it is heavy")
-    parts = [safety.guard(TIME, INPUTS, BAD), safety.safe_output(TIME, [OUTPUT], law)]
+    parts = [safety.guard(TIME, INPUTS, BAD, good_samples=good), safety.safe_output(TIME, [OUTPUT], law)]
     return compose("guarded", parts, inputs=["y", "v", "r", "i_computed"], outputs=["y_held", "v_held", "r_held", "i"])
 
 
-def step(state: Any, inputs: Any, bad: int = BAD, latched_bit: bool = True, zeroed: tuple[str, ...] = ("v",)) -> Any:
+def step(
+    state: Any,
+    inputs: Any,
+    bad: int = BAD,
+    latched_bit: bool = True,
+    zeroed: tuple[str, ...] = ("v",),
+    good: int = GOOD,
+) -> Any:
     accepted = guard.accept(state, inputs, LIMITS, zeroed)
     complete = accepted.good["y"] & accepted.good["v"]
-    after = accepted.after | guard.count(state, complete, bad)
+    after = accepted.after | guard.count(state, complete, bad, good)
     word = guard.fault_word(accepted.word, after) if latched_bit else accepted.word.astype(np.uint32)
     outputs, last = guard.slew(state, {"i": inputs["i_computed"]}, after["guard_latched"] > 0, SLEW * 1e-3, SAFE)
     return after | last, {f"{n}_held": v for n, v in accepted.values.items()} | outputs, word
 
 
-def worst(of: Callable[[Any, Any], Any]) -> float:
-    whole = block()
+def worst(of: Callable[[Any, Any], Any], good: int = GOOD) -> float:
+    whole = block(good)
     states, inputs = sampling.edge_steps(whole, np.random.default_rng(1), 4000)
     inputs["i_computed"] = np.clip(np.nan_to_num(inputs["i_computed"]), -3.0, 3.0)
     if "guard_last_v" in states:
@@ -52,16 +59,16 @@ def worst(of: Callable[[Any, Any], Any]) -> float:
 
 
 def test_it_agrees_with_the_block() -> None:
-    assert worst(step) < 1e-15
+    assert worst(step) < 1e-15 and worst(lambda x, u: step(x, u, good=0), 0) < 1e-15
 
 
-@pytest.mark.parametrize("defect", [{"bad": 4}, {"latched_bit": False}])
+@pytest.mark.parametrize("defect", [{"bad": 4}, {"latched_bit": False}, {"good": 0}, {"good": 3}])
 def test_a_planted_defect_is_detected(defect: dict[str, Any]) -> None:
     assert worst(lambda x, u: step(x, u, **defect)) > 1e-3
 
 
 def test_the_initial_state_names_every_state() -> None:
-    whole = block()
+    whole = block(GOOD)
     assert set(guard.initial_state(LIMITS, ["i"], BAD, ["v"])) == {s.name for s in whole.states}
 
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Fault
-from synth.blocks import missed_calls
+from synth.blocks import bad_samples, missed_calls
 from synth.blocks import safety as guards
-from synth.emit.c import diagnostics, routines
+from synth.emit.c import diagnostics, failure_table, routines
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import prose
 from synth.emit.lower import Program
@@ -61,7 +61,7 @@ def _usage(
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     at_once = "" if latency else ", and use its outputs at once"
-    texts = [
+    texts: list[Sequence[str]] = [
         *([f"{name}: {warning}"] if warning else []),
         f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
@@ -72,6 +72,7 @@ def _usage(
         *_safe_output(block),
         *_replacements(block),
         *_missed_calls(block),
+        *(["What may fail, and what follows:", failure_table.rows(block)] if block.failures else []),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
@@ -80,6 +81,9 @@ def _usage(
     ]
     rows: list[str] = []
     for text in texts:
+        if not isinstance(text, str):
+            rows += text
+            continue
         rows += [""] if not text.startswith(_ITEM) else []
         indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
         rows += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
@@ -151,7 +155,8 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    bad = f"When a measurement is refused in {safety.bad_samples - safety.braking} samples in a row,"
+    rule = bad_samples.rule(safety.bad_samples - safety.braking, safety.good_samples)
+    bad = f"When a measurement is refused in {rule},"
     if not safety.safe_output:
         reason = f" {safety.reason[0].upper()}{safety.reason[1:]}." if safety.reason else ""
         return [f"{bad} the last of them sets the latch bit until init.{reason}"]
@@ -160,7 +165,7 @@ def _safe_output(block: Block) -> list[str]:
         latches = f"{bad} a latch is certain: whatever is measured then, the step brakes the machine in the "
         latches += f"{safety.braking - 1} samples from the next one on, and latches in the one after these until init"
     if safety.judgement:
-        reason = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
+        reason = f"When the readings do not suffice in {rule}, or a landing is over,"
         latches = f"{reason} the step latches until init"
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}

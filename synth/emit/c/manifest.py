@@ -99,6 +99,7 @@ def _safety(block: Block) -> dict[str, Any] | None:
     return {
         "bad_samples": safety.bad_samples,
         **({"braking": safety.braking} if safety.braking else {}),
+        **({"good_samples": safety.good_samples} if safety.good_samples else {}),
         "safe_output": dict(safety.safe_output),
         "slew_per_s": dict(safety.slew_per_s),
         "reason": safety.reason,

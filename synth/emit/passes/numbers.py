@@ -83,6 +83,8 @@ class _Namer:
         return self._constant(k, literal.value) if operand in _operands(node) else None
 
     def _constant(self, k: int, literal: float) -> Node | None:
+        if abs(literal) == 2 and self.p.nodes[k].op == "mul":
+            return None  # a factor of a formula, as in 2 p v
         for number in (*self.known.get(self.owner[k], ()), *self.known[""]):
             size, is_negative = abs(number.value), literal * number.value < 0
             close = not number.of and abs(abs(literal) - size) <= _CLOSE * size
@@ -161,9 +163,20 @@ def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
     for equal in by_value.values():
         common = words.common([n.name for n in equal])
         name = equal[0].name if not common or common in used else common
-        also = "".join(f", also {n.name}" for n in equal if n.name != name and len(equal) > 1)
-        merged.append(replace(equal[0], name=name, source=f"{equal[0].source}{also}"))
+        value = equal[0].value if len({n.value for n in equal}) == 1 else abs(equal[0].value)
+        merged.append(replace(equal[0], name=name, value=value, source=equal[0].source + _of_others(name, equal)))
     return merged
+
+
+def _of_others(name: str, equal: Sequence[Constant]) -> str:
+    """Return which numbers a name stands for: by the words that it lacks where it is the words in common."""
+    others = [n.name for n in equal if n.name != name]
+    if len(equal) == 1 or not others:
+        return ""
+    if len(others) < len(equal):
+        return f"; also {', '.join(others)}"
+    kept = name.split("_")
+    return f"; of {', '.join(' '.join(w for w in n.split('_') if w not in kept) for n in others)}"
 
 
 def _geometry() -> Iterator[Constant]:

@@ -280,17 +280,21 @@ class TestGuard:
         assert self.words("gbbbbbg", b="y2") == [0, 2, 2, 2, 2, 2 + 2**31, 2**31]
 
     def test_four_do_not(self) -> None:
-        assert self.words("gbbbbgbbbbg", b="y2") == [0, 2, 2, 2, 2, 0, 2, 2, 2, 2, 0]
+        assert self.words("gbbbbgg", b="y2") == [0, 2, 2, 2, 2, 0, 0]
+
+    def test_four_more_after_one_good_one_do(self) -> None:
+        assert self.words("gbbbbgbbg", b="y2") == [0, 2, 2, 2, 2, 0, 2, 2 + 2**31, 2**31]
+        assert self.words("gbbbb" + 16 * "g" + "bbbbg", b="y2") == [0, 2, 2, 2, 2, *16 * [0], 2, 2, 2, 2, 0]
 
     def test_five_in_a_row_may_be_of_several(self) -> None:
         assert self.words("gbbccbg", b="y2", c="z") == [0, 2, 2, 32, 32, 2 + 2**31, 2**31]
 
-    def test_the_count_goes_down_to_1_and_up_at_once(self) -> None:
+    def test_the_count_goes_down_by_4_and_up_by_1(self) -> None:
         state, left = start(), []
         for letter in "gbbbgbbbbbbg":
             state, _, _ = reference.step(state, inputs(**({"x": np.nan} if letter == "b" else {})))
             left.append(int(state["guard_left"][0]))
-        assert left == [5, 4, 3, 2, 5, 4, 3, 2, 1, 1, 1, 5]
+        assert left == [20, 16, 12, 8, 9, 5, 1, 1, 1, 1, 1, 2]
 
     def test_a_set_point_never_latches(self) -> None:
         assert max(self.words("g" + "b" * 20, b="y_ref")) == 1 << 6

@@ -107,7 +107,8 @@ def test_committed_c_has_no_unnamed_local_and_no_long_line(name: str) -> None:
 def test_the_header_says_when_a_law_decides_on_the_latch() -> None:
     said = {n: " ".join(committed(n)[f"{n}.h"].replace("\n * ", " ").split()) for n in NAMES}
     sentence = (
-        "When the readings do not suffice in 5 samples in a row, or a landing is over, the step latches until init"
+        "When the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or a landing is over, "
+        "the step latches until init"
     )
     assert [n for n, text in said.items() if sentence in text] == ["maglev_5dof", "maglev_5dof_precise"]
     assert "When a measurement is refused in 5 samples in a row" in said["planar_6dof_lqg"]

@@ -68,7 +68,18 @@ def test_one_name_for_two_values_gets_the_blocks_names() -> None:
 def test_equal_numbers_are_one_under_the_words_they_share() -> None:
     both = [Constant(f"I_{axis}_over_r", 0.66, "kg m", axis) for axis in "xz"]
     made = text(law(lambda x: 0.66 * x, *both))
-    assert "I_over_r = 0.66f;" in made and "also I_x_over_r, also I_z_over_r" in made
+    assert "I_over_r = 0.66f;" in made and "kg m; x; of x, z */" in made
+
+
+def test_equal_numbers_without_common_words_are_one_under_the_first_name() -> None:
+    both = [Constant("first", 0.66, "kg m", "chosen"), Constant("second", -0.66, "kg m", "chosen")]
+    made = text(law(lambda x: 0.66 * x, *both))
+    assert "first = 0.66f;" in made and "kg m; chosen; also second */" in made
+
+
+def test_a_factor_of_two_is_part_of_a_formula() -> None:
+    two = Constant("acceleration", 2.0, "m/s^2", "chosen")
+    assert "acceleration" not in text(law(lambda x: 2 * x, two)) and "acceleration" in text(law(lambda x: 2 + x, two))
 
 
 def test_geometry_needs_no_declaration() -> None:

@@ -1,0 +1,43 @@
+"""What may fail, as a Block declares it for the table in the C's header: how it is noticed, and what follows.
+
+Rows come from the Blocks that notice a failure, with the numbers that their laws have. A stage adds its own words by
+the key of a row, such as which axis goes on and where the outputs end (`Stage.reactions`).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from synth.errors import SignalError
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A row of the table: what fails, how it is noticed and when, what is used instead, and what the step does.
+
+    `key` names the row for the words of a stage. The row says which bits are set: those of the refused `inputs` and of
+    the `suspects`.
+    """
+
+    key: str
+    what: str
+    noticed: str
+    instead: str
+    reaction: str
+    inputs: tuple[str, ...] = ()
+    suspects: tuple[str, ...] = ()
+
+
+def with_reactions(failures: Sequence[Failure], reactions: Mapping[str, str]) -> tuple[Failure, ...]:
+    """Return the rows with the words of a stage behind the reactions.
+
+    Raises SignalError for words of a row that does not exist.
+    """
+    keys = [f.key for f in failures]
+    if unknown := [key for key in reactions if key not in keys]:
+        raise SignalError(f"there is no failure '{unknown[0]}': give reactions to {', '.join(keys) or 'none'}")
+    return tuple(replace(f, reaction="; ".join(filter(None, (f.reaction, reactions.get(f.key, ""))))) for f in failures)
+
+
+def enumeration(names: Sequence[str], word: str = "or") -> str:
+    """Return names as text, with a word before the last one."""
+    return f"{', '.join(names[:-1])} {word} {names[-1]}" if len(names) > 1 else "".join(names)

@@ -1,0 +1,58 @@
+"""The table of failures in the header: its rows follow from the declarations and numbers of the Blocks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.maglev import fault_handling, platen
+from designs.maglev_5dof.design import DESIGN, PLANT
+from synth import actuation
+from synth.blocks import redundancy
+from synth.emit.c import failure_table
+from synth.errors import SignalError
+from synth.failure import with_reactions
+from synth.stage import Interface
+from tests.emit.c.test_manifest import stage
+
+
+def test_a_row_names_the_bits_and_the_samples_of_the_guard() -> None:
+    said = "\n".join(failure_table.rows(stage()))
+    assert "bit 0; in that sample" in said
+    assert "3 samples in a row, of any of them: latches" in " ".join(f.reaction for f in stage().failures)
+    assert failure_table.rows(replace(stage(), failures=())) == []
+    assert max(map(len, failure_table.rows(stage()))) <= 117
+
+
+def test_numbers_are_those_of_the_decision() -> None:
+    names, relations = platen.INTERFACE.signals, fault_handling.relations(PLANT)
+    sensors = [names[n] for n in fault_handling.SENSORS]
+    for persistent in (3, 5):
+        decision = replace(fault_handling.DECISION, persistent=persistent)
+        made = redundancy.block(platen.TIME, sensors, relations, decision, fault_handling.INTERFACE_OF_ALL.missed_calls)
+        row = next(f for f in made.failures if f.key == "one_wrong")
+        assert f"{relations[0].threshold:g} m in {persistent} samples in a row" in row.noticed
+        assert row.suspects == ("y1", "y2", "y3", "y4")
+
+
+def test_a_stage_adds_its_words_by_key_and_an_unknown_key_is_refused() -> None:
+    failures = stage().failures
+    first = with_reactions(failures, {failures[0].key: "all axes go on"})[0]
+    assert first.reaction == f"{failures[0].reaction}; all axes go on"
+    with pytest.raises(SignalError, match="no failure 'unknown'"):
+        with_reactions(failures, {"unknown": ""})
+
+
+def test_the_maglev_stage_says_where_currents_and_angles_end() -> None:
+    declared = DESIGN.stage
+    assert declared is not None and isinstance(declared.interface, Interface)
+    said = " ".join(declared.reactions.values())
+    assert "0.2 m for the lost position: the phase step refuses it" in said and "motors 2 and 4 hand i_d over" in said
+
+
+def test_signs_of_the_actuators_come_from_the_plant() -> None:
+    assert DESIGN.stage is not None
+    signs = actuation.signs(PLANT, DESIGN.stage.velocities, {"y": 0.025})
+    assert signs["i_d1"] == "+y -phi" and signs["i_d2"] == "+y +theta" and (signs["u_x"], signs["u_z"]) == ("-x", "-z")
+    turned = {name: "".join({"+": "-", "-": "+"}.get(c, c) for c in sign) for name, sign in signs.items()}
+    assert np.all([signs[n] != turned[n] for n in signs])
