@@ -18,6 +18,8 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
                     missing calls, in which the body has moved on, nor where the prediction or the
                     code before it is outside `travel`.
 
+Once latched, predictions stand still, and no reading is judged by them any more.
+
 A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
 that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was
 wrong.
@@ -59,12 +61,12 @@ def block(
 ) -> Block:
     """Return the Block between the guard and the laws.
 
-    For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
-    and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
-    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``, ``<s>_unchanged`` and ``<s>_frozen``, and
-    ``regular``, ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a
-    suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once ready. `missed_calls`
-    is the input that counts missing calls, if there is one.
+    For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``,
+    ``judging`` and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are
+    ``<s>_held`` and ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``, ``<s>_unchanged`` and
+    ``<s>_frozen``, and ``regular``, ``determined`` and ``sufficient``. While all readings are good and agree and no
+    sensor was ever a suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once
+    ready. `missed_calls` is the input that counts missing calls, if there is one.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
@@ -98,7 +100,9 @@ def block(
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
             believed = _is_jump_possible(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
-            far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
+            far = ca.SX(0)
+            if n in decision.jump:
+                far = ca.logic_and(u[safety.JUDGING.name], distance > decision.jump[n])
             count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
             jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
             near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
@@ -108,7 +112,7 @@ def block(
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
-            frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
+            frozen = ca.logic_and(ca.logic_and(frozen, u[safety.JUDGING.name]), usable[n])
             next[f"excluded_{n}"] = suspects[n] = stopped[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
             if n in decision.jump:
                 calm = ca.logic_and(calm, ca.logic_not(jumps))
@@ -182,7 +186,7 @@ def _vote(
     for n in names:
         whole = ca.logic_and(whole, usable[n])
     agreement = ca.fabs(r) <= relation.threshold
-    agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
+    agrees = ca.logic_or(agreement, ca.logic_not(u[safety.JUDGING.name]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
     excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
 

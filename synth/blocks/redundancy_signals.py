@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from synth.analyse.parity import Relation
 from synth.block import State
+from synth.blocks import safety
 from synth.blocks.redundancy_decision import DOUBTS, Decision
 from synth.signals import Signal
 
@@ -20,7 +21,7 @@ def inputs(sensors: Sequence[Signal], probed: Sequence[str], missed_calls: Signa
     expected = [replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors]
     answers = [_flag(f"{n}_unanswered", "no pair of the probe was answered") for n in probed]
     ready = [_flag("ready", "every measurement was good at once"), _flag("complete", "all are good")]
-    return [*accepted, *faults, *expected, *answers, *ready, *([missed_calls] if missed_calls else [])]
+    return [*accepted, *faults, *expected, *answers, *ready, safety.JUDGING, *([missed_calls] if missed_calls else [])]
 
 
 def outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:

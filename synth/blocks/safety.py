@@ -45,6 +45,7 @@ BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch f
 BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
 BRAKES = "brakes in the {} samples from the next one on, then latches; set until init"
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
+JUDGING = Signal("judging", "1", 0, 1, "readings are judged by predictions, which stand still once latched")
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
@@ -86,7 +87,9 @@ def guard(
     between the last of the bad samples and the latch there are also the outputs ``braking`` and ``braked``. Behind a
     `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which its
     ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
-    `fault.Judgement` declares this. Such a guard does not brake: its law lands the machine before the latch.
+    `fault.Judgement` declares this. Its output ``judging`` says that it is ready and has not latched before this
+    sample: the observers of a latched controller stand still, and no reading contradicts them. Such a guard does not
+    brake: its law lands the machine before the latch.
 
     With `good_samples` these make up for a bad one (`bad_samples`), so that bad samples with good ones between them
     latch, too; with 0 one good sample makes up for all before it.
@@ -134,6 +137,7 @@ def guard(
             next["left"] = bad_sample_counts.next_count(enough, x["left"], samples, good_samples)
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
+            output |= {JUDGING.name: ca.logic_and(x["ready"], ca.logic_not(x["latched"]))} if redundant else {}
         return Step(output, next, numbers=safety_numbers.latch(samples, braking, good_samples) if measured else [])
 
     last = "last good value"
@@ -145,6 +149,7 @@ def guard(
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
+    outputs += [JUDGING] if redundant and measured else []
     outputs += [BRAKING, BRAKED] if braking else []
     read = [g.signal for g in inputs]
     read += [_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []

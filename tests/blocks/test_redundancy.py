@@ -40,7 +40,8 @@ class Runner:
 def sample(readings: Mapping[str, float], expected: Mapping[str, float] | None = None, **more: Any) -> dict[str, float]:
     inputs = {f"{n}_accepted": v for n, v in readings.items()} | {f"fault_{n}": 0.0 for n in readings}
     inputs |= {f"{n}_expected": v for n, v in (expected or readings).items()}
-    inputs |= {"ready": 1.0, "complete": 0.0 if any(n.startswith("fault_") for n in more) else 1.0, "x_unanswered": 0.0}
+    inputs |= {"ready": 1.0, "judging": 1.0, "x_unanswered": 0.0}
+    inputs["complete"] = 0.0 if any(n.startswith("fault_") for n in more) else 1.0
     return inputs | more
 
 
@@ -111,7 +112,13 @@ MISSED = Signal("missed_calls", "1", 0, 40)
 
 
 def jump(
-    by: float, samples: int, missed: float = 0.0, error: float = 0.0, x: float = 0.1, decision: Any = JUMPING
+    by: float,
+    samples: int,
+    missed: float = 0.0,
+    error: float = 0.0,
+    x: float = 0.1,
+    judging: float = 1.0,
+    decision: Any = JUMPING,
 ) -> tuple[list[float], list[float], list[float]]:
     """Return suspects, values less predictions, and frozen flags, of a reading that jumps after 30 good samples."""
     runner = Runner(redundancy.block(TIME, SENSORS, [SUM], decision, MISSED))
@@ -119,7 +126,7 @@ def jump(
     for k in range(40):
         true = moving(k) | {"x": x + 1e-4 * k}
         away = by if 30 <= k < 30 + samples else 0.0
-        inputs = sample(true | {"x": true["x"] + away}, true | {"x": true["x"] + error})
+        inputs = sample(true | {"x": true["x"] + away}, true | {"x": true["x"] + error}, judging=judging)
         out = runner(**inputs, missed_calls=missed if k == 30 else 0.0)
         suspects.append(out["suspect_x"])
         differences.append(out["x_held"] - true["x"])
@@ -147,6 +154,7 @@ def test_a_spike_is_noticed_and_replaced_and_the_sensor_stays_in_use(samples: in
         {"by": 3e-3, "samples": 10, "missed": np.nan},  # nobody knows
         {"by": 3e-3, "samples": 10, "error": 1.5e-3},  # the prediction is not believed
         {"by": 3e-3, "samples": 10, "x": 0.95},  # a stop may hold it
+        {"by": 3e-3, "samples": 10, "judging": 0.0},  # once latched the prediction stands still
     ],
 )
 def test_a_reading_far_from_a_prediction_that_is_not_believed_has_not_jumped(harmless: dict[str, float]) -> None:

@@ -72,7 +72,9 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
         x[f"redundancy_code_{s.name}"] = np.where(rng.uniform(size=N) < 0.7, u[f"{s.name}_accepted"], 0.0)
         u[f"fault_{s.name}"] = (rng.uniform(size=N) < 0.1).astype(float)
     u["complete"] = (np.sum([u[f"fault_{s.name}"] for s in SENSORS], axis=0) == 0).astype(float)
-    read = x | {"guard_ready": u["ready"], "probe_x_attempt": u["x_unanswered"]}
+    latched = (rng.uniform(size=N) < 0.2).astype(float)
+    u["judging"] = u["ready"] * (1 - latched)
+    read = x | {"guard_ready": u["ready"], "guard_latched": latched, "probe_x_attempt": u["x_unanswered"]}
     y, expected = (np.array([u[f"{s.name}_{n}"] for s in SENSORS]) for n in ("accepted", "expected"))
     good = np.array([u[f"fault_{s.name}"] == 0 for s in SENSORS])
     value, suspects, flags, after = redundancy.readings(read, y, good, expected, 1, u["missed_calls"], of)

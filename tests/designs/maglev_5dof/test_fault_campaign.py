@@ -108,6 +108,24 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
         assert max(run.impacts["phi"], run.impacts["theta"]) < 0.25  # rad/s, 0.10 m/s at the motors
 
 
+def test_a_latch_in_flight_keeps_the_angles_of_the_encoders_that_still_read() -> None:
+    """Once latched the observers stand still, and the platen moves on: x and z are measured, and nothing else."""
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
+    k = np.arange(round(motion.duration_s / rig.period_s))
+    bits = {f.get("suspect"): f["bit"] for f in rig.controller.manifest["faults"]}
+    for onset in motion.onsets:
+        lost = {name: Override(k >= onset, np.full(len(k), np.nan)) for name in ("y1", "y2", "y3")}
+        run = rig.run(motion.duration_s, motion.start, motion.references, overrides=lost)
+        latched = np.flatnonzero(run.faults >> 31 & 1)
+        assert len(latched) > 500
+        moved = {a: np.ptp(run[a][latched]) for a in "xz"}
+        assert max(moved.values()) > 1e-3  # m: far more than the gate of a jump
+        for a in "xz":
+            assert not (run.faults[latched] >> bits[a] & 1).any()
+            np.testing.assert_array_equal(run.commands[f"{a}_commutation"][latched], run.measured[a][latched])
+
+
 @pytest.mark.parametrize("plant", [8, 11, 14, 15])
 def test_calls_that_are_missing_at_rest_end_in_no_contact_and_are_reported_at_the_next_call(plant: int) -> None:
     """A pair of the probe that pushes meanwhile moves the platen far, and its code stands still as it turns."""
