@@ -146,6 +146,7 @@ class Block:
             output=_under(names, self.output),
             computed_signals=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.computed_signals),
             faults=tuple(f.renamed(names) for f in self.faults),
+            failures=tuple(f.renamed(names) for f in self.failures),
             safety=self.safety and self.safety.renamed(names),
         )
 

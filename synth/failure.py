@@ -4,6 +4,7 @@ Rows come from the Blocks that notice a failure, with the numbers that their law
 the key of a row, such as which axis goes on and where the outputs end (`Stage.reactions`).
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -25,6 +26,16 @@ class Failure:
     reaction: str
     inputs: tuple[str, ...] = ()
     suspects: tuple[str, ...] = ()
+
+    def renamed(self, names: Mapping[str, str]) -> "Failure":
+        """Return the row with other names of signals, `names` from the present to the new ones, also in its texts."""
+
+        def text(of: str) -> str:
+            return re.sub(r"\w+", lambda word: names.get(word[0], word[0]), of)
+
+        inputs, suspects = (tuple(names.get(n, n) for n in of) for of in (self.inputs, self.suspects))
+        what, noticed, instead, reaction = map(text, (self.what, self.noticed, self.instead, self.reaction))
+        return Failure(self.key, what, noticed, instead, reaction, inputs, suspects)
 
 
 def with_reactions(failures: Sequence[Failure], reactions: Mapping[str, str]) -> tuple[Failure, ...]:

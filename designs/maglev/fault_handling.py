@@ -66,12 +66,14 @@ COURSES: dict[str, landing.Course] = {
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17 plants; up to 44 on none
 REASON = (
-    "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
-    "latches on the stop; without three it latches as said above; "
+    "a gap encoder that is refused or excluded is replaced; without x, without z or without two gap encoders the "
+    "platen lands and then latches on the stop; without three gap encoders, or without x and z, it latches as said "
+    "above; "
 )
 UNTESTED = (
-    f"A frozen reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop may hold the "
-    "platen, its test is off."
+    f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
+    "may hold the platen, these tests are off. A platen that rests is pushed there and back by the probe after each "
+    f"{PROBE.quiet} samples without a change of the code of x or z."
 )
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS),

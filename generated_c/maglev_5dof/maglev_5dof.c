@@ -361,7 +361,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float largest_demand = 10000.0f;               /* m/s^2; bound of the demand with a push */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m in 12 samples */
+    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m and back in 12 samples */
     static const float first_push = 0.46666667f;
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -411,7 +411,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* m; end of the travel, where a stop may hold it; of low x, high x, low z, high z */
     static const float travel = 0.0499f;
     static const float gate = 4e-05f; /* m; predicted motion in which a working code changes; of x, z */
-    static const float jump = 0.00015f; /* m; from the prediction: no machine moves so far in a sample; of x, z */
+    /* m; from the prediction: no acceleration of the machine explains it; of x, z */
+    static const float jump = 0.00015f;
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;

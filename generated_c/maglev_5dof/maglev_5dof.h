@@ -15,8 +15,8 @@
  *
  * What this does to the machine:
  *   - a gap encoder that is refused or excluded is replaced
- *   - without x, z or two gap encoders the platen lands and then latches on the stop
- *   - without three it latches as said above
+ *   - without x, without z or without two gap encoders the platen lands and then latches on the stop
+ *   - without three gap encoders, or without x and z, it latches as said above
  *   - zero current pulls the platen up from a gap below 28.7 mm
  *   - the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all parameters
  *     at their tolerances
@@ -50,21 +50,21 @@
  * not finite or        |                                   |                    |
  * outside its range    |                                   |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * one of y1, y2, y3    | bits 0 to 3; in that sample       | what the others    | all axes go on
- * and y4 not finite or |                                   | say, by the parity |
- * outside its range    |                                   | relation           |
+ * one of y1, y2, y3    | bits 0 to 3; in that sample       | what the others    | meanwhile no relation is left:
+ * and y4 not finite or |                                   | say, by the parity | another wrong one is not noticed; all
+ * outside its range    |                                   | relation           | axes go on
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | all axes go on
- * and y4 frozen,       | 4.8e-05 m in 3 samples in a row,  | say, by the parity |
- * offset, drifting or  | and one has by far the largest    | relation           |
+ * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | from then on no relation is left:
+ * and y4 frozen,       | 4.8e-05 m in 3 samples in a row,  | say, by the parity | another wrong one is not noticed; all
+ * offset, drifting or  | and one has by far the largest    | relation           | axes go on
  * jumping              | innovation or alone a code that   |                    |
  *                      | stands still (3 or 8 samples):    |                    |
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * the same, but which  | bits 11 to 14; the same in 10     | nothing: all stay  | lands, y, phi and theta by the
- * one is not clear:    | samples in a row, or the excluded | in use             | readings as they are; then i_d of all
- * all of y1, y2, y3    | one moves again after it stood    |                    | 2.5 A, i_q 0 A, at measured angles
- * and y4 are suspects  | still                             |                    |
+ * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
+ * one is not clear:    | samples in a row, or the excluded | use stay in use,   | readings as they are; then i_d of all
+ * all of y1, y2, y3    | one moves again after it stood    | an excluded one    | 2.5 A, i_q 0 A, at measured angles
+ * and y4 are suspects  | still                             | stays replaced     |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the gaps left do not tell
  * and y4 refused or    | sample                            | its observer       | of y, phi, theta is predicted; x and
@@ -96,6 +96,7 @@
  * x or z jumping       | bits 15, 16; further than 0.00015 | the prediction of  | as the rows above; a single such
  * inside its range     | m from its prediction, which      | its observer, at   | sample sets the bit, and all axes go
  *                      | agreed with its last 10 changes;  | once               | on
+ *                      | only inside -0.0499 .. 0.0499 m;  |                    |
  *                      | excluded until init after 3       |                    |
  *                      | samples in a row. Not after       |                    |
  *                      | missed calls, until the           |                    |
@@ -113,22 +114,27 @@
  * a coordinate that is | status bit 30; in 5 samples in a  | estimates of the   | y sinks to 0.031 m with at most 0.08
  * not measured, in all | row, or more than 1 in 5 for long | observers          | m/s and 2 m/s^2, 0.005 m/s at the
  * rows above that say  |                                   |                    | stop; brakes x at 4 m/s^2 and z at 4
- * `lands`              |                                   |                    | m/s^2; over, and latches, when the
- *                      |                                   |                    | ramp of y, not the body, is at 0.0314
- *                      |                                   |                    | m; only init ends it
+ * `lands`              |                                   |                    | m/s^2; levels theta; leaves phi to
+ *                      |                                   |                    | its guide spring; over, and latches,
+ *                      |                                   |                    | when the ramp of y, not the body, is
+ *                      |                                   |                    | at 0.0314 m; only init ends it
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x frozen at rest     | bit 15; 40 samples without a      | its prediction     | as frozen in motion
  *                      | change of its code, then 5 pairs  |                    |
  *                      | of pushes without an answer:      |                    |
- *                      | after 121 samples                 |                    |
+ *                      | after 121 samples; only while all |                    |
+ *                      | is measured and the body is free  |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * z frozen at rest     | bit 16; 40 samples without a      | its prediction     | as frozen in motion
  *                      | change of its code, then 5 pairs  |                    |
  *                      | of pushes without an answer:      |                    |
- *                      | after 121 samples                 |                    |
+ *                      | after 121 samples; only while all |                    |
+ *                      | is measured and the body is free  |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * more than 40 calls   | bit 18; at the next call, where   | the last outputs   | nothing: the caller must stop the
- * missed, or no count  | the caller counts them            | act until then     | motion
+ * missed, or a count   | the caller counts them            | act until then     | motion
+ * that is negative or  |                                   |                    |
+ * NaN                  |                                   |                    |
  *
  * In each sample, call maglev_5dof_step and then maglev_5dof_phase_step: a step takes outputs of the steps before it,
  * and the outputs of the last one go to the hardware.
@@ -144,8 +150,9 @@
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
  * stop at 31 mm.
  *
- * A frozen reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the platen, its test
- * is off.
+ * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
+ * platen, these tests are off. A platen that rests is pushed there and back by the probe after each 40 samples without
+ * a change of the code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
@@ -201,7 +208,7 @@ typedef struct {
     float z_ref;                        /* m, -0.05 .. 0.05: set-point along Z */
     float phi_ref;                      /* rad, -0.003 .. 0.003: set-point of the rotation about X */
     float theta_ref;                    /* rad, -0.014 .. 0.014: set-point of the rotation about Z */
-    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if not known */
+    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none or not counted */
 } maglev_5dof_input_t;
 
 typedef struct {
@@ -343,7 +350,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 15  x: contradicts the others
  *   bit 16  z: contradicts the others
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
- *   bit 18  missed_calls: more than 40 calls missed, or no count
+ *   bit 18  missed_calls: more than 40 calls missed, or a count that is negative or NaN
  *   bit 30  status, no fault: lands until it latches on its stop; only init ends that
  *   bit 31  latched: safe output until init
  * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.

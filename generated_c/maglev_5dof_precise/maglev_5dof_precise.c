@@ -394,7 +394,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
     static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
     static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m in 4 samples */
+    /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m and back in 4 samples */
     static const float first_push = 2.2f;
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
@@ -450,7 +450,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* m; end of the travel, where a stop may hold it; of low x, high x, low z, high z */
     static const float travel = 0.0499f;
     static const float gate = 4e-05f; /* m; predicted motion in which a working code changes; of x, z */
-    static const float jump = 0.00015f; /* m; from the prediction: no machine moves so far in a sample; of x, z */
+    /* m; from the prediction: no acceleration of the machine explains it; of x, z */
+    static const float jump = 0.00015f;
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;

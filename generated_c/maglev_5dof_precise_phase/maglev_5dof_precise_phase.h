@@ -15,11 +15,13 @@
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * i_d1, i_d2, i_d3,    | bits 0 to 7; in that sample       | its last good      | the law goes on; never latches
+ * i_d1, i_d2, i_d3,    | bits 0 to 9; in that sample       | its last good      | the law goes on; never latches
  * i_d4, i_q1, i_q2,    |                                   | value              |
- * i_q3, i_q4, x or z   |                                   |                    |
- * not finite or        |                                   |                    |
- * outside its range    |                                   |                    |
+ * i_q3, i_q4,          |                                   |                    |
+ * x_commutation or     |                                   |                    |
+ * z_commutation not    |                                   |                    |
+ * finite or outside    |                                   |                    |
+ * its range            |                                   |                    |
  *
  * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
  * steps before it, and the outputs of the last one go to the hardware.

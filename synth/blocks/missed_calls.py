@@ -36,7 +36,7 @@ def signal(limit: float) -> Signal:
         raise SignalError(
             f"missed_calls tolerates {limit} calls: give a finite number above 0, such as 0.5 to report each missed one"
         )
-    return Signal(MISSED_CALLS, "1", 0, limit, "calls missed since the last one, 0 if not known")
+    return Signal(MISSED_CALLS, "1", 0, limit, "calls missed since the last one, 0 if none or not counted")
 
 
 @arguments.checked
@@ -54,7 +54,7 @@ def block(time: Discrete, count: Signal, bit: int) -> Block:
         return Step({flag.name: ca.logic_not(tolerated)})
 
     made = build(MISSED_CALLS, time, law, inputs=[count], outputs=[flag], tag="missed calls")
-    about = f"more than {count.high:g} calls missed, or no count"
+    about = f"more than {count.high:g} calls missed, or a count that is negative or NaN"
     row = Failure(
         MISSED_CALLS,
         about,

@@ -74,7 +74,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
     if min(probe.quiet, probe.quarter, probe.attempts) < 1 or not probe.step > 0:
         raise SignalError(f"the probe of '{sensor}' is {probe}: give at least 1 sample and attempt and a positive step")
     a, n, pair = probe.step / (probe.quarter * time.period_s) ** 2, probe.quarter, probe.pair
-    about = f"moves the body by {probe.step:g} {error.unit} in {4 * n} samples"
+    about = f"moves the body by {probe.step:g} {error.unit} and back in {4 * n} samples"
     numbers = [
         Constant("first_push", a, demand.unit, f"acceleration of the first pair, which {about}"),
         Constant("quiet_samples", probe.quiet, "1", "without a change of the code until it probes", ("unchanged",)),
@@ -126,7 +126,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         states=states, tag="probe at rest",
     )  # fmt: skip
     noticed = f"{probe.quiet} samples without a change of its code, then {probe.attempts} pairs of pushes without an "
-    noticed += f"answer: after {probe.samples} samples"
+    noticed += f"answer: after {probe.samples} samples; only while all is measured and the body is free"
     row = Failure(f"unanswered_{sensor}", f"{sensor} frozen at rest", noticed, "its prediction", "as frozen in motion",
                   (), (sensor,))  # fmt: skip
     return replace(made, failures=(row,))

@@ -18,7 +18,7 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
                     missing calls, in which the body has moved on, nor where the prediction or the
                     code before it is outside `travel`.
 
-Once latched, predictions stand still, and no reading is judged by them any more.
+Once latched, predictions stand still, and no reading is compared with them any more.
 
 A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
 that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was

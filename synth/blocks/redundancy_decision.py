@@ -44,7 +44,7 @@ class Decision:
         for n, ends in self.travel.items():
             unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
             if n in self.jump:
-                about = "from the prediction: no machine moves so far in a sample"
+                about = "from the prediction: no acceleration of the machine explains it"
                 numbers.append(Constant(f"jump_{n}", self.jump[n], unit, about))
             numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion in which a working code changes")]
             numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]

@@ -30,11 +30,13 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
     )
     unclear = f"the same in {decision.undecided} samples in a row, or the excluded one moves again after it stood still"
     group = f"of {enumeration(names, 'and')}"
+    alone = "no relation is left: another wrong one is not noticed"
     return [
-        Failure("one_refused", f"one {group} {REFUSED}", "in that sample", PARITY, "", names),
-        Failure("one_wrong", f"one {group} frozen, offset, drifting or jumping", wrong, PARITY, "", (), names),
+        Failure("one_refused", f"one {group} {REFUSED}", "in that sample", PARITY, f"meanwhile {alone}", names),
+        Failure("one_wrong", f"one {group} frozen, offset, drifting or jumping", wrong, PARITY, f"from then on {alone}",
+                (), names),
         Failure("unclear", f"the same, but which one is not clear: all {group} are suspects", unclear,
-                "nothing: all stay in use", "", (), names),
+                "nothing: those in use stay in use, an excluded one stays replaced", "", (), names),
         Failure("several_lost", f"two {group} refused or excluded" if most == 2 else f"2 to {most} {group} refused or "
                 "excluded", "in that sample", PREDICTION, "", names, names),
         Failure("too_many_lost", f"more than {most} {group} refused or excluded", "in that sample", PREDICTION, "",
@@ -56,21 +58,22 @@ def _of_singles(signals: Mapping[str, Signal], singles: Sequence[str], decision:
     return [
         Failure("single_refused", f"{enumeration(names)} {REFUSED}", "in that sample", PREDICTION, "", names),
         Failure("single_frozen", f"{enumeration(names)} frozen", frozen, PREDICTION, "", (), names),
-        *_of_jumps(signals, decision),
+        *_of_jumps(signals, decision, inside),
         Failure("singles_lost", f"{enumeration(names, 'and')} refused or excluded", "in that sample", PREDICTION, "",
                 names, names),
     ]  # fmt: skip
 
 
-def _of_jumps(signals: Mapping[str, Signal], decision: Decision) -> list[Failure]:
+def _of_jumps(signals: Mapping[str, Signal], decision: Decision, inside: str) -> list[Failure]:
     if not decision.jump:
         return []
     names, (first, *_) = tuple(decision.jump), decision.jump
     gates = enumeration([f"{g:g} {signals[first].unit}" for g in dict.fromkeys(decision.jump.values())])
     noticed = (
-        f"further than {gates} from its prediction, which agreed with its last {DOUBTS} changes; excluded until init "
-        f"after {decision.persistent} samples in a row. Not after missed calls, until the prediction agrees again: "
-        "count them, else they look like a jump. A smaller offset, a drift and noise are not noticed"
+        f"further than {gates} from its prediction, which agreed with its last {DOUBTS} changes; only inside {inside}; "
+        f"excluded until init after {decision.persistent} samples in a row. Not after missed calls, until the "
+        "prediction agrees again: count them, else they look like a jump. A smaller offset, a drift and noise are not "
+        "noticed"
     )
     what = f"{enumeration(names)} jumping inside its range"
     return [Failure("single_jumps", what, noticed, f"{PREDICTION}, at once", "", (), names)]

@@ -45,7 +45,7 @@ BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch f
 BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
 BRAKES = "brakes in the {} samples from the next one on, then latches; set until init"
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
-JUDGING = Signal("judging", "1", 0, 1, "readings are judged by predictions, which stand still once latched")
+JUDGING = Signal("judging", "1", 0, 1, "readings are compared with predictions, which stand still once latched")
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 

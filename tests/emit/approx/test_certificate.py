@@ -122,11 +122,11 @@ def test_branch_and_bound_finds_the_largest_error_of_all_values(
     monkeypatch: pytest.MonkeyPatch, name: str, ends: tuple[float, float]
 ) -> None:
     p, g = fit_function(name, ends, np.float32, 2e-7), enclose_function(name, ends)
-    found = certify(p, g, 2e-7)
+    largest = certify(p, g, 2e-7)
     monkeypatch.setattr(certificate, "_chunk_bound", lambda *_: np.inf)
     everywhere = certify(p, g, 2e-7)
-    assert found.max_relative_error == everywhere.max_relative_error
-    assert found.checked_values < 0.6 * everywhere.checked_values
+    assert largest.max_relative_error == everywhere.max_relative_error
+    assert largest.checked_values < 0.6 * everywhere.checked_values
 
 
 def test_without_bounds_every_float_of_a_range_without_zero_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
