@@ -343,12 +343,12 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit  8  z_ref: not finite or outside its range
  *   bit  9  phi_ref: not finite or outside its range
  *   bit 10  theta_ref: not finite or outside its range
- *   bit 11  y1: contradicts the others
- *   bit 12  y2: contradicts the others
- *   bit 13  y3: contradicts the others
- *   bit 14  y4: contradicts the others
- *   bit 15  x: contradicts the others
- *   bit 16  z: contradicts the others
+ *   bit 11  y1: contradicts other measurements or its prediction
+ *   bit 12  y2: contradicts other measurements or its prediction
+ *   bit 13  y3: contradicts other measurements or its prediction
+ *   bit 14  y4: contradicts other measurements or its prediction
+ *   bit 15  x: contradicts other measurements or its prediction
+ *   bit 16  z: contradicts other measurements or its prediction
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or a count that is negative or NaN
  *   bit 30  status, no fault: lands until it latches on its stop; only init ends that

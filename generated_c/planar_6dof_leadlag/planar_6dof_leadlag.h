@@ -207,12 +207,12 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 12  z_ref: not finite or outside its range
  *   bit 13  theta_ref: not finite or outside its range
  *   bit 14  psi_ref: not finite or outside its range
- *   bit 15  V_ax: contradicts the others
- *   bit 16  V_ay: contradicts the others
- *   bit 17  V_bx: contradicts the others
- *   bit 18  V_by: contradicts the others
- *   bit 19  V_cx: contradicts the others
- *   bit 20  V_cy: contradicts the others
+ *   bit 15  V_ax: contradicts other measurements or its prediction
+ *   bit 16  V_ay: contradicts other measurements or its prediction
+ *   bit 17  V_bx: contradicts other measurements or its prediction
+ *   bit 18  V_by: contradicts other measurements or its prediction
+ *   bit 19  V_cx: contradicts other measurements or its prediction
+ *   bit 20  V_cy: contradicts other measurements or its prediction
  *   bit 29  all Hall voltages have another amplitude than the field
  *   bit 30  brakes in the 23 samples from the next one on, then latches; set until init
  *   bit 31  latched: safe output until init

@@ -541,7 +541,7 @@ def test_manifest_and_header_name_the_suspects() -> None:
     inputs = [{"bit": i, "input": n} for i, n in enumerate(NAMES)]
     assert made.manifest["faults"] == [*inputs, *named]
     for bit, name in ((3, "reading"), (4, "angle")):
-        assert f" *   bit  {bit}  {name}: contradicts the others\n" in made.files["watched.h"]
+        assert f" *   bit  {bit}  {name}: contradicts other measurements or its prediction\n" in made.files["watched.h"]
 
 
 @pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])

@@ -198,7 +198,8 @@ def _meaning(fault: Fault) -> str:
         return f"{fault.input}: not finite or outside its range"
     if fault.status:
         return f"status, no fault: {fault.about}"
-    return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
+    suspected = f"{fault.suspect}: contradicts other measurements or its prediction"
+    return suspected if fault.suspect else fault.about or LATCHED
 
 
 def _size_checks(block: Block, layout: Layout) -> list[str]:
