@@ -426,7 +426,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool far_x = judging && (jump < distance_x);
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
-    const bool in_time = missed_calls <= 0.0f;
+    const bool in_time = fabsf(missed_calls) <= 0.0f;
     const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
         (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
     uint32_t x_unchanged = 0u;

@@ -82,7 +82,9 @@ def block(
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
         stopped: dict[str, ca.SX] = {}
-        in_time = u[missed_calls.name] <= 0 if missed_calls else ca.SX(1)
+        in_time = ca.SX(1)
+        if missed_calls:  # a count below 0 is as bad as one that is NaN
+            in_time = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):

@@ -80,7 +80,7 @@ def readings(
     doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
     with np.errstate(invalid="ignore"):
-        believed = (doubts == 0) & (np.asarray(missed) <= 0)
+        believed = (doubts == 0) & (np.asarray(missed) == 0)
     last = rows(state, [f"redundancy_code_{n}" for n in of.others])
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = judging & (distance > of.jump)

@@ -152,6 +152,7 @@ def test_a_spike_is_noticed_and_replaced_and_the_sensor_stays_in_use(samples: in
         {"by": 1.9e-3, "samples": 10},  # inside the gate
         {"by": 3e-3, "samples": 10, "missed": 5.0},  # the body has moved on
         {"by": 3e-3, "samples": 10, "missed": np.nan},  # nobody knows
+        {"by": 3e-3, "samples": 10, "missed": -np.inf},
         {"by": 3e-3, "samples": 10, "error": 1.5e-3},  # the prediction is not believed
         {"by": 3e-3, "samples": 10, "x": 0.95},  # a stop may hold it
         {"by": 3e-3, "samples": 10, "judging": 0.0},  # once latched the prediction stands still

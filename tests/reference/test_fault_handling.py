@@ -63,7 +63,7 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     block = whole(redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION, MISSED))
     x, u = draw(block)
     rng = np.random.default_rng(1)
-    u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, np.nan), N)
+    u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, -1.0, np.nan), N)
     x["redundancy_doubts_x"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["redundancy_doubts_x"])
     u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 0.01), N), -1, 1)
     for s in SENSORS:
