@@ -256,6 +256,7 @@ def test_evidence_is_of_all_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
     )
+    monkeypatch.setattr(verification.survey, "checks", lambda say: [replace(check, name="calibrated units")])
     monkeypatch.setattr(
         verification.verification_protected, "verify", lambda say, whole: ([], [replace(check, name=f"more {whole}")])
     )
@@ -264,6 +265,6 @@ def test_evidence_is_of_all_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
         (False, verification.QUICK_STEPS, 100_000),
     ):
         evidence = verification.verify(heard.append, whole)
-        expected = [*(f"{PAIR} {each}" for each in (sizes, samples)), f"more {whole}"]
+        expected = [*(f"{PAIR} {each}" for each in (sizes, samples)), "calibrated units", f"more {whole}"]
         assert evidence.design == PAIR and [c.name for c in evidence.checks] == expected
     assert verification.FULL_STEPS["motions"] == 100_000 and len(heard) == 4
