@@ -32,9 +32,8 @@ RARE = 0.01  # share of excluded encoders, of unanswered probes and of landings
 INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
 FLOOR = 1.0  # A
 # A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
-# polynomials, up to 1e-14 of each term, is a thousand times larger relative to the sum. These currents are compared
-# relative to the limit.
-EDGE_FLOOR = platen.CURRENT
+# polynomials, up to 1e-14 of each term, stays: 1e-11 A, which is the tolerance of 1e-12 relative to this floor.
+EDGE_FLOOR = 10.0
 POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
 LawStates = Callable[[np.random.Generator, str, NDArray[np.float64], NDArray[np.float64]], Columns]
 MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders

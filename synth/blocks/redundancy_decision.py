@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 
 from synth import arguments
 from synth.analyse.parity import Relation
 from synth.block import Constant
 from synth.blocks import isolation
 from synth.blocks.isolation import FRESH, STILL
+from synth.errors import SignalError
 from synth.signals import Signal
 
 DOUBTS = 10  # changes of a code that agree until its prediction is believed, at first and after missing calls
@@ -51,13 +52,20 @@ class Decision:
         return [*numbers, *_counts(relations, self)]
 
 
+@arguments.checked
 def jump_gate(gate: float, acceleration: float, resolution: float, period: float) -> float:
     """Return the largest innovation of a sound sensor one sample after it was inside its `gate`.
 
     The acceleration differs from the prediction by at most `acceleration`, e. Such an error needs sqrt(2 gate / e) to
     leave the gate, and the rate is then wrong by sqrt(2 gate e); in the sample that follows it adds T times this and
     e T^2 / 2, and rounding may add a count.
+
+    Raises SignalError for a negative or infinite value.
     """
+    values = {"gate": gate, "acceleration": acceleration, "resolution": resolution, "period": period}
+    for name, value in values.items():
+        if not 0 <= value < inf:
+            raise SignalError(f"gate of jumps: the {name} is {value}: give a finite number of at least 0")
     return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
 
 

@@ -26,7 +26,8 @@ INNER = {  # modules whose functions take what others have read
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "glsdc", "error_map", "phasor"),
     *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
     *("glsdc_model", "glsdc_jacobian", "glsdc_linearisation", "glsdc_solution", "glsdc_integrity", "glsdc_monitor"),
-    *("glsdc_exclusion", "isolation"),
+    *("glsdc_exclusion", "isolation", "redundancy_failures", "redundancy_signals", "guard_failures"),
+    *("safety_numbers", "bad_samples"),
 }
 
 
