@@ -423,10 +423,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool same_x = maglev_5dof_equal(x_accepted, redundancy_code_x);
     const float observer_x_q = state->observer_x.q;
     const float distance_x = fabsf(observer_x_q - x_accepted);
-    const bool far_x = judging && (jump < distance_x);
+    const bool far_x = jump < distance_x;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
-    const bool in_time = fabsf(missed_calls) <= 0.0f;
+    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
     const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
         (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
     uint32_t x_unchanged = 0u;
@@ -459,7 +459,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool same_z = maglev_5dof_equal(z_accepted, redundancy_code_z);
     const float observer_z_q = state->observer_z.q;
     const float distance_z = fabsf(observer_z_q - z_accepted);
-    const bool far = judging && (jump < distance_z);
+    const bool far_z = jump < distance_z;
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
     const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
@@ -472,7 +472,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         before_z = state->redundancy_before_z;
     } else {
-        if (far) {
+        if (far_z) {
             redundancy_doubts_z_next = (believed_z) ? redundancy_doubts_z : doubted_changes;
         } else {
             if (gate < distance_z) {
@@ -489,7 +489,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool frozen_z = (repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) &&
         (((gate < fabsf(observer_z_q - before_z)) && redundancy_doubts_z_below_1) || z_unanswered);
     const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
-    const bool jumps_z = far && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
+    const bool jumps_z = far_z && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -600,7 +600,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         bool determined;
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = redundancy_undecided_0 == 0u;
-            if (agreement || !judging) {
+            if (agreement || (guard_ready == 0u)) {
                 const bool suspect_y1_test = redundancy_undecided_0 != 0u;
                 suspect_y1 = suspect_y1_test;
                 suspect_y2 = suspect_y1_test;
@@ -740,7 +740,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
         theta_measured = determined;
         const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const uint32_t stopped_x = (frozen_x && judging && usable_x) ? 1u : redundancy_excluded_x;
+        const uint32_t stopped_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
         uint32_t suspect_x = 1u;
         if (jumps_x) {
             const bool last_x = excluded_from <= redundancy_jumps_x;
@@ -755,7 +755,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         x_trusted = unusual_x_trusted;
         x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
         const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const uint32_t stopped_z = (frozen_z && judging && usable_z) ? 1u : redundancy_excluded_z;
+        const uint32_t stopped_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
         uint32_t suspect_z = 1u;
         if (jumps_z) {
             const bool last_z = excluded_from <= redundancy_jumps_z;

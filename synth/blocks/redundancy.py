@@ -18,7 +18,7 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
                     missing calls, in which the body has moved on, nor where the prediction or the
                     code before it is outside `travel`.
 
-Once latched, predictions stand still, and no reading is compared with them any more.
+Once latched, predictions stand still, and no jump is looked for any more.
 
 A sensor that is named for `persistent` samples in a row is excluded until init, a frozen one at once. One of a group
 that was excluded because its code stood still, and whose code then moves, makes the group undecided: the choice was
@@ -82,9 +82,10 @@ def block(
         next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], decision.longest(n in singles)) for n in names}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
         stopped: dict[str, ca.SX] = {}
-        in_time = ca.SX(1)
+        in_time = u[safety.JUDGING.name]
         if missed_calls:  # a count below 0 is as bad as one that is NaN
-            in_time = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
+            counted = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
+            in_time = ca.logic_and(in_time, counted)
         regular, sufficient = ca.SX(1), ca.SX(1)
         calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
@@ -102,9 +103,7 @@ def block(
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts, distance = decision.gate[n], x[f"doubts_{n}"], ca.fabs(expected - y[n])
             believed = _is_jump_possible(decision.travel[n], (expected, x[f"code_{n}"]), doubts, in_time)
-            far = ca.SX(0)
-            if n in decision.jump:
-                far = ca.logic_and(u[safety.JUDGING.name], distance > decision.jump[n])
+            far = distance > decision.jump[n] if n in decision.jump else ca.SX(0)
             count = x[f"jumps_{n}"] if n in decision.jump else ca.SX(0)
             jumps = ca.logic_and(far, ca.logic_or(count >= 1, ca.logic_and(believed, ca.logic_not(same[n]))))
             near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
@@ -114,7 +113,7 @@ def block(
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
-            frozen = ca.logic_and(ca.logic_and(frozen, u[safety.JUDGING.name]), usable[n])
+            frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
             next[f"excluded_{n}"] = suspects[n] = stopped[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
             if n in decision.jump:
                 calm = ca.logic_and(calm, ca.logic_not(jumps))
@@ -188,7 +187,7 @@ def _vote(
     for n in names:
         whole = ca.logic_and(whole, usable[n])
     agreement = ca.fabs(r) <= relation.threshold
-    agrees = ca.logic_or(agreement, ca.logic_not(u[safety.JUDGING.name]))
+    agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
     excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
 

@@ -71,7 +71,7 @@ def readings(
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
-    related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], judging)
+    related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
     changed = (~same[:g] & excluded[:g] & good[:g]).any(axis=0)
     undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & changed)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
@@ -80,14 +80,14 @@ def readings(
     doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
     with np.errstate(invalid="ignore"):
-        believed = (doubts == 0) & (np.asarray(missed) == 0)
+        believed = judging & (doubts == 0) & (np.asarray(missed) == 0)
     last = rows(state, [f"redundancy_code_{n}" for n in of.others])
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
-    far = judging & (distance > of.jump)
+    far = distance > of.jump
     doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
-    freezes = judging & stands & usable[g:]
+    freezes = ready & stands & usable[g:]
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     frozen = freezes | jumps | excluded[g:]
     out = np.where(jumps, counted >= PERSISTENT - 1, freezes) | excluded[g:]
@@ -126,12 +126,12 @@ def readings(
 
 
 def _isolate(
-    state: Columns, of: Sensors, y: Array, value: Array, expected: Array, usable: Flags, still: Array, judging: Flags
+    state: Columns, of: Sensors, y: Array, value: Array, expected: Array, usable: Flags, still: Array, ready: Flags
 ) -> tuple[Array, Flags, dict[str, Any]]:
     """Return the readings of the relation to use, which is named now, and what follows for the states."""
     sign = of.column(y)
     r, missing = of.parity(value), np.sum(~usable, axis=0)
-    wrong = (missing == 0) & (np.abs(r) > of.threshold) & judging
+    wrong = (missing == 0) & (np.abs(r) > of.threshold) & ready
     E = np.where(r > 0, 1.0, -1.0) * sign * (y - expected)
     undecided = np.asarray(state["redundancy_undecided_0"]) > 0
     candidate = (still >= FRESH) & (CANDIDATE * np.abs(r) < E)

@@ -63,12 +63,16 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
         assert np.abs(drawn[f"regulator_{axis}_sum"]).max() == bounds[f"regulator_{axis}_sum"]
 
 
+REPEATED = "if (waiting) {"  # zig tests it again where it has just found it to be so: the other side cannot be reached
+
+
 @pytest.mark.parametrize("build", BUILDS, ids=[b.compiler for b in BUILDS])
 def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[str, Steps]) -> None:
     candidate = baselines.emitted_c(EMITTED)
-    short = [steps.thinned(s, 50 if s.closed_loop else 5000) for s in sequences.values()]
+    short = [steps.thinned(s, 50 if s.closed_loop else 10000) for s in sequences.values()]
     coverage = meter.coverage(candidate, meter.run(candidate, steps.concatenate("all", short), build), build)
-    assert coverage.decisions > 40 and not coverage.missing, coverage.missing
+    missing = [line for line in coverage.missing if not (build.compiler == "zig" and REPEATED in line)]
+    assert coverage.decisions > 40 and not missing, missing
 
 
 def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:
