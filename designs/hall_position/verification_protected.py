@@ -90,8 +90,8 @@ def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tupl
         share = float(np.mean(~clear))
         first, second = (of.by_name[n](steps.states, steps.inputs).outputs for n in ("reference", "c64"))
         undetectable = [_is_undetectable(of.block.name, each) for each in (first, second)]
-        unlike = float(np.sum((undetectable[0] != undetectable[1]) & clear))
-        checks.append(Check(f"{steps.what}: undetectable in one of reference against c64 only", unlike, 0, "1"))
+        disagreements = float(np.sum((undetectable[0] != undetectable[1]) & clear))
+        checks.append(Check(f"{steps.what}: undetectable in one of reference against c64 only", disagreements, 0, "1"))
         clear &= ~undetectable[1]
         differs = float(np.sum((first["weak"] != second["weak"]) & clear))
         checks.append(Check(f"{steps.what}: weak in one of reference against c64 only", differs, 0, "1"))
