@@ -34,7 +34,7 @@ def folder() -> Path:
     if chosen := os.environ.get("SYNTH_CACHE"):
         return Path(chosen).absolute()
     base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "synth"
+    return (Path(base).absolute() if base else Path.home() / ".cache") / "synth"
 
 
 def run_name() -> str:

@@ -109,8 +109,26 @@ def build(
 
     Raises CompileError as `shared_library` does.
     """
-    sources_to_build = _units(sources)
-    command = [*compiler.machine_flags, *options, *(units or sources_to_build), "-o", product, *libraries]
+    sources_to_build = c_files(sources)
+    return _product(sources, [*options, *(units or sources_to_build)], product, compiler, libraries)
+
+
+def link(
+    objects: Sequence[Path], options: Sequence[str], product: str, compiler: Compiler, libraries: Sequence[str] = ()
+) -> Path:
+    """Call the compiler on objects that `build` has compiled; return the path of `product`.
+
+    The path of an object names its content, so the product is a function of the paths. Raises CompileError as
+    `shared_library` does.
+    """
+    return _product({}, [*options, *map(str, objects)], product, compiler, libraries)
+
+
+def _product(
+    sources: Mapping[str, str], arguments: Sequence[str], product: str, compiler: Compiler, libraries: Sequence[str]
+) -> Path:
+    """Return the path of a product in the cache, built by the compiler where it is not there."""
+    command = [*compiler.machine_flags, *arguments, "-o", product, *libraries]
     folder = store.folder() / _key(sources, command, compiler)
     if _is_built(folder, product):
         return folder / product
@@ -139,7 +157,7 @@ def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compi
 
     Raises CompileError as `shared_library` does, and with STRICT_FLAGS for every warning.
     """
-    units = _units(sources)
+    units = c_files(sources)
     compiler = compiler or find_compiler()
     with tempfile.TemporaryDirectory() as work:
         _write(sources, Path(work))
@@ -159,7 +177,8 @@ def identify_compiler(command: tuple[str, ...], mend: str, machine_flags: tuple[
     return Compiler(command, version_text.strip(), machine_flags)
 
 
-def _units(sources: Mapping[str, str]) -> list[str]:
+def c_files(sources: Mapping[str, str]) -> list[str]:
+    """Return the sorted names of the `.c` files; raise CompileError for a name with a folder, or where there is none."""
     for name in sources:
         if Path(name).name != name or name.startswith("-"):
             raise CompileError(f"C source: found the name {name!r}, need a plain file name; leave the folders out")

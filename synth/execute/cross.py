@@ -107,7 +107,8 @@ def link(
     """
     roots = [f"-Wl,-e,{entries[0]}", *(f"-Wl,-u,{entry}" for entry in entries[1:])]
     options = [*FLAGS, *SECTIONS, *flags, "-static", "-Wl,--gc-sections", *roots]
-    return host_compiler.build(sources, options, "image.elf", find_compiler(core, compiler), libraries=("-lm",))
+    compiled, chosen = objects(sources, core, compiler, flags), find_compiler(core, compiler)
+    return host_compiler.link(compiled, options, "image.elf", chosen, libraries=("-lm",))
 
 
 def prepare(core: str) -> None:
@@ -121,11 +122,18 @@ def prepare(core: str) -> None:
 def objects(
     sources: Mapping[str, str], core: str, compiler: str = "zig", flags: Sequence[str] = ()
 ) -> tuple[Path, ...]:
-    """Compile each `.c` of `{filename: text}` to an object of its own; raise CompileError as `link` does."""
+    """Compile each `.c` of `{filename: text}` to an object of its own, which may include the other files but no `.c`.
+
+    Raises CompileError as `link` does.
+    """
     options = [*FLAGS, *SECTIONS, *flags, "-c"]
     chosen = find_compiler(core, compiler)
-    units = sorted(name for name in sources if name.endswith(".c"))
-    return tuple(host_compiler.build(sources, options, f"{unit}.o", chosen, units=[unit]) for unit in units)
+    units = host_compiler.c_files(sources)
+    included = {name: text for name, text in sources.items() if name not in units}
+    return tuple(
+        host_compiler.build({**included, unit: sources[unit]}, options, f"{unit}.o", chosen, units=[unit])
+        for unit in units
+    )
 
 
 def functions(

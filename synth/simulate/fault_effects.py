@@ -1,6 +1,7 @@
 """What each fault of a campaign changes in a scenario, from its onset on.
 
     not finite, out of range     the reading is NaN, or a tenth of the range above its end
+    intermittent                 NaN, but for the last of every n samples, n bad samples in a row being those that latch
     frozen, late, repeated       the reading of the onset, of one sample ago, of the last of every n samples
     offset, drift, noise         added to what the sensor sees, before its resolution
     bit flipped, bit stuck       a bit of the sensor's word is inverted, or stays at what it is not at the onset
@@ -95,6 +96,12 @@ def _lost(at: Onset, name: str) -> Fields:
     return _override(at, name, np.nan)
 
 
+def _intermittent(at: Onset, name: str) -> Fields:
+    row = max(2, at.rig.stage.interface.bad_samples)
+    bad = at.active & (at.since % row != row - 1)
+    return {"overrides": {name: Override(bad, np.full(len(bad), np.nan))}}
+
+
 def _out_of_range(at: Onset, name: str) -> Fields:
     return _override(at, name, at.signal(name).high + BEYOND * at.span(name))
 
@@ -178,6 +185,7 @@ _EFFECTS: Mapping[str, Mapping[str, Effect]] = {
     injections.SENSOR: {
         "not finite": _lost,
         "out of range": _out_of_range,
+        "intermittent": _intermittent,
         "frozen": _frozen,
         "offset": _offset,
         "drift": _drift,

@@ -1,13 +1,15 @@
 """Faults of a campaign (FMEA), derived from the declaration of a stage.
 
-    sensor              not finite, out of range, frozen, offset, drift, noise, late, repeated, bit flipped, bit stuck
+    sensor              not finite, out of range, intermittent, frozen, offset, drift, noise, late, repeated,
+                        bit flipped, bit stuck
     set-point           jump, refused
     actuator            dead, stuck, weak
     calls               missing, alternate, delayed
     two sensors         both lost, lost and frozen, both frozen: of one parity relation
     sensor, actuator    lost and dead: a sensor, and the actuator that moves it most
 
-A permanent fault lasts to the end of the run, a short one for one sample less than the latch needs, and others as long
+An intermittent sensor reads one good sample after each longest row of bad ones that does not latch by itself. A
+permanent fault lasts to the end of the run, a short one for one sample less than the latch needs, and others as long
 as the campaign declares. `fault_effects` states what each changes in a scenario.
 
 Two sensors are in one parity relation where the projector on the left null space of the output Jacobian at rest,
@@ -32,7 +34,7 @@ SENSOR, SET_POINT, ACTUATOR, CALLS = "sensor", "set-point", "actuator", "calls"
 SENSORS, SENSOR_AND_ACTUATOR = "two sensors", "sensor and actuator"
 KINDS = {
     SENSOR: (
-        *("not finite", "out of range", "frozen", "offset", "drift", "noise", "late", "repeated"),
+        *("not finite", "out of range", "intermittent", "frozen", "offset", "drift", "noise", "late", "repeated"),
         *("bit flipped", "bit stuck"),
     ),
     SET_POINT: ("jump", "refused"),

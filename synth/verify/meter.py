@@ -213,7 +213,7 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
         cycles=(cost.summarise(machine_cost.cycles.low), cost.summarise(machine_cost.cycles.high)),
         functions=mean,
         memory=memory,
-        doubles=len(cross.double_symbols(candidate.files, build.compiler, build.flags)),
+        doubles=len(cross.double_symbols(candidate.files, build.compiler, (*build.flags, *_LINES))),
         difference=_difference(controller, sequence, measured.outputs),
     )
 

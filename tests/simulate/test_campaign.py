@@ -77,7 +77,7 @@ def one(rig: Rig, kind: str, target: str, condition: int = 0, duration: str = "p
 
 def test_faults_are_those_of_the_interface(rig: Rig) -> None:
     derived = injections.derive(rig.stage)
-    assert len(derived) == len(set(derived)) == 3 * (2 * 10 + 2 * 2 + 2 * 3 + 3) + 2
+    assert len(derived) == len(set(derived)) == 3 * (2 * 11 + 2 * 2 + 2 * 3 + 3) + 2
     assert {i.target for i in derived if i.group == "actuator"} == {"i1", "i2"}
     single = rig.with_interface(bad_samples=1)
     assert {i.duration for i in injections.derive(single.stage)} == {"permanent", "0.05 s"}
@@ -153,7 +153,7 @@ def test_the_campaign_sees_what_the_latch_prevents_or_not(rig: Rig, runs: Runs, 
     result = campaign_of(rig, runs, control)
     assert result.can_tell and result.alarms == 0 and not result.checks
     assert all(row.runs == (1 if row.condition == "at rest" else 2) for row in result.rows)
-    assert len(fault_table.worst_targets(result)) == 2 * (3 * (10 + 2 + 3 + 3) + 1)
+    assert len(fault_table.worst_targets(result)) == 2 * (3 * (11 + 2 + 3 + 3) + 1)
     assert any("runs that latch" in note for note in fault_table.notes(result))
     assert result.document()["rows"][0]["target"] == "z"
 
@@ -230,6 +230,15 @@ def test_a_flipped_bit_moves_the_reading_by_its_weight_and_a_stuck_bit_repeats_c
         word, code = true - base, np.rint(faulty.measured["z"].astype(float) / 1e-7) - base
         bits = word.astype(int) ^ 512 if kind == "bit flipped" else word.astype(int) & ~512
         assert np.array_equal(code[100:], bits[100:]) and np.array_equal(code[:100], word[:100])
+
+
+def test_an_intermittent_sensor_reads_one_good_sample_after_each_row_that_does_not_latch(rig: Rig) -> None:
+    fault, healthy = Injection("sensor", "x", "intermittent", "permanent"), rig.run(0.1, {}, {"z_ref": 0.0})
+    fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, 20)
+    bad = np.isnan(rig.run(0.1, {}, {"z_ref": 0.0}, **fields).measured["x"])
+    row = rig.stage.interface.bad_samples
+    assert not bad[:20].any() and bad[20 : 20 + row].tolist() == [True] * (row - 1) + [False]
+    assert np.array_equal(bad[20:-row], bad[20 + row :])
 
 
 def test_a_set_point_that_jumps_is_followed_and_a_refused_one_held(rig: Rig) -> None:
