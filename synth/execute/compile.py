@@ -178,7 +178,7 @@ def identify_compiler(command: tuple[str, ...], mend: str, machine_flags: tuple[
 
 
 def c_files(sources: Mapping[str, str]) -> list[str]:
-    """Return the sorted names of the `.c` files; raise CompileError for a name with a folder, or where there is none."""
+    """Return the sorted names of the `.c` files; raise CompileError for a name with a folder, or if there is none."""
     for name in sources:
         if Path(name).name != name or name.startswith("-"):
             raise CompileError(f"C source: found the name {name!r}, need a plain file name; leave the folders out")
