@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from models import concentrated_field
 from models.concentrated_field import Wave
 from models.hall_chain import Chain
+from synth import column_maps
 from synth.block import Exprs
 from synth.errors import ModelError
 from synth.plant import Plant, build
@@ -109,7 +110,7 @@ class Prediction:
 
     def evaluate(self, poses: Array) -> Array:
         """Return the voltages (N, m) at poses (N, n), of a field without free symbols."""
-        return np.asarray(self.measurement().map(len(poses))(poses.T).full().T)
+        return column_maps.map_columns(self.measurement(), poses.T)[0].T
 
 
 def sensors(places: Iterable[Pair]) -> HallArray:

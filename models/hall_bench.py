@@ -17,7 +17,7 @@ from models import built_matrix, hall_chain, hall_scan, planar_stage
 from models.built_matrix import Field, Mounting, Tolerances
 from models.hall_array import Pair
 from models.hall_chain import Chain
-from synth import numeric
+from synth import column_maps, numeric
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 from synth.synthesise.identify.logs import Log
@@ -65,15 +65,15 @@ def static_voltages(bench: Bench, poses: Array) -> Array:
             f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is tabulated up to "
             f"{1e3 * (built_matrix.MAX_REACH + built_matrix.TABLE_MARGIN):.4g} mm: measure nearer"
         )
-    return readonly(_voltages(bench, len(poses))(poses.T).full().T)
+    return readonly(column_maps.map_columns(_voltages(bench), poses.T)[0].T)
 
 
 @lru_cache(maxsize=32)
-def _voltages(bench: Bench, poses: int) -> ca.Function:
-    """Return the voltages as a function of so many poses; a simulation evaluates it at every sample."""
+def _voltages(bench: Bench) -> ca.Function:
+    """Return the voltages as a function of a pose; a simulation evaluates it at every sample."""
     x = {name: ca.SX.sym(name) if name in POSE else ca.SX(0) for name in planar_stage.AXES}
     volts = built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain, bench.mountings)
-    return ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [ca.vcat(list(volts.values()))]).map(poses)
+    return ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [ca.vcat(list(volts.values()))])
 
 
 def sampled_voltages(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:

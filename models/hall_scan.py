@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from models import hall_array
 from models.concentrated_field import Wave
 from models.hall_array import HallArray
-from synth import show
+from synth import column_maps, show
 from synth.errors import SignalError
 from synth.signals import Parameter
 from synth.statespace import readonly
@@ -124,8 +124,8 @@ def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0
         model += k[name] * ca.sin(NUMBERS[name] * w * place)
     estimate = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
     data = log.columns(tuple(signals))
-    by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
-    modelled = by_row(data.T, np.tile(estimate.values[:, None], len(data))).full().ravel()
+    by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model])
+    modelled = column_maps.map_columns(by_row, data.T, estimate.values)[0].ravel()
     X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
     return Fit(channel, estimate, X, Y, V, readonly(modelled))
 

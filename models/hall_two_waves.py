@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from models import concentrated_field, hall_array
 from models.concentrated_field import Wave
 from models.hall_array import Array, HallArray, Pair, Triple
-from synth import numeric
+from synth import column_maps, numeric
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -188,9 +188,9 @@ def check_poses(poses: ArrayLike) -> Array:
 def rows(array: SpatialArray, poses: ArrayLike) -> Array:
     """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `check_poses`."""
     q = check_poses(poses).T
-    slopes = _one().map(q.shape[1])
-    field = (array.alpha, array.beta, array.height, array.pitch)
-    jacobians = [slopes(q, ca.DM(r), ca.DM(field)).full().reshape(2, -1, len(q)) for r in array.positions]
+    field = np.array([array.alpha, array.beta, array.height, array.pitch])
+    slopes = (column_maps.map_columns(_one(), q, np.array(r), field)[0] for r in array.positions)
+    jacobians = [each.reshape(2, -1, len(q)) for each in slopes]
     return readonly(np.concatenate(jacobians).transpose(1, 0, 2))
 
 

@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from models import halbach, planar_stage
+from synth import column_maps
 from synth.plant import Plant, build
 from synth.signals import signal_names
 from synth.simulate.scenario import Trajectory
@@ -45,7 +46,7 @@ def back_emf(plant: Plant, run: Trajectory) -> Array:
     values = dict(zip(signal_names(plant.parameters), ca.vertsplit(p), strict=True))
     induced = ca.Function("induced", [x, p], [_back_emf(at, u, values, second)])
     states = np.array([run.states[name] for name in signal_names(plant.states)])
-    return np.asarray(induced.map(states.shape[1])(states, plant.values.reshape(-1, 1)))
+    return column_maps.map_columns(induced, states, plant.values)[0]
 
 
 def plant_with_amplifiers(volts: float, harmonics: Sequence[int] = halbach.HARMONICS) -> Plant:

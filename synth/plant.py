@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, law, show
+from synth import arguments, column_maps, law, show
 from synth.block import Constant
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, signal_names
@@ -93,7 +93,8 @@ class Plant:
             raise SignalError(f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names)}")
         columns = np.broadcast_arrays(*(np.atleast_1d(values.get(name, 0.0)) for name in names))
         x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
-        return dict(zip((s.name for s in self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+        (y,) = column_maps.map_columns(self.h, x, u, self.values)
+        return dict(zip((s.name for s in self.outputs), y, strict=True))
 
 
 def _text(expr: ca.SX) -> str:

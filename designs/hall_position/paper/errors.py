@@ -11,6 +11,7 @@ from models import concentrated_field, hall_array, hall_correction
 from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage, grid
 from models.hall_two_waves import PlanarArray
+from synth import column_maps
 from synth.statespace import readonly
 
 CORRECTIONS, SCALE = 200, 0.2  # of GLSDC: the remaining step is below any printed digit
@@ -65,7 +66,7 @@ def by_waves(stage: Stage, array: PlanarArray, points: int = PER_PITCH) -> Array
     predicted = hall_array.planar(
         hall_array.point_sensors(array.positions, stage.chain), stage.waves(WAVES), stage.height
     )
-    volts = predicted.function().map(q.shape[1])(q)[0].full()
+    volts = column_maps.map_columns(predicted.function(), q)[0]
     return _error(array, np.stack([volts[0::2], volts[1::2]]), q, False)
 
 

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import arguments
+from synth import arguments, column_maps
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 
@@ -42,7 +42,7 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
     if places.ndim != 2 or places.shape[1] != n or not len(places) or not np.isfinite(places).all():
         raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), at least one row")
     x = ca.SX.sym("q", n)
-    slopes = ca.Function("slopes", [x], [ca.jacobian(h(x), x)]).map(len(places))(places.T).full()
+    (slopes,) = column_maps.map_columns(ca.Function("slopes", [x], [ca.jacobian(h(x), x)]), places.T)
     return readonly(slopes.reshape(m, len(places), n).transpose(1, 0, 2))
 
 

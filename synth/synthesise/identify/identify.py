@@ -20,7 +20,7 @@ from itertools import combinations_with_replacement
 import casadi as ca
 import numpy as np
 
-from synth import arguments
+from synth import arguments, column_maps
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Parameter, signal_names
@@ -188,9 +188,9 @@ def _fit_affine(
 def _evaluate(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> tuple[Array, Array]:
     """Return g (N, p) and dg/dtheta (N, p, k) at each row of `samples` (N, d)."""
     p, k = g.numel(), theta.numel()
-    both = ca.Function("g", [theta, data], [g, ca.vec(ca.densify(ca.jacobian(g, theta)).T)]).map(len(samples))
-    value, slope = both(np.tile(at[:, None], len(samples)), samples.T)
-    return np.asarray(ca.DM(value)).T, np.asarray(ca.DM(slope)).T.reshape(len(samples), p, k)
+    both = ca.Function("g", [theta, data], [g, ca.vec(ca.densify(ca.jacobian(g, theta)).T)])
+    value, slope = column_maps.map_columns(both, at, samples.T)
+    return value.T, slope.T.reshape(len(samples), p, k)
 
 
 def _nonlinear_parameters(
