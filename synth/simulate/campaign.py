@@ -148,21 +148,30 @@ def run(
     Raises SignalError and WiringError as `Rig.run`.
     """
     perturbed = replace(rig, plant=plant_number(rig.plant, plant))
-    healthy = perturbed.run(condition.duration_s, condition.start, condition.references)
+    healthy, begun = run_healthy(perturbed, condition)
     runs: list[FaultRun] = []
     chosen = injections.derive(rig.stage) if faults is None else faults
     for k, injection in enumerate(chosen):
         if k == 0 or injection.target != chosen[k - 1].target:
             progress(Counted(f"faults of {injection.group} {injection.target}", k, len(chosen)))
         for onset in condition.onsets:
-            runs.append(inject(perturbed, plant, condition, injection, onset, healthy))
+            runs.append(inject(begun[onset], plant, condition, injection, onset, healthy))
     return HealthyRun(condition.name, plant, int(np.count_nonzero(healthy.faults)), healthy.impacts), runs
+
+
+def run_healthy(rig: Rig, condition: Condition) -> tuple[Trajectory, dict[int, Rig]]:
+    """Return the run without a fault, and for each onset the rig that has run the samples before it."""
+    course = condition.duration_s, condition.start, condition.references
+    return rig.run(*course), {onset: rig.begun(onset, *course) for onset in condition.onsets}
 
 
 def inject(
     rig: Rig, plant: int, condition: Condition, injection: Injection, onset: int, healthy: Trajectory
 ) -> FaultRun:
-    """Run one fault from sample `onset` on, and compare it with the healthy run; `rig` has plant number `plant`."""
+    """Run one fault from sample `onset` on, and compare it with the healthy run.
+
+    `rig` has plant number `plant`; it may have run the samples before the onset.
+    """
     fields = fault_effects.scenario_fields(rig, rig.stage.faults, injection, healthy, onset)
     faulty = rig.run(condition.duration_s, condition.start, condition.references, **fields)
     new_bits = faulty.faults & ~healthy.faults

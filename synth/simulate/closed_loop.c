@@ -26,10 +26,12 @@ typedef struct {
 } drive_block_t;
 
 typedef struct {
-    int64_t samples, substeps, delay;
+    int64_t first, samples; /* those from `first` on are computed; the rows before it are there */
+    int64_t substeps, delay;
     double period;
     const double *p;
     double *x;
+    double *input; /* (N_U): of the plant, up to the next sample */
     const uint8_t *locked; /* (N_X): this state keeps its value */
 
     int64_t stops;
@@ -213,9 +215,9 @@ static void call(const loop_t *loop, int64_t k) {
 
 void synth_closed_loop(const loop_t *loop) {
     const double h = loop->period / (double)loop->substeps;
-    double u[N_U], y[N_Y];
-    mix(loop, loop->waiting, 0, u);
-    for (int64_t k = 0; k < loop->samples; k++) {
+    double *const u = loop->input, y[N_Y];
+    if (loop->first == 0) mix(loop, loop->waiting, 0, u);
+    for (int64_t k = loop->first; k < loop->samples; k++) {
         const double *const given[3] = {loop->x, u, loop->p};
         evaluate(synth_plant_h, given, y);
         memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);

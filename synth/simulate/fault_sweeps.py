@@ -12,7 +12,7 @@ Each value is the worst over the onsets of a condition.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from synth.progress import Progress, each
@@ -57,14 +57,9 @@ def run(
     Raises SignalError and WiringError as `Rig.run`.
     """
     chosen = [f for f in faults if is_swept(f)]
-    healthy, unlatched = (
-        r.run(condition.duration_s, condition.start, condition.references) for r in (rig, without_latch)
-    )
+    latching, unlatched = (_Bench(condition, *campaign.run_healthy(r, condition)) for r in (rig, without_latch))
     line: Callable[[Injection], str] = lambda f: f"sweep of {f.target} {f.kind}, {f.duration}"  # noqa: E731
-    return [
-        _sweep(_Bench(rig, condition, healthy), _Bench(without_latch, condition, unlatched), injection)
-        for injection in each(chosen, progress, line)
-    ]
+    return [_sweep(latching, unlatched, injection) for injection in each(chosen, progress, line)]
 
 
 def is_swept(injection: Injection) -> bool:
@@ -78,15 +73,15 @@ def _has_magnitude(injection: Injection) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """A rig in a condition with its healthy run."""
+    """A condition with the healthy run of a rig, and for each onset the rig that has run the samples before it."""
 
-    rig: Rig
     condition: Condition
     healthy: Trajectory
+    begun: Mapping[int, Rig]
 
     def inject(self, injection: Injection, onset: int) -> FaultRun:
         """Run a fault on the nominal plant."""
-        return campaign.inject(self.rig, 0, self.condition, injection, onset, self.healthy)
+        return campaign.inject(self.begun[onset], 0, self.condition, injection, onset, self.healthy)
 
 
 def _sweep(bench: _Bench, without_latch: _Bench, injection: Injection) -> Sweep:
@@ -95,7 +90,8 @@ def _sweep(bench: _Bench, without_latch: _Bench, injection: Injection) -> Sweep:
         least = [_least_magnitudes(bench, injection, onset) for onset in onsets]
         noticed, harmful = max(n for n, _ in least), min(h for _, h in least)
     if injection.duration == injections.PERMANENT:
-        tolerated = min(_tolerated_samples(without_latch, injection, onset) for onset in onsets) * bench.rig.period_s
+        tolerated = min(_tolerated_samples(without_latch, injection, onset) for onset in onsets)
+        tolerated *= bench.begun[onsets[0]].period_s
     return Sweep(
         injection.group, injection.target, injection.kind, injection.duration, bench.condition.name,
         noticed, harmful, tolerated,

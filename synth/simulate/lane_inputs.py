@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.execute import host
-from synth.simulate import closed_loop, lane_memory
+from synth.simulate import lane_memory, loop_arrays
 from synth.simulate.scenario import Scenario
 
 Arrays = dict[str, NDArray[Any]]
@@ -24,7 +24,7 @@ def arrays(controller: host.Controller, scenarios: Sequence[Scenario], n: int) -
     rows, scalar = controller.inputs.names or (), controller.scalar
     distinct = {id(scenario): scenario for scenario in scenarios}
     for scenario in distinct.values():
-        closed_loop.require_sources(controller, scenario)
+        loop_arrays.require_sources(controller, scenario)
     courses = [_courses(controller, scenarios, name, n) for name in rows]
     constants = lane_memory.zeros((len(rows), len(scenarios)), scalar)
     varying: dict[bool, list[int]] = {True: [], False: []}
@@ -64,7 +64,7 @@ def _course(controller: host.Controller, scenario: Scenario, name: str, n: int) 
     samples = np.zeros(1 if constant else n, [(name, controller.inputs.fields[name][0])])
     host.fill(samples, name, values)
     if override is not None:
-        host.fill(samples, name, override.values, closed_loop.mask(name, override.mask, n))
+        host.fill(samples, name, override.values, loop_arrays.mask(name, override.mask, n))
     return np.ascontiguousarray(samples[name])
 
 

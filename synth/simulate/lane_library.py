@@ -58,10 +58,13 @@ class _Loop(ctypes.Structure):
     ]
 
 
+# Read with this module: the members of `loop_t` are those that it knows, whatever is edited during a run.
+_LOOP_C = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
+
+
 def compile_loop(fast: FastPlant, parts: Sequence[LaneBlock], lanes: int) -> ctypes.CDLL:
     """Return the compiled loop of a plant and the Blocks of its controller and drive."""
-    loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
-    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, parts, lanes)}
+    sources = {"lanes.c": _LOOP_C, "lanes.h": _header(fast, parts, lanes)}
     return ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS)))
 
 

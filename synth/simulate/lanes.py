@@ -18,7 +18,15 @@ from numpy.typing import NDArray
 from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate import closed_loop, interpolants, lane_blocks, lane_inputs, lane_library, lane_memory
+from synth.simulate import (
+    closed_loop,
+    interpolants,
+    lane_blocks,
+    lane_inputs,
+    lane_library,
+    lane_memory,
+    loop_arrays,
+)
 from synth.simulate.interpolants import Coefficients, FastPlant
 from synth.simulate.lane_blocks import LaneBlock, output_row
 from synth.simulate.lane_memory import Name, Record, Recording
@@ -157,9 +165,9 @@ class LaneLoop:
     ) -> tuple[Arrays, ...]:
         """Return three groups of arrays of a scenario; a group of a scenario `like` it serves again where it can."""
         makers: dict[tuple[str, ...], Callable[[], Arrays]] = {
-            _OF_PLANT: lambda: closed_loop.plant_arrays(plant, scenario),
-            _OF_SENSORS: lambda: closed_loop.sensor_arrays(plant, self.controller, scenario, len(time)),
-            _OF_ACTUATORS: lambda: closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time),
+            _OF_PLANT: lambda: loop_arrays.plant_arrays(plant, scenario),
+            _OF_SENSORS: lambda: loop_arrays.sensor_arrays(plant, self.controller, scenario, len(time)),
+            _OF_ACTUATORS: lambda: loop_arrays.actuator_arrays(plant, self.blocks[-1].controller, scenario, time),
         }
         if like is None:
             return tuple(make() for make in makers.values())

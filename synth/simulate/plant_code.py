@@ -14,6 +14,8 @@ from synth.errors import WiringError
 from synth.execute import compile as host_compiler
 from synth.plant import Plant
 
+# Read with this module: the members of `loop_t` are those that `closed_loop` knows, whatever is edited during a run.
+_LOOP_C = resources.files("synth.simulate").joinpath("closed_loop.c").read_text(encoding="utf-8")
 HEADER = """#define N_X {x}
 #define N_U {u}
 #define N_Y {y}
@@ -50,8 +52,7 @@ def _compile(
         if shapes != [(n, 1), (1, 1), (n, 1)]:
             raise WiringError(f"disturbance has arguments and result of {shapes}: need (x, t) of {(n, 1)}, (1, 1)")
         functions.append(_with_dense_results(disturbance, "synth_plant_disturbance"))
-    loop_c = resources.files("synth.simulate").joinpath("closed_loop.c").read_text(encoding="utf-8")
-    sources = {"closed_loop.c": loop_c, "plant.h": _header(functions), **casadi_c.functions(functions, "plant")}
+    sources = {"closed_loop.c": _LOOP_C, "plant.h": _header(functions), **casadi_c.functions(functions, "plant")}
     library = ctypes.CDLL(str(host_compiler.shared_library(sources, flags)))
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(("synth_closed_loop", library))
 

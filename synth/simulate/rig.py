@@ -5,7 +5,7 @@ plant --> sensors (noise, resolution) --> compiled controller --> drive --> dela
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, Protocol
 
 import casadi as ca
@@ -143,7 +143,30 @@ class Rig:
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
-        interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
+        scenario = self._scenario(duration_s, start or {}, references or {}, options)
+        return self.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+
+    def begun(
+        self, samples: int, duration_s: float, start: Mapping[str, float], references: Mapping[str, ArrayLike]
+    ) -> "Rig":
+        """Return a rig that has run the first samples of `run`: its runs compute the others alone.
+
+        They must have the same duration, start and set-points, and options that change nothing in these samples.
+        Raises as `run`.
+        """
+        scenario = self._scenario(duration_s, start, references, {})
+        prefix = closed_loop.begin(self.plant, self.controller, scenario, samples, self.disturbance, drive=self.drive)
+        return replace(self, simulate=partial(closed_loop.simulate, prefix=prefix))
+
+    def _scenario(
+        self,
+        duration_s: float,
+        start: Mapping[str, float],
+        references: Mapping[str, ArrayLike],
+        options: Mapping[str, Any],
+    ) -> Scenario:
+        """Return the scenario of `run`."""
+        interface, start = self.stage.interface, {**self.stage.start, **start}
         n = len(sample_times(duration_s, self.period_s))
         default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
         missed = options.get("missed")
@@ -151,7 +174,7 @@ class Rig:
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
-            "references": dict.fromkeys(self.call_counts, counts) | default_set_points | dict(references or {}),
+            "references": dict.fromkeys(self.call_counts, counts) | default_set_points | dict(references),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
             "hold": self._first_commands(start),
@@ -161,8 +184,7 @@ class Rig:
             "delay": interface.delay,
             "substeps": self.stage.substeps,
         }
-        scenario = Scenario(duration_s, start, **(fields | options))
-        return self.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+        return Scenario(duration_s, start, **{**fields, **options})
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the commands before the first sample: the safe values, through the drive at the initial position.

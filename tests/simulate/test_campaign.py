@@ -18,6 +18,7 @@ from synth.simulate.fault_rows import Campaign
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
+from synth.simulate.scenario import Trajectory
 from tests import levitator
 
 SHORT_RUNS = FaultCampaign(period_s=0.2, settle_s=0.1, watch_s=0.3)
@@ -61,6 +62,23 @@ def unlatched(without_latch: Rig) -> Runs:
 @pytest.fixture(scope="module")
 def control(unlatched: Runs) -> list[FaultRun]:
     return [run for _, faulty in unlatched for run in faulty]
+
+
+class Same:
+    """Equal to a trajectory with the same bits in every column, the same impacts and the same fault words."""
+
+    def __init__(self, run: Trajectory) -> None:
+        self.run = run
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Trajectory) and _contents(other) == _contents(self.run)
+
+
+def _contents(run: Trajectory) -> dict[str, Any]:
+    groups = {"states": run.states, "outputs": run.outputs, "applied": run.applied, "measured": run.measured}
+    groups |= {"commands": run.commands, "driven": run.driven, "drive faults": run.drive_faults}
+    columns = {(group, name): column.tobytes() for group, of in groups.items() for name, column in of.items()}
+    return columns | {"faults": run.faults.tobytes(), "impacts": dict(run.impacts)}
 
 
 def campaign_of(rig: Rig, runs: Runs, control: list[FaultRun], sweeps: Sequence[Sweep] = ()) -> Campaign:
@@ -230,6 +248,26 @@ def test_a_flipped_bit_moves_the_reading_by_its_weight_and_a_stuck_bit_repeats_c
         word, code = true - base, np.rint(faulty.measured["z"].astype(float) / 1e-7) - base
         bits = word.astype(int) ^ 512 if kind == "bit flipped" else word.astype(int) & ~512
         assert np.array_equal(code[100:], bits[100:]) and np.array_equal(code[:100], word[:100])
+
+
+def test_a_run_that_goes_on_from_its_onset_is_the_whole_run_to_the_bit(rig: Rig) -> None:
+    moving = campaign.motion_and_standstill(rig)[1]
+    healthy, begun = campaign.run_healthy(rig, moving)
+    course = moving.duration_s, moving.start, moving.references
+    kinds = {(f.group, f.kind): f for f in injections.derive(rig.stage)}
+    for fault in kinds.values():
+        for onset, after in begun.items():
+            fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, onset)
+            assert after.run(*course, **fields) == Same(rig.run(*course, **fields)), fault
+
+
+def test_a_prefix_of_another_course_is_seen(rig: Rig) -> None:
+    """Planted defect: the run goes on from samples of another motion."""
+    moving = campaign.motion_and_standstill(rig)[1]
+    course = moving.duration_s, moving.start, moving.references
+    onset, other = moving.onsets[0], {name: -values for name, values in moving.references.items()}
+    after = rig.begun(onset, moving.duration_s, moving.start, other)
+    assert after.run(*course) != Same(rig.run(*course))
 
 
 def test_an_intermittent_sensor_reads_one_good_sample_after_each_row_that_does_not_latch(rig: Rig) -> None:
