@@ -144,12 +144,12 @@ def _prepare(plant: Plant, controller: host.Controller, scenario: Scenario, driv
     )
     every_sample = (len(time), *arrays["forcing"].shape[1:])
     arrays["forcing"] = np.ascontiguousarray(np.broadcast_to(arrays["forcing"], every_sample))
-    arrays |= {name: np.zeros((len(time), len(group))) for name, group in _recorded(plant).items()}
+    arrays |= {name: np.zeros((len(time), len(group))) for name, group in _signals_to_record(plant).items()}
     arrays["input"] = np.zeros(len(plant.inputs))
     return _Loop(plant, controller, scenario, time, arrays, connect(controller, arrays["in"], arrays["out"], drive))
 
 
-def _recorded(plant: Plant) -> dict[str, Sequence[Signal]]:
+def _signals_to_record(plant: Plant) -> dict[str, Sequence[Signal]]:
     """Return the signals of the plant that a run records."""
     return {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
 
@@ -197,8 +197,8 @@ def _run(loop: _Loop, disturbance: ca.Function | None, flags: Sequence[str], fir
 def _trajectory(loop: _Loop) -> Trajectory:
     """Return what a loop has recorded."""
     plant, controller, arrays, records = loop.plant, loop.controller, loop.arrays, loop.records
-    recorded = _recorded(plant)
-    groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in recorded.items()}
+    signals = _signals_to_record(plant)
+    groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
     groups["driven"] = {name: column for block in records for name, column in host.columns(block.outputs).items()}
     for column in chain(*(columns.values() for columns in groups.values())):
