@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import config, faults, trust
 from designs.hall_position.protected.parameters import Tuning
 from designs.hall_position.protected.trust import Samples
 from synth.report import charts, page
@@ -54,7 +54,7 @@ def fault_rows() -> Rows:
     """Return what is valid and wrong after each fault, at rest and in motion, the larger of both."""
     rows: list[tuple[page.Cell, ...]] = []
     for name, calibration, R, runner in _runners():
-        by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in trust.FAULTS}
+        by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in faults.FAULTS}
         none = by_fault.pop("none")
         at_rest = runner("none", 0.0)
         level = 1e3 * float(np.median(at_rest.levels[at_rest.valid][:, :2]))
@@ -94,7 +94,7 @@ def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Ru
 def faulty_samples(case: Case) -> Samples:
     """Return the samples of every fault, at rest and in motion."""
     return survey.join(
-        [survey.run(case, fault, survey.BODIES, speed) for fault in trust.FAULTS for speed in survey.SPEEDS]
+        [survey.run(case, fault, survey.BODIES, speed) for fault in faults.FAULTS for speed in survey.SPEEDS]
     )
 
 

@@ -43,6 +43,7 @@ CALIBRATED_THREE = replace(
     position_limit=1.5e-3,
     yaw_limit=0.066,
     excluded_limits=0.2,
+    start_with_all=True,  # four voltages and a prior have one redundant one: not enough to tell places apart
     largest_phase=0.02,  # 0.16 mm: with a larger deviation almost every level is above its limit
     largest_yaw=0.008,
     largest_amplitude=0.02,

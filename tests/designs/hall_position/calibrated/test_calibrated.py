@@ -11,7 +11,7 @@ from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.survey import Case
 from designs.hall_position.pages import integrity
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import config, faults, trust
 from designs.hall_position.protected.trust import Samples
 from synth.errors import ModelError
 
@@ -65,7 +65,7 @@ def test_without_a_fault_the_deviations_hold(speed: float) -> None:
 
 
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
-@pytest.mark.parametrize("fault", [f for f in trust.FAULTS if f != "none"])
+@pytest.mark.parametrize("fault", [f for f in faults.FAULTS if f != "none"])
 def test_no_fault_of_a_sensor_misleads(fault: str, speed: float) -> None:
     outcome = samples(fault, speed).outcome()
     assert outcome.wrong < BAR and outcome.valid > 0.75
@@ -149,7 +149,7 @@ def test_the_checks_of_the_evidence_name_the_bar_that_is_missed(monkeypatch: pyt
 
 
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
-@pytest.mark.parametrize("fault", trust.FAULTS)
+@pytest.mark.parametrize("fault", faults.FAULTS)
 def test_three_calibrated_sensors_are_available_and_seldom_mislead(fault: str, speed: float) -> None:
     wrong, valid = survey.BARS[config.THREE]
     outcome = survey.run(Case("built", SEED, name=config.THREE), fault, BODIES, speed).outcome()

@@ -10,7 +10,7 @@ import pytest
 
 from designs.hall_position import reference_protected
 from designs.hall_position import verification_protected as verification
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import cold_start, config, faults, trust
 from designs.hall_position.reference_glsdc import Setup
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
@@ -57,7 +57,7 @@ def test_another_number_in_the_reference_is_detected(changed: dict[str, float]) 
     assert failed and all("reference against c64" in name or "next states of reference" in name for name in failed)
 
 
-@pytest.mark.parametrize("fault", trust.FAULTS)
+@pytest.mark.parametrize("fault", faults.FAULTS)
 def test_calibrated_no_fault_of_a_sensor_misleads(fault: str) -> None:
     outcome = trust.run(config.CALIBRATED, "calibrated", fault, BODIES).outcome()
     assert outcome.wrong < BAR and outcome.valid > (0.99 if fault == "none" else 0.8)
@@ -66,7 +66,7 @@ def test_calibrated_no_fault_of_a_sensor_misleads(fault: str) -> None:
 
 
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
-@pytest.mark.parametrize("fault", trust.FAULTS)
+@pytest.mark.parametrize("fault", faults.FAULTS)
 def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed: float) -> None:
     outcome = trust.run(config.CALIBRATED_THREE, "calibrated", fault, BODIES, speed, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE and (fault != "none" or outcome.valid > VALID_OF_THREE)
@@ -75,7 +75,7 @@ def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed:
 @pytest.mark.parametrize("offset", [0.02, 0.05, 0.1, 0.2])
 def test_no_size_of_an_offset_misleads_three_sensors(offset: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The levels allow 1.5 mm; an offset that passes the test moves the estimate less, mostly."""
-    monkeypatch.setattr(trust, "OFFSET", offset)
+    monkeypatch.setattr(faults, "OFFSET", offset)
     outcome = trust.run(config.CALIBRATED_THREE, "calibrated", "offset", BODIES, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE
 
@@ -107,7 +107,7 @@ def test_a_wider_covariance_lets_faults_mislead() -> None:
 
 
 def test_no_cold_start_is_wrong_by_pitches() -> None:
-    start = trust.cold_start(config.USUAL, "built", BODIES)
+    start = cold_start.run(config.USUAL, "built", BODIES)
     assert start.wrong == 0 and start.tracked > 0.999 and start.valid > 0.99 and start.longest <= 120
 
 
