@@ -105,6 +105,7 @@ def build(
 ) -> Path:
     """Call the compiler on `units`, or on every `.c` file, of `{filename: text}`; return the path of `product`.
 
+    A unit is the name of a source, or the path of an object.
     `options` come after the `machine_flags` of the compiler; `libraries` come last on the command line.
 
     Raises CompileError as `shared_library` does.

@@ -101,13 +101,15 @@ def link(
 ) -> Path:
     """Link all `.c` of `{filename: text}` with libm into an image with all functions that `entries` reach.
 
-    `flags` come after FLAGS and override them.
+    `flags` come after FLAGS and override them. What is linked are the `objects` of the same flags.
 
     Raises CompileError when the core or the compiler is not available, or when the compiler refuses the sources.
     """
     roots = [f"-Wl,-e,{entries[0]}", *(f"-Wl,-u,{entry}" for entry in entries[1:])]
     options = [*FLAGS, *SECTIONS, *flags, "-static", "-Wl,--gc-sections", *roots]
-    return host_compiler.build(sources, options, "image.elf", find_compiler(core, compiler), libraries=("-lm",))
+    units = [str(path) for path in objects(sources, core, compiler, flags)]
+    chosen = find_compiler(core, compiler)
+    return host_compiler.build(sources, options, "image.elf", chosen, units=units, libraries=("-lm",))
 
 
 def prepare(core: str) -> None:

@@ -1,6 +1,7 @@
 """Print stages and survey of calibrated units: `python -m designs.hall_position.calibrated`.
 
-An argument is the number of bodies of each case, 2,000 without it; cold starts have five times as many.
+An argument is the number of bodies of each case, 2,000 without it; cold starts without a fault have five
+times as many.
 """
 
 import sys
@@ -36,8 +37,9 @@ def survey_lines(cases: Sequence[Case], bodies: int) -> Iterator[str]:
             for fault in faults.FAULTS:
                 outcome = survey.run(case, fault, bodies, speed).outcome()
                 yield f"{name} {speed:4.1f} m/s {fault:15s} {outcome}"
-        for fault in faults.FAULTS if case.stage == "map" else ("none",):
-            yield f"{name} cold start, {fault:15s} {survey.cold_start(case, 5 * bodies, fault)}"
+        for fault in faults.LASTING if case.stage == "map" else ("none",):
+            count = (5 if fault == "none" else 1) * bodies
+            yield f"{name} {count} cold starts, {fault:15s} {survey.cold_start(case, count, fault)}"
 
 
 def lines(bodies: int) -> Iterator[str]:

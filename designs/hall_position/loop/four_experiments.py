@@ -42,7 +42,7 @@ STARTS, FAILS, ENDS = 0.3, 0.6, 0.8  # s of the motion, of the failure, and of t
 STARTING_PLACES, REACH = 10, 0.018  # and m to either side of the origin
 EXCURSIONS = 0.01
 SHOWN = ("dead sensor", 2)  # and its number
-FAILURES = [f for f in faults.FAULTS if f not in faults.FROZEN]  # a stuck sensor keeps its last voltages here
+FAILURES = faults.LASTING  # a stuck sensor keeps its last voltages here
 
 
 def run(progress: Callable[[str], None]) -> list[Experiment]:

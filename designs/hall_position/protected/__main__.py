@@ -1,7 +1,7 @@
 """Print how often an estimate is valid, and valid and wrong: `python -m designs.hall_position.protected`.
 
 Of three and of four sensors, and of two the cold starts. An argument is the number of bodies of each case, 4,000
-without it; cold starts have five times as many.
+without it; cold starts without a fault have five times as many.
 """
 
 import sys
@@ -29,9 +29,10 @@ def lines(bodies: int) -> Iterator[str]:
                 for fault in faults.FAULTS:
                     outcome = trust.run(tuning, field, fault, bodies, speed, name=name).outcome()
                     yield f"{case} {speed:4.1f} m/s {fault:15s} {outcome}"
-            for fault in faults.FAULTS:
-                started = cold_start.run(tuning, field, 5 * bodies, name=name, fault=fault)
-                yield f"{case} cold start, {fault:15s} {started}"
+            for fault in faults.LASTING:
+                count = (5 if fault == "none" else 1) * bodies
+                started = cold_start.run(tuning, field, count, name=name, fault=fault)
+                yield f"{case} {count} cold starts, {fault:15s} {started}"
     yield f"two sensors in the field of the model, cold start: {starts.in_pitch(5 * bodies)}"
 
 

@@ -35,6 +35,7 @@ FAULTS: Mapping[str, Fault] = {
     "frozen sensor": lambda V, kept, k: kept,
 }
 FROZEN = ("frozen voltage", "frozen sensor")
+LASTING = tuple(f for f in FAULTS if f not in FROZEN)  # faults that there may be from the first sample on
 
 
 @dataclass(frozen=True, eq=False)
