@@ -61,7 +61,8 @@ def test_an_unknown_stage_is_refused() -> None:
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
 def test_without_a_fault_the_deviations_hold(speed: float) -> None:
     outcome = samples("none", speed).outcome()
-    assert outcome.valid > 0.99 and outcome.wrong == 0 and 0.8 < outcome.ratio < 1.2
+    assert outcome.valid > 0.99 and outcome.wrong == 0 and outcome.beyond < 1e-3
+    assert 0.8 < outcome.ratio < 1.2 and 0.8 < outcome.yaw_ratio < 1.2
 
 
 @pytest.mark.parametrize("speed", [0.0, trust.SPEED])
