@@ -56,7 +56,8 @@ PRECONDITIONS = (
 )
 CALIBRATE = (
     " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its "
-    "field. Without it almost nothing is valid, and what is valid may be wrong."
+    "field. Without it almost nothing is valid, and what is valid may be wrong. A sensor that has failed before the "
+    "first valid sample leaves nothing valid."
 )
 VECTORS, SEED = 1000, 2011
 REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
