@@ -16,6 +16,7 @@ from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
+from synth.blocks import glsdc_estimator
 from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.signals import signal_names
@@ -59,7 +60,7 @@ def controller() -> Controller:
         sensors=[Sensor(s.name) for s in body.outputs],
         disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
-        reason=estimator.REASON,
+        reason=glsdc_estimator.REASON,
     )
     return stage.controller(NAME, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 
