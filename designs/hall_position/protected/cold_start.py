@@ -59,7 +59,8 @@ def start(
 ) -> ColdStart:
     """Return the result of bodies at rest at poses, of any estimator; raise ModelError for an unknown fault."""
     exact, array, bodies = of.read(pose), config.array(), len(pose.X)
-    failure = None if faults.check(fault) == "none" else trust.fail(fault, of, bodies, rng)
+    faults.find(fault)
+    failure = None if fault == "none" else trust.fail(fault, of, bodies, rng)
     states, first = np.repeat(controller.init()[None], bodies), np.zeros(bodies, int)
     wrong, counts = np.zeros(bodies, bool), np.zeros(2)
     for k in range(samples):

@@ -14,17 +14,19 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from designs.hall_position.config import TIME
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
 from designs.hall_position.protected import config, faults
-from designs.hall_position.protected.faults import Failure
 from designs.hall_position.protected.parameters import Tuning
 from models import built_matrix, hall_bench
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.errors import ModelError
 from synth.execute import build, host
+from synth.simulate import channel_faults
+from synth.simulate.channel_faults import Failure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
@@ -185,11 +187,11 @@ def simulate(
 
     Yaws are up to `yaw` to either side, rad.
     """
-    faults.check(fault)
+    chosen = faults.find(fault)
     heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(of.sensors, size=bodies)
     start, other = (draw(REACH, bodies, rng, yaw) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
-    failure = faults.Failure(fault, sensor, rng.random(bodies) < 0.5, kept)
+    failure = Failure(chosen, sensor, _second(bodies, rng), kept)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
@@ -198,8 +200,8 @@ def simulate(
         V = V + config.array().deviation * rng.standard_normal(V.shape)
         if k >= BEFORE:
             failure.corrupt(V, k - BEFORE)
-        elif fault in faults.FROZEN:
-            failure = replace(failure, kept=V[np.arange(bodies), sensor])
+        elif channel_faults.is_frozen(fault):
+            failure = replace(failure, kept=failure.of_group(V))
         batch = controller.batch(states, motions.by_input(np.clip(V, -faults.END, faults.END)))
         states = batch.states
         if k >= BEFORE:
@@ -211,7 +213,12 @@ def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> Failur
     """Return a failure of a random sensor of each body; one that is stuck keeps its voltages at another place."""
     sensor, other = rng.integers(of.sensors, size=bodies), draw(REACH, bodies, rng)
     kept = of.read(other)[np.arange(bodies), sensor]
-    return Failure(fault, sensor, rng.random(bodies) < 0.5, kept)
+    return Failure(faults.find(fault), sensor, _second(bodies, rng), kept)
+
+
+def _second(bodies: int, rng: np.random.Generator) -> NDArray[np.int_]:
+    """Draw which of the two voltages of a sensor fails (N,)."""
+    return (rng.random(bodies) < 0.5).astype(int)
 
 
 def draw(reach: float, bodies: int, rng: np.random.Generator, yaw: float = YAW) -> Pose:

@@ -18,6 +18,7 @@ from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.errors import ModelError
 from synth.execute import cross, host, target
+from synth.simulate import channel_faults
 from synth.verify import agree
 from synth.verify.suite import Witnesses
 
@@ -90,7 +91,8 @@ def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed:
 @pytest.mark.parametrize("offset", [0.02, 0.05, 0.1, 0.2])
 def test_no_size_of_an_offset_misleads_three_sensors(offset: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The levels allow 1.5 mm; an offset that passes the test moves the estimate less, mostly."""
-    monkeypatch.setattr(faults, "OFFSET", offset)
+    other = channel_faults.faults(offset, faults.DRIFT, faults.END, "voltage", "sensor")
+    monkeypatch.setattr(faults, "FAULTS", other)
     outcome = trust.run(config.CALIBRATED_THREE, "calibrated", "offset", BODIES, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE
 
