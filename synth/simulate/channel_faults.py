@@ -4,8 +4,6 @@
 
 A group are channels that fail together, such as the two of a sensor head. What is stuck shows the values of another
 place, what is frozen the last ones before it failed: `Failure.kept` holds either.
-
-Library: with the measurements of the user's own sensors (N, groups, channels), as in the how-to of an estimator.
 """
 
 from collections.abc import Callable, Mapping
