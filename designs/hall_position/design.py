@@ -17,11 +17,11 @@ from synth.stage import Companion
 from synth.workspace import CostStimuli
 
 
-def report(*arguments: Any, parts: Mapping[str, Any]) -> str:
+def report(files: Any, evidence: Any, runs: Any, rows: Any, cost: Any, parts: Mapping[str, Any]) -> str:
     """Return the report; what draws it is imported here, since `synth emit` does not need it."""
     from designs.hall_position import page
 
-    return page.report(*arguments, report_parts=parts)
+    return page.report(files, evidence, runs, rows, cost, parts)
 
 
 def measure_costs(progress: Progress) -> Any:

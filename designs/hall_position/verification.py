@@ -101,7 +101,7 @@ def compare_witnesses(
 ) -> Iterator[Comparison]:
     """Yield the comparisons of an estimator."""
     inputs = random_steps.motion_inputs(subject, sizes["motions"])
-    kinds = {
+    kinds: dict[str, Callable[[], tuple[Columns, Columns]]] = {
         "motions": partial(ensemble.consecutive_steps, witness_set.c64, inputs),
         "random": partial(random_steps.operating_steps, subject, sizes["random"]),
         "edge": partial(random_steps.edge_steps, subject, sizes["edge"]),

@@ -34,7 +34,9 @@ def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]
         yield batch
 
 
-def consecutive_steps(controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
+def consecutive_steps(
+    controller: host.Controller, inputs: Columns
+) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
     """Return the states and the inputs (samples N,) of the steps of N copies from `init` on inputs (samples, N)."""
     batches = list(replay(controller, inputs))
     first = initial_states(controller, len(batches[0].states))

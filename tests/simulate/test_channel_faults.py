@@ -48,5 +48,5 @@ def test_the_values_are_those_of_the_fault(name: str, expected: np.ndarray) -> N
     assert (corrupted(name)[each] == expected[each]).all()
 
 
-def test_frozen_ones_are_told_from_stuck_ones() -> None:
+def test_only_frozen_ones_keep_the_last_values() -> None:
     assert [n for n in FAULTS if channel_faults.is_frozen(n)] == ["frozen channel", "frozen group"]
