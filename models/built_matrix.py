@@ -32,6 +32,7 @@ from models.finite_matrix import Array, Blocks, Complex, Series
 from models.hall_array import Pair
 from models.hall_chain import Chain
 from synth import numeric
+from synth.cache import cached
 from synth.errors import ModelError
 from synth.plant import Plant, build
 from synth.signals import Signal, signal_names
@@ -143,6 +144,7 @@ def tabulate(waves: Series, height: float = hall_array.HEIGHT, reach: float = MA
 
 
 @cache
+@cached
 def field(tolerances: Tolerances = DEFAULT_TOLERANCES, height: float = hall_array.HEIGHT) -> Field:
     """Return the field of blocks with tolerances, at a height in m above them."""
     potential = series(draw_blocks(tolerances))

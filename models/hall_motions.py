@@ -21,6 +21,7 @@ from synth.errors import ModelError
 from synth.timing import Discrete
 
 Numbers = NDArray[Any]
+Point = tuple[float, float, float]  # X, Y in m and the yaw in rad
 Each = float | Numbers  # a scalar, or one number for each column
 START_TIME = 0.1  # s
 WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
@@ -132,6 +133,13 @@ def by_input(voltages: Numbers) -> dict[str, Numbers]:
     """Return voltages (.., sensors, 2) by the names of the estimator's inputs."""
     letters = ascii_lowercase[: voltages.shape[-2]]
     return {f"V_{letter}{axis}": voltages[..., k, i] for k, letter in enumerate(letters) for i, axis in enumerate("xy")}
+
+
+def rest_then_move(samples: int, rest: int, start: Point, displacement: Point) -> Pose:
+    """Return poses (samples,) of a body that rests at a start, and then moves smoothly by a displacement."""
+    progress = np.clip((np.arange(samples) - rest) / (samples - rest), 0, 1)
+    along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
+    return Pose(*(begin + by * along for begin, by in zip(start, displacement, strict=True)))
 
 
 def smooth_motions(

@@ -13,7 +13,7 @@ A long function calls `progress` with a line for each part of its work, and may 
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol, TypeVar
 
@@ -53,6 +53,13 @@ def numbered(progress: Progress, total: int) -> Progress:
         lines.append(line)
 
     return report
+
+
+def write(lines: Iterable[str]) -> None:
+    """Write lines to the standard output, each as soon as it is computed."""
+    for line in lines:
+        sys.stdout.write(f"{line}\n")
+        sys.stdout.flush()
 
 
 def silent(line: str) -> None:

@@ -12,6 +12,7 @@ limited here, or ``<actuator>_computed``.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -265,12 +266,14 @@ def design(
     audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
     cost_stimuli: Callable[[Stage], CostStimuli] = standard_tasks.cost_stimuli,
     report: Callable[..., str] = standard_tasks.report,
+    report_parts: Mapping[str, Callable[[Progress], Any]] = MappingProxyType({}),
     **fields: Any,
 ) -> Design:
     """Return the design of a stage; `fields` are further ones of `declaration.Stage`.
 
     Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`, `simulate` one for each
-    part of the experiments, which a build runs side by side. A design may replace any of them.
+    part of the experiments, which a build runs side by side. A design may replace any of them. With `report_parts`
+    the build computes each of these as a job of its own and passes the results to `report`, by name, as `parts`.
 
     Raises DesignError for a stage without `reference` that uses the standard verification, SignalError for a required
     margin that is not known and for a tolerance of a parameter that the plant does not have.
@@ -288,6 +291,7 @@ def design(
         audit=partial(audit, stage),
         cost_stimuli=cost_stimuli(stage),
         report=partial(report, stage),
+        report_parts=report_parts,
         stage=stage,
     )
 

@@ -191,6 +191,11 @@ def companion_costs(design: Design) -> Task[list[Cost]]:
     return Task("cost of companions", compute, used)
 
 
+def report_parts(design: Design) -> dict[str, Task[Any]]:
+    """Return the tasks of what the report alone shows and takes long, by name."""
+    return {name: Task(name, compute, (compute,)) for name, compute in design.report_parts.items()}
+
+
 def build(design: Design) -> Task[Built]:
     """Return the task of the report, from the results of all other tasks."""
     emit, verify, simulate, study, campaign, rows, cost = (
@@ -202,18 +207,20 @@ def build(design: Design) -> Task[Built]:
         audit(design),
         brief_cost(design),
     )
+    further = report_parts(design)
 
     def compute(say: Progress) -> Built:
         evidence = replace(verify.result(_silent), faults=campaign.result(_silent), study=study.result(_silent))
         runs = experiments(design, _silent)
-        parts = emit.result(_silent), evidence, runs, rows.result(_silent), cost.result(_silent)
+        shown = emit.result(_silent), evidence, runs, rows.result(_silent), cost.result(_silent)
+        parts = {"parts": {name: task.result(_silent) for name, task in further.items()}} if further else {}
         say("report")
         checks = (*evidence.checks, *(_with_title(c, e.title) for e in runs for c in e.checks))
         checks += evidence.faults.checks if evidence.faults else ()
-        return Built(design.report(*parts), replace(evidence, checks=checks).document(), checks)
+        return Built(design.report(*shown, **parts), replace(evidence, checks=checks).document(), checks)
 
     try:
-        inputs: tuple[Task[Any], ...] = (emit, verify, *simulate.values(), study, campaign, rows, cost)
+        inputs: list[Task[Any]] = [emit, verify, *simulate.values(), study, campaign, rows, cost, *further.values()]
         keys = [task.key() for task in inputs]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
@@ -255,6 +262,7 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         ("verify", verification(design, False), (first,)),
         ("cost", brief_cost(design), (first, *library)),
         ("audit", audit(design), (first,)),
+        *((f"report {name}", task, (first, f"{design.name} verify")) for name, task in report_parts(design).items()),
     )
     jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
     if fault_jobs.closes_loop(design):

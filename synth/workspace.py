@@ -6,8 +6,9 @@ The folder goes first on the path of this process. A process serves one workspac
 import importlib
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +23,11 @@ from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify import agree
-from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
-Report = Callable[[Mapping[str, EmittedCode], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
+# Of files, evidence, experiments, audit, cost (or None) and, as `parts`, the results of the design's report parts.
+Report = Callable[..., str]
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,8 @@ class Design:
 
     `emit(scalar)` returns the files of generated_c/<name>/, by folder. `verify` returns evidence, each part of
     `simulate` some of the experiments, `audit` the recomputed published values, if there are any, and `report` the page
-    of all these and of the cost, which is None where it could not be measured. `stage` is the declaration, where there
-    is one.
+    of all these and of the cost, which is None where it could not be measured. What takes long of that page alone is
+    computed by `report_parts`. `stage` is the declaration, where there is one.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Design:
     cost_stimuli: CostStimuli
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows
+    report_parts: Mapping[str, Callable[[Progress], Any]] = field(default_factory=dict)
     stage: Stage | None = None
 
 

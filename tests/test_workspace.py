@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NoReturn
@@ -12,10 +13,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from synth import workspace
+from synth import tasks, workspace
 from synth.cli import app
 from synth.emit import write
 from synth.errors import DesignError
+from synth.verify.evidence import Evidence
 
 ROOT = Path(__file__).parents[1]
 RUNNER = CliRunner()
@@ -170,3 +172,18 @@ def test_emit_writes_the_other_scalar_type(root: Path, tmp_path: Path) -> None:
     assert manifest["scalar"] == "float64" and manifest["structs"]["input"]["size"] == 12 * 8
     wrong = RUNNER.invoke(app, ["emit", "maglev_5dof", "--scalar", "float16", "--out", str(tmp_path)])
     assert wrong.exit_code == 2
+
+
+def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
+    of = replace(
+        design("stage", stage=write.EmittedCode({}, {})),
+        scalar=np.float64,  # whose cost is not measured
+        verify=lambda say, whole: Evidence("stage", (), ()),
+        simulate={},
+        report=lambda *results, parts: f"{len(results)} results, {parts}",
+        report_parts={"survey": lambda say: ("a row",)},
+    )
+    after = {job.name: job.after for job in tasks.build_jobs([of], tmp_path)}
+    assert "stage report survey" in after["stage"] and after["stage report survey"] == ("stage emit", "stage verify")
+    assert tasks.build(of).result(lambda _: None).page == "5 results, {'survey': ('a row',)}"

@@ -8,9 +8,7 @@ and steps. Instructions are not cycles, and the maximum over some steps does not
 Needs the extra `target`.
 """
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,16 +16,20 @@ import numpy as np
 from designs.hall_position import config
 from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from designs.hall_position.pages import six
 from designs.hall_position.protected import config as protected
 from designs.hall_position.protected import spatial
 from models import hall_array, hall_two_waves
 from models import hall_motions as motions
 from models.hall_motions import Numbers
+from models.hall_stage import Stage
 from models.hall_two_waves import SpatialArray
-from synth.block import unranged
+from synth import tasks
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
+from synth.progress import Progress
 from synth.report import page
 from synth.verify import baselines, meter, steps
 from synth.verify.baselines import Candidate
@@ -64,29 +66,29 @@ class Subject(NamedTuple):
     steps: Steps
 
 
-def measure(files: Mapping[str, EmittedCode], array: SpatialArray) -> Sequence[Row]:
-    """Measure the emitted C with protection levels, and that of an array in six degrees of freedom.
+def measure(progress: Progress) -> Sequence[Row]:
+    """Measure the emitted C with protection levels, and that of four sensors in six degrees of freedom.
 
-    The latter is emitted here, which takes most of the time, while compilers run in parallel as separate processes.
-    Without an installed compiler there are no rows.
+    Without the emulator or an installed compiler there are no rows.
 
     Raises CompileError when the compiler refuses a text.
     """
-    if "gcc" not in cross.available():
+    if tasks.missing() or "gcc" not in cross.available():
         return ()
-    with ThreadPoolExecutor(len(BUILDS)) as pool:
-        subjects = []
-        for make in (*(partial(of_companion, files[name]) for name in protected.PLACES), partial(of_six, array)):
-            subjects.append(make())
-            for build in BUILDS:
-                pool.submit(_compile, subjects[-1], build)  # a text that the compiler refuses raises below
-    return tuple(row(subject, build) for subject in subjects for build in BUILDS)
+    return tuple(row(subject, build) for subject in _subjects(progress) for build in BUILDS)
 
 
-def _compile(subject: Subject, build: Build) -> None:
-    """Compile both texts into the cache of products, for the runs below."""
-    for candidate in (subject.emitted, subject.casadi):
-        meter.boot(candidate, build, meter.link(candidate, build))
+def _subjects(progress: Progress) -> Iterator[Subject]:
+    for name in protected.PLACES:
+        progress(f"cost of {name}")
+        yield of_companion(emit(protected.block(name=name)))
+    progress("cost of six degrees of freedom")
+    yield of_six()
+
+
+def emit(block: Block) -> EmittedCode:
+    """Return the C of a Block in single precision, with the polynomials of the one that ships."""
+    return write.emit(block, np.float32, error=SURROGATE_ERROR[np.float32])
 
 
 def row(subject: Subject, build: Build) -> Row:
@@ -106,10 +108,11 @@ def of_companion(emitted: EmittedCode) -> Subject:
     return Subject(f"{len(protected.PLACES[name])} sensors", baselines.emitted_c(emitted), casadi, along)
 
 
-def of_six(array: SpatialArray) -> Subject:
+def of_six() -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
+    array = six.optimised_layout(Stage(), six.MIN_SENSORS)
     block = unranged(spatial.guarded_estimator(array, config.TIME))  # this block does not ship
-    emitted = write.emit(block, np.float32, error=SURROGATE_ERROR[np.float32])
+    emitted = emit(block)
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
     return Subject(name, baselines.emitted_c(emitted), baselines.casadi(block, shimmed=True), sequence)

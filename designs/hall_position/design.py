@@ -1,5 +1,6 @@
 """Absolute position from Hall voltages, after Kawato and Kim: from the magnets' geometry to verified C."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -11,15 +12,30 @@ from designs.hall_position.protected import config as protected
 from designs.hall_position.protected import stimuli as protected_stimuli
 from models import papers
 from synth import stage
+from synth.progress import Progress
 from synth.stage import Companion
 from synth.workspace import CostStimuli
 
 
-def report(*arguments: Any) -> str:
+def report(files: Any, evidence: Any, runs: Any, rows: Any, cost: Any, parts: Mapping[str, Any]) -> str:
     """Return the report; what draws it is imported here, since `synth emit` does not need it."""
     from designs.hall_position import page
 
-    return page.report(*arguments)
+    return page.report(files, evidence, runs, rows, cost, parts)
+
+
+def measure_costs(progress: Progress) -> Any:
+    """Return the cost of the other estimators."""
+    from designs.hall_position import costs
+
+    return costs.measure(progress)
+
+
+def survey_integrity(progress: Progress) -> Any:
+    """Return the tables of the integrity of three and four sensors."""
+    from designs.hall_position.pages import integrity
+
+    return integrity.tables(progress)
 
 
 EQUATIONS = f"(n) is equation (n) of {papers.KAWATO}."
@@ -51,6 +67,7 @@ DESIGN = stage.design(
     },
     audit=lambda of: rows.rows(),
     cost_stimuli=lambda of: CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR),
-    report=lambda of, *parts: report(*parts),
+    report=lambda of, *arguments, **further: report(*arguments, **further),
+    report_parts={"costs": measure_costs, "integrity": survey_integrity},
     about=__doc__,
 )

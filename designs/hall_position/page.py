@@ -33,11 +33,12 @@ def report(
     runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
+    report_parts: Mapping[str, Any],
 ) -> str:
     """Return the report as one HTML document, with all experiments in `runs`."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     stage = Stage()
-    blocks = captions.with_captions(_blocks(stage, data, runs), data["blocks"])
+    blocks = captions.with_captions(_blocks(stage, data, runs, report_parts["integrity"]), data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     parts = [
         experiments.section(runs, data["published"]),
@@ -46,7 +47,7 @@ def report(
         standard.audit(rows, ()),
         standard.verification(evidence),
         sections.cost(cost),
-        costs.section(costs.measure(files, six.optimised_layout(stage, 4)) if cost else ()),
+        costs.section(report_parts["costs"]),
         standard.files(files),
     ]
     inputs, outputs = (
@@ -58,13 +59,16 @@ def report(
     return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
-def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Content]:
+def _blocks(
+    stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment], surveyed: Mapping[str, Content]
+) -> dict[str, Content]:
     return {
         **field.blocks(stage),
         **estimator.blocks(data["meaning"]),
         **accuracy.blocks(stage),
         **trust.blocks(trust.estimators()),
         **integrity.blocks(),
+        **surveyed,
         **experiments.blocks(calibration.calibrated_source().map if runs else None, runs),
         **six.blocks(stage),
     }

@@ -157,11 +157,11 @@ def check_integrity(
 
 
 def locate(setup: Setup, state: Columns, at: Array) -> dict[str, Array]:
-    """Return phases, pitches and yaw of poses (N, 3)."""
+    """Return phases, pitches and yaw of poses (N, 3); pitches are counted once position lock has been acquired."""
     pose = {"yaw": wrap(at[:, 2])[0]}
     for i, axis in enumerate("xy"):
         phase, turns = wrap(2 * pi / setup.pitch * at[:, i])
-        pose |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns}
+        pose |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns * (state["acquired"] > 0)}
     return pose
 
 

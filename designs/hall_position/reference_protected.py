@@ -215,7 +215,8 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     pose[:, :2] = wrap(pose[:, :2])[0]
     low, high, _ = ranges(setup)
     pose[:, 2:] = np.clip(pose[:, 2:], low[2:], high[2:])
-    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, best)
+    complete = (excluded == 0) | (not setup.start_with_all)
+    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, best)
     after, tracking, lost = reference_track.advance(setup, x, sample)
     valid = fitted.converged & accepted & within & tracking & ~lost
     position, after_metres = reference_track.metres(setup, states, pose, tracking)

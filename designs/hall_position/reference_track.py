@@ -14,13 +14,17 @@ SEARCHED = ("phase_x", "phase_y", "yaw")
 
 @dataclass(frozen=True)
 class Sample:
-    """A sample: prediction, pose and displacement (N, 4), whether it has converged and is accepted, next exclusion."""
+    """A sample: prediction, pose and displacement (N, 4), whether it has converged and is accepted, next exclusion.
+
+    `complete`: with all the sensors that a sweep needs.
+    """
 
     start: Array
     pose: Array
     at: Array
     converged: Array
     accepted: Array
+    complete: Array
     best: Array
 
 
@@ -48,7 +52,7 @@ def increments(setup: Setup) -> Array:
 def advance(setup: Setup, x: Columns, sample: Sample) -> tuple[dict[str, Array], Array, Array]:
     """Return the next states of the estimator, whether it tracks, and whether the track is lost."""
     tracking, lost = x["start_number"] >= setup.starts, x["missed"] >= setup.patience
-    solves, first = sample.converged & sample.accepted, x["candidates"] == 0
+    solves, first = sample.converged & sample.accepted & sample.complete, x["candidates"] == 0
     difference = np.abs(np.stack([sample.pose[:, i] - x[f"candidate_{n}"] for i, n in enumerate(SEARCHED)], axis=1))
     difference[:, :2] = np.minimum(difference[:, :2], np.abs(difference[:, :2] - 2 * pi))
     agrees = (difference <= [setup.agreement, setup.agreement, setup.yaw_agreement]).all(axis=1)

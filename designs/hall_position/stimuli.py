@@ -55,10 +55,8 @@ def recording(scalar: type[np.floating]) -> dict[str, Numbers]:
 
 
 def path() -> Pose:
-    """Return the poses (N,) of the test vectors: at rest, then moving with a smooth start and end."""
-    progress = np.clip((np.arange(VECTORS) - AT_REST) / (VECTORS - AT_REST), 0, 1)
-    along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
-    return Pose(*(start + by * along for start, by in zip(START, DISPLACEMENT, strict=True)))
+    """Return the poses (N,) of the test vectors."""
+    return motions.rest_then_move(VECTORS, AT_REST, START, DISPLACEMENT)
 
 
 def sequences(controller: host.Controller, progress: Callable[[str], None]) -> list[Steps]:

@@ -31,7 +31,6 @@ from designs.hall_position.trust import endurance
 from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models.hall_motions import Numbers
 from synth.check import Check
-from synth.execute import host
 from synth.simulate import ensemble
 from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
@@ -45,7 +44,8 @@ QUICK_STEPS = {"motions": 10_000, "random": 4_000, "edge": 2_000}
 BODIES, FULL_SAMPLES, QUICK_SAMPLES = 2000, 5000, 50
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
 EPSILON = 2.0**-52
-ILL_CONDITIONED, MAX_ILL_CONDITIONED = 1e3, 0.02  # share; of the edge steps, half of these hit a bound exactly
+# Share; of the edge steps, half of these hit a bound exactly, or the edge of a pitch before pitches are counted.
+ILL_CONDITIONED, MAX_ILL_CONDITIONED = 1e3, 0.02
 CHANGE = 1e-9  # of alpha
 MAX_ROUNDING_ERRORS = 16  # of condition number times epsilon: a fit has a hundred operations, and 6 are observed
 SINGLE = 1e-6  # m
@@ -101,8 +101,8 @@ def compare_witnesses(
 ) -> Iterator[Comparison]:
     """Yield the comparisons of an estimator."""
     inputs = random_steps.motion_inputs(subject, sizes["motions"])
-    kinds = {
-        "motions": partial(steps_along, subject, witness_set.c64, inputs),
+    kinds: dict[str, Callable[[], tuple[Columns, Columns]]] = {
+        "motions": partial(ensemble.consecutive_steps, witness_set.c64, inputs),
         "random": partial(random_steps.operating_steps, subject, sizes["random"]),
         "edge": partial(random_steps.edge_steps, subject, sizes["edge"]),
     }
@@ -117,14 +117,6 @@ def compare_witnesses(
             yield compare_single(subject, witness_set, steps)
     progress(f"{subject.name}: free-running")
     yield (), free_running(subject, witness_set, inputs)
-
-
-def steps_along(subject: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
-    """Return the consecutive steps of the C from `init` over columns (samples, bodies) of inputs."""
-    batches = list(ensemble.replay(controller, inputs))
-    before = [ensemble.initial_states(controller, len(batches[0].states)), *(batch.states for batch in batches[:-1])]
-    recorded = np.concatenate(before)
-    return {s.name: recorded[s.name] for s in subject.block.states}, {n: v.ravel() for n, v in inputs.items()}
 
 
 def condition_steps(subject: Subject, what: str, states: Columns, inputs: Columns) -> Steps:

@@ -130,10 +130,7 @@ def _variance(name: str) -> float:
 def steps_along(of: Witnesses, bodies: int) -> Steps:
     """Return the consecutive steps of the C in double precision from init."""
     inputs = stimuli.inputs(bodies, name=of.block.name)
-    batches = list(ensemble.replay(of.c64, inputs))
-    before = np.concatenate([ensemble.initial_states(of.c64, bodies), *(batch.states for batch in batches[:-1])])
-    states = {s.name: before[s.name] for s in of.block.states}
-    return Steps(f"{of.block.name}, motions", states, {n: v.ravel() for n, v in inputs.items()})
+    return Steps(f"{of.block.name}, motions", *ensemble.consecutive_steps(of.c64, inputs))
 
 
 def perturbed_steps(of: Witnesses, along: Steps) -> Steps:

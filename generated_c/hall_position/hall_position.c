@@ -862,7 +862,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     } else {
         turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + turns_x_X_2;
+    const uint32_t estimator_acquired = state->estimator_acquired;
+    const float pose_pitch_x = state->estimator_pitch_x + ((estimator_acquired != 0u) ? turns_x_X_2 : 0.0f);
     const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x);
     const float moved_y = prediction_phase_y + by_phase_y;
     const bool turns_y_Y = pi < moved_y;
@@ -877,7 +878,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     } else {
         turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_y_Y_2;
+    const float pose_pitch_y = state->estimator_pitch_y + ((estimator_acquired != 0u) ? turns_y_Y_2 : 0.0f);
     const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
     float angle = prediction_yaw_plus_yaw_2;
@@ -965,7 +966,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, 0.10100254f);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
-    const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) ||
         ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));

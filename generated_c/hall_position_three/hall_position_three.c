@@ -1052,6 +1052,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool weak = !factors_2 || (15.384461f <= variances_1) || (15.384461f <= variances_2) ||
         (2.4615138f <= variances_3) || (15.384461f <= variances_4);
     const bool phases_valid_test = screened && !weak;
+    const bool none_protection_phase_x = hall_position_three_equal(excluded, 0.0f);
     const float protection_phase_x_part = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
     const float protection_phase_x_part_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
@@ -1090,7 +1091,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float share = 1.0f;
     float protection_phase_y_part_4;
     float level;
-    if (hall_position_three_equal(excluded, 0.0f)) {
+    if (none_protection_phase_x) {
         protection_phase_x_part_8 = (0.03536334f *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_part, protection_phase_x_part_2),
             protection_phase_x_part_3))) + (3.4807565f * deviation_phase_x);
@@ -1277,7 +1278,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const bool ends = converged || (last_age <= estimator_age);
         const bool last = ends && (last_start <= estimator_start_number);
         const uint32_t estimator_candidates = state->estimator_candidates;
-        const bool solves = converged && accepted;
+        const bool solves = converged && accepted && none_protection_phase_x;
         const bool first = estimator_candidates == 0u;
         const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
         const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);

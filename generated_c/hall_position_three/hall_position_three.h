@@ -22,7 +22,8 @@
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
  * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
  * voltages within 5 mV rms of the model. Three sensors need a calibration of the unit to that, gains that stay within
- * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong.
+ * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong. A sensor
+ * that has failed before the first valid sample leaves nothing valid.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.

@@ -249,6 +249,8 @@ def _check_search(of: Model, monitor: Monitor | None, search: Search | None) -> 
         return
     if monitor is None:
         raise ModelError("the search accepts what passes the test of the residuals: give integrity, too")
+    if search.all_groups and not monitor.integrity.exclude:
+        raise ModelError("the search needs all groups of channels, and none is ever excluded: omit all_groups")
     search.check(of.unknowns)
 
 

@@ -38,7 +38,8 @@ class Search:
     """The number of `starts` of a sweep, each for `dwell` samples, and the `patience` in samples until a track is lost.
 
     `agreement` are the unknowns that are searched, with the largest difference, in their units, of two solutions that
-    count as one. Any other unknown starts where it starts after init.
+    count as one. Any other unknown starts where it starts after init. With `all_groups` a sweep accepts no solution
+    from which a group of channels is excluded: give it where the channels that are left have several solutions.
 
     Raises ModelError for a number out of its range.
     """
@@ -47,6 +48,7 @@ class Search:
     agreement: Mapping[str, float]
     patience: int
     dwell: int = 1
+    all_groups: bool = False
 
     def __post_init__(self) -> None:
         numeric.whole("the number of starts", self.starts, 1, MOST)
@@ -125,6 +127,8 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
     """Return the next unknowns and the next states of the search."""
     tracking, accepted = is_tracking(of, x), sample.accepted
     solves = ca.logic_and(sample.converged, accepted)
+    if of.all_groups:
+        solves = ca.logic_and(solves, x["excluded"] == 0)
     first = x["candidates"] == 0
     agrees = reduce(ca.logic_and, [_agrees(of, u, sample.solved, x) for u in unknowns if u.name in of.agreement])
     count = ca.fmax(x["candidates"], solves * (2 - ca.logic_or(first, agrees)))

@@ -34,6 +34,16 @@ def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]
         yield batch
 
 
+def consecutive_steps(
+    controller: host.Controller, inputs: Columns
+) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
+    """Return the states and the inputs (samples N,) of the steps of N copies from `init` on inputs (samples, N)."""
+    batches = list(replay(controller, inputs))
+    first = initial_states(controller, len(batches[0].states))
+    before = np.concatenate([first, *(batch.states for batch in batches[:-1])])
+    return {name: before[name] for name in before.dtype.names or ()}, {name: v.ravel() for name, v in inputs.items()}
+
+
 @dataclass(frozen=True, eq=False)
 class Scores:
     """Scores of estimates of N bodies: `valid` (.., N), and the distance `error` (.., N) from the truth.

@@ -25,7 +25,7 @@ CORE = "cortex-m4f"
 COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 instructions for each
 BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
 FUNCTIONS = 8  # functions that are listed
-_LINES = ("-g",)  # adds the line table; the code is unchanged
+_LINES = ("-g1",)  # adds lines and inlined calls; the code is unchanged. Tables of variables take as long as the code
 
 
 Columns = Mapping[str, NDArray[Any]]

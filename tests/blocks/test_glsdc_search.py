@@ -1,5 +1,6 @@
 """Cold start and track: no wrong start, no choice among several solutions, holding through faults, loss until init."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -148,6 +149,8 @@ def test_a_search_of_no_unknown_is_refused(agreement: Any) -> None:
 def test_a_search_without_a_test_is_refused() -> None:
     with pytest.raises(ModelError, match="give integrity, too"):
         estimator(1, integrity=None)
+    with pytest.raises(ModelError, match="none is ever excluded: omit all_groups"):
+        estimator(1, replace(SEARCH, all_groups=True), replace(INTEGRITY, exclude=False))
 
 
 @pytest.mark.parametrize(

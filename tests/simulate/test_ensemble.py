@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from synth import standard_tasks
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
+from tests import levitator
 
 
 def test_valid_estimates_away_from_the_truth_are_wrong() -> None:
@@ -15,3 +17,15 @@ def test_valid_estimates_away_from_the_truth_are_wrong() -> None:
     assert both.is_wrong.shape == both.error.shape == (2, 4) and both.deviations.shape == (2, 2, 4)
     np.testing.assert_array_equal(both.is_wrong[1], one.is_wrong)
     np.testing.assert_array_equal(both.first_valid, [1, 1, 0, 1])
+
+
+def test_consecutive_steps_begin_where_the_last_one_ended() -> None:
+    controller = standard_tasks.compiled_controller(levitator.design().DESIGN.stage, np.float64)
+    names = controller.inputs.names or ()
+    inputs = {name: np.random.default_rng(0).uniform(-1e-4, 1e-4, (5, 3)) for name in names}
+    states, flat = ensemble.consecutive_steps(controller, inputs)
+    init = controller.init()
+    after = controller.batch(ensemble.initial_states(controller, 3), {n: v[0] for n, v in inputs.items()}).states
+    for name, column in states.items():
+        assert len(column) == 15 and (column[:3] == init[name]).all() and (column[3:6] == after[name]).all()
+    assert all((flat[name] == v.ravel()).all() for name, v in inputs.items()) and set(states) == set(init.dtype.names)

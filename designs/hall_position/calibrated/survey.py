@@ -16,9 +16,11 @@ import numpy as np
 from designs.hall_position.calibrated import estimator, stages
 from designs.hall_position.calibrated import unit as units
 from designs.hall_position.calibrated.estimator import GAIN_DRIFT
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import cold_start as cold_starts
+from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected.cold_start import ColdStart
 from designs.hall_position.protected.parameters import Tuning
-from designs.hall_position.protected.trust import ColdStart, Samples, World
+from designs.hall_position.protected.trust import Outcome, Samples, World
 from models.hall_motions import Numbers, Pose
 from synth.cache import cached
 from synth.check import Check
@@ -28,8 +30,11 @@ from synth.simulate.stanford import Diagram
 
 SEEDS = (11, 12, 13)  # of units as built: two for tuning, one to check it
 COLD_SAMPLES = 125
+STARTED = ("none", "dead voltage", "stuck sensor", "saturated")  # faults of the cold starts that are checked
 BODIES, SPEEDS = 400, (0.0, trust.SPEED)  # of each case of the report, m/s
+UNCALIBRATED = 2000  # bodies
 BARS = {config.NAME: (2e-3, 0.99), config.THREE: (5e-3, 0.75)}  # samples valid and wrong, and valid without a fault
+LEAST_RATIO, LARGEST_RATIO, BEYOND = 0.7, 1.5, 1e-3  # rms error over deviation; share of errors above 4 deviations
 
 
 @dataclass(frozen=True)
@@ -91,18 +96,55 @@ def tuning(case: Case) -> Tuning:
 
 
 def checks(progress: Callable[[str], None]) -> list[Check]:
-    """Check after every fault, at rest and in motion, how often calibrated units of the report are valid and wrong."""
+    """Check deviations, availability, faults at rest and in motion, and cold starts of the units of the report.
+
+    Without a calibration the deviations of four sensors and their cold starts are checked, and not what faults do.
+    """
     made = []
     for (name, (wrong, valid)), (field, unit) in product(BARS.items(), UNITS.items()):
         case, what = replace(unit, name=name), f"{name}, {field}, calibrated"
         progress(what)
-        by_fault = {f: [run(case, f, BODIES, speed).outcome() for speed in SPEEDS] for f in trust.FAULTS}
-        least = min(o.valid for o in by_fault.pop("none"))
+        by_fault = {f: [run(case, f, BODIES, speed).outcome() for speed in SPEEDS] for f in faults.FAULTS}
+        none = by_fault.pop("none")
+        least = min(o.valid for o in none)
         fault = max(by_fault, key=lambda f: max(o.wrong for o in by_fault[f]))
         most = max(o.wrong for o in by_fault[fault])
         made.append(Check(f"{what}: samples not valid without a fault", 1 - least, 1 - valid, "1"))
         made.append(Check(f"{what}: samples valid and wrong after a fault", most, wrong, "1", fault))
+        made += _deviation_checks(what, none)
+        started = {f: cold_start(case, BODIES, f) for f in STARTED}
+        fault = max(STARTED, key=lambda f: started[f].misled)
+        made += _start_checks(what, list(started.values()))
+        made.append(
+            Check(f"{what}: valid samples of cold starts that are wrong", started[fault].misled, wrong, "1", fault)
+        )
+    for name, case in UNITS.items():
+        what = f"{config.NAME}, {name}, not calibrated"
+        progress(what)
+        outcomes = [trust.run(config.USUAL, case.field, "none", UNCALIBRATED, speed).outcome() for speed in SPEEDS]
+        made += _deviation_checks(what, outcomes)
+        made += _start_checks(what, [cold_starts.run(config.USUAL, case.field, UNCALIBRATED)])
     return made
+
+
+def _deviation_checks(what: str, without_fault: Sequence[Outcome]) -> list[Check]:
+    """Check that the errors are as large as the deviations say; without a calibration those of the yaw are smaller."""
+    largest, least = max(max(o.ratio, o.yaw_ratio) for o in without_fault), min(o.ratio for o in without_fault)
+    beyond = max(o.beyond for o in without_fault)
+    return [
+        Check(f"{what}: rms error over deviation of X, Y and yaw", largest, LARGEST_RATIO, "1"),
+        Check(f"{what}: deviation over rms error of X and Y", 1 / max(least, 1e-9), 1 / LEAST_RATIO, "1"),
+        Check(f"{what}: errors above 4 deviations", beyond, BEYOND, "1"),
+    ]
+
+
+def _start_checks(what: str, started: Sequence[ColdStart]) -> list[Check]:
+    """Check cold starts, of which the first ones have no fault."""
+    wrong, longest = max(s.wrong for s in started), started[0].longest
+    return [
+        Check(f"{what}: cold starts a pitch off", wrong, 0, "1"),
+        Check(f"{what}: samples from init until valid", longest, cold_starts.SAMPLES, "1"),
+    ]
 
 
 def subsets() -> list[tuple[int, ...]]:
@@ -110,13 +152,12 @@ def subsets() -> list[tuple[int, ...]]:
     return [each for size in range(5) for each in combinations(range(4), size)]
 
 
-def cold_start(case: Case, bodies: int, seed: int = 1) -> ColdStart:
-    """Return the result from init of bodies at rest anywhere in the pitch."""
-    rng, half = np.random.default_rng(seed), config.array().pitch / 2 - trust.MARGIN
-    X, Y = rng.uniform(-half, half, (2, bodies))
-    pose = Pose(X, Y, rng.uniform(-trust.YAW, trust.YAW, bodies))
+def cold_start(case: Case, bodies: int, fault: str = "none", seed: int = 1) -> ColdStart:
+    """Return the result from init of bodies at rest anywhere in the pitch; raise ModelError for an unknown fault."""
+    rng = np.random.default_rng(seed)
+    pose = cold_starts.in_pitch(bodies, rng)
     controller, _ = compile_unit(case.field, case.seed, case.stage, case.budget, case.name)
-    return trust.start_from_init(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng)
+    return cold_starts.start(controller, world(case, bodies, rng), pose, COLD_SAMPLES, rng, fault)
 
 
 def join(runs: Sequence[Samples]) -> Samples:

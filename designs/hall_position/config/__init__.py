@@ -4,6 +4,7 @@ The field is that of the fabricated matrix at the sensors' height, from the bloc
 """
 
 from dataclasses import asdict, replace
+from functools import cache
 from math import degrees
 from typing import Any
 
@@ -12,10 +13,12 @@ import numpy as np
 from designs.hall_position.glsdc import channels, estimator, tracking
 from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_array, hall_two_waves
+from models.hall_array import Pair
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
+from synth.blocks import glsdc_estimator
 from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.signals import signal_names
@@ -41,12 +44,15 @@ DIGITS = 6  # digits kept of the field, which makes it the same on every machine
 
 def array() -> Array:
     """Return the array of the estimator: positions, field in V and noise."""
-    planar_array = Stage().array(PLACES)
-    return replace(
-        planar_array,
-        alpha=digits.significant(planar_array.alpha, DIGITS),
-        beta=digits.significant(planar_array.beta, DIGITS),
-    )
+    return array_at(PLACES)
+
+
+@cache
+def array_at(places: tuple[Pair, ...]) -> Array:
+    """Return an array of sensors at places in pitches."""
+    made = Stage().array(places)
+    alpha, beta = (digits.significant(v, DIGITS) for v in (made.alpha, made.beta))
+    return replace(made, alpha=alpha, beta=beta)
 
 
 def controller() -> Controller:
@@ -59,7 +65,7 @@ def controller() -> Controller:
         sensors=[Sensor(s.name) for s in body.outputs],
         disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
-        reason=estimator.REASON,
+        reason=glsdc_estimator.REASON,
     )
     return stage.controller(NAME, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 
@@ -76,16 +82,26 @@ def block() -> Block:
 
 def gains(scalar: type[np.floating]) -> dict[str, Any]:
     """Return the content of gains.json: model, sensors, tuning, and sources of the numbers."""
-    planar_array = array()
+    return document(
+        PLACES,
+        TUNING,
+        "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
+        "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
+    )
+
+
+def document(places: tuple[Pair, ...], tuning: Any, model: str, method: str) -> dict[str, Any]:
+    """Return the content of gains.json of an estimator, by its sensors in pitches and its dataclass of tuning."""
+    of = array_at(places)
     return {
-        "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
-        "alpha_V": planar_array.alpha,
-        "beta_V": planar_array.beta,
-        "pitch_m": planar_array.pitch,
-        "deviation_V": planar_array.deviation,
-        "positions_pitches": [list(place) for place in PLACES],
+        "model": model,
+        "alpha_V": of.alpha,
+        "beta_V": of.beta,
+        "pitch_m": of.pitch,
+        "deviation_V": of.deviation,
+        "positions_pitches": [list(place) for place in places],
         "period_s": TIME.period_s,
-        "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
-        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
+        "method": method,
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(tuning).items()},
         "bad_samples": channels.BAD_SAMPLES,
     }

@@ -19,6 +19,9 @@ Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using 
 3.B, Fig. 9.
 """
 
+from dataclasses import replace
+from math import pi
+
 import casadi as ca
 import numpy as np
 
@@ -27,19 +30,19 @@ from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import Problem
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import phasor
+from synth.blocks import glsdc_estimator, phasor
 from synth.blocks.glsdc import NamedExpressions
 from synth.blocks.glsdc_solution import Normal
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
 
-REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
 DEFAULT_TUNING = Tuning()
 # Relative, of polynomials: 2e-7 in a sine is 2 nm in the position, which a step of a search may magnify a hundredfold.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 1.8e-7, np.float64: 1e-15}
 FLAGS = {
+    "converged": "the last correction is small, and no correction raised the cost",
     "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
     "valid": "converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, "
     "inputs accepted",
@@ -51,7 +54,8 @@ def guarded_estimator(
     array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING, name: str = "hall_position"
 ) -> Block:
     """Return the estimator behind the guard of its voltages."""
-    return channels.with_guard(name, time, len(array.positions), estimator(array, time, tuning), REASON)
+    volts = channels.voltages(len(array.positions))
+    return glsdc_estimator.guarded(estimator(array, time, tuning), name, volts, channels.BAD_SAMPLES)
 
 
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
@@ -81,7 +85,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         "estimator",
         time,
         law,
-        inputs=channels.estimator_inputs(len(array.positions)),
+        inputs=[*(replace(s, name=f"{s.name}_held") for s in problem.model.channels), glsdc_estimator.COMPLETE],
         outputs=_outputs(array, tuning),
         states=tracking.states(problem),
         constants=planar.field_constants(array),
@@ -91,7 +95,19 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
 
 def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
-    return channels.outputs(("X", "Y", "yaw"), far, MAX_DEVIATION, FLAGS)
+    pose = [Signal(a, "m", -far, far, f"position of the body's origin along {a} of the magnet matrix") for a in "XY"]
+    pose.append(Signal("yaw", "rad", -pi, pi, "yaw of the body relative to the magnet matrix"))
+    return [
+        *pose,
+        *(_deviation(s) for s in pose),
+        Signal("residual", "V", 0, 1e3, "rms of the voltage residuals, by degrees of freedom"),
+        *(Signal(name, "1", 0, 1, about) for name, about in FLAGS.items()),
+    ]
+
+
+def _deviation(of: Signal) -> Signal:
+    about = f"standard deviation of {of.name} from the voltages' noise"
+    return Signal(f"deviation_{of.name}", of.unit, 0, MAX_DEVIATION if of.unit == "m" else 1, about)
 
 
 def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray) -> Phasor:

@@ -8,6 +8,8 @@ or a search ends outside the yaw window. While tracking, the correction is then 
 position lock is lost. The position is then searched as after `init`, until a sample converges without a fault:
 corrections are not gated, and every PATIENCE samples start elsewhere in the pitch, at the last good yaw.
 
+Pitches are counted from the first unambiguous sample on: a search crosses pitches that the body does not.
+
 Ambiguity: at singular points of two sensors, curves of equal voltages cross, and a body that passes one may be tracked
 on the wrong curve until the residuals show it. The ambiguity is therefore resolved only where no other pose in a window
 of yaws has the same voltages, and remains resolved until a sample is damped. That is where the prior decides little,
@@ -127,7 +129,7 @@ def advance(
     for a in AXES:
         moved = prediction[f"phase_{a}"] + by[f"phase_{a}"]
         phase, turns = restarts.wrap(moved)
-        pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
+        pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(x["acquired"], turns, 0)}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
     size = ca.fabs(pose["yaw"])
     inside = ca.logic_and(counted, size <= limit)

@@ -23,6 +23,7 @@ from models.hall_bench import Bench
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import unranged
 from synth.blocks import error_map, lookup_table
+from synth.cache import cached
 from synth.emit.c import digits
 from synth.execute import build
 from synth.statespace import Array as Numbers
@@ -36,6 +37,7 @@ AVERAGED_SAMPLES = 8
 
 
 @cache
+@cached
 def calibrated_source(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the position source of a stage, with identified field and mapped errors; raise ModelError as `Bench`."""
     bench = Bench(places)

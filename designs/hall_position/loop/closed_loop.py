@@ -9,7 +9,7 @@ three sensors and the map of errors (`Source`), or four with protection levels (
 invalid estimate out of the loop:
 
     not yet known   no estimate has been valid in the middle pitch, within the yaws of the stage: the position is taken
-                    to be the set-point, and no current flows. A search may end a pitch or a quarter turn off
+                    to be the set-point, and no current flows. A search may end a quarter turn off
     lock lost       the count of pitches is unknown: no estimate is used until init
     valid           the estimate is the position, and the motion per sample is filtered,
                     m <- m + VELOCITY_GAIN (estimate - prediction)

@@ -11,10 +11,10 @@ The fields are those that the shipped estimator does not know (`four_sensors`). 
     first valid         within 120 samples
 
 The rms error over the deviation is shown only: its bar is for many units and places. The estimate without calibration
-is, bit for bit, that of the shipped C. `failures` are those of `protected.trust` in a steady motion, of each sensor, at
-STARTING_PLACES places. Fewer than 0.2 % of the AFTER samples after them are valid and wrong. After a failure the loop
-may latch. Up to the latch the platen is at most 0.5 mm from where it is without the failure, except after EXCURSIONS of
-the failures: docs/decisions/hall_position_loop.md.
+is, bit for bit, that of the shipped C. `failures` are those of `protected.faults` in a steady motion, of each sensor,
+at STARTING_PLACES places. Fewer than 0.2 % of the AFTER samples after them are valid and wrong. After a failure the
+loop may latch. Up to the latch the platen is at most 0.5 mm from where it is without the failure, except after
+EXCURSIONS of the failures: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +28,7 @@ from designs.hall_position.loop import experiments, four_sensors, sources
 from designs.hall_position.loop.experiments import SPEED
 from designs.hall_position.loop.four_sensors import AXES
 from designs.hall_position.loop.stage_loop import TIME, Loop
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import config, faults, trust
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
@@ -42,6 +42,7 @@ STARTS, FAILS, ENDS = 0.3, 0.6, 0.8  # s of the motion, of the failure, and of t
 STARTING_PLACES, REACH = 10, 0.018  # and m to either side of the origin
 EXCURSIONS = 0.01
 SHOWN = ("dead sensor", 2)  # and its number
+FAILURES = faults.LASTING  # a stuck sensor keeps its last voltages here
 
 
 def run(progress: Callable[[str], None]) -> list[Experiment]:
@@ -138,7 +139,7 @@ class Consequence:
 
 def failures(loop: Loop) -> Experiment:
     """Return steady motions in which a sensor fails; the one that is shown is that of a sensor that dies."""
-    consequences: dict[str, list[Consequence]] = {fault: [] for fault in trust.FAULTS}
+    consequences: dict[str, list[Consequence]] = {fault: [] for fault in FAILURES}
     for x, y in np.random.default_rng(loop.rig.seed).uniform(-REACH, REACH, (STARTING_PLACES, 2)):
         start = {"x": float(x), "y": float(y)}
         clean = _motion(loop, start)
@@ -174,7 +175,7 @@ def _overrides(loop: Loop, clean: Trajectory, fault: str, sensor: int) -> Mappin
     names, k = loop.hall[2 * sensor : 2 * sensor + 2], np.arange(len(clean.time)) - round(FAILS / TIME.period_s)
     V = np.stack([np.float64(clean.measured[name]) for name in names], axis=1)
     kept = np.broadcast_to(V[k == -1], V.shape)
-    failed = np.clip(trust.FAULTS[fault](V, kept, np.maximum(k, 0)), -trust.END, trust.END)
+    failed = np.clip(faults.FAULTS[fault](V, kept, np.maximum(k, 0)), -faults.END, faults.END)
     return {name: Override(k >= 0, failed[:, i]) for i, name in enumerate(names)}
 
 

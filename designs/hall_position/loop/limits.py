@@ -21,6 +21,7 @@ from designs.hall_position.calibrated.survey import Case
 from designs.hall_position.loop import four_sensors
 from designs.hall_position.protected import trust
 from designs.hall_position.protected.trust import Samples
+from synth import progress
 from synth.block import Block
 from synth.execute import build, host
 
@@ -70,6 +71,4 @@ def lines(bodies: int) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    for line in lines(int(sys.argv[1]) if len(sys.argv) > 1 else BODIES):
-        sys.stdout.write(f"{line}\n")
-        sys.stdout.flush()
+    progress.write(lines(int(sys.argv[1]) if len(sys.argv) > 1 else BODIES))

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from designs.hall_position.calibrated import estimator, stages, survey
 from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.protected import config, trust
+from designs.hall_position.protected import config, faults, trust
 from designs.hall_position.protected.parameters import Tuning
 from designs.hall_position.protected.trust import Samples
+from synth.progress import Progress
 from synth.report import charts, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
@@ -22,7 +23,7 @@ Runner = Callable[[str, float], Samples]
 
 
 def blocks() -> dict[str, Content]:
-    """Return stages, survey, Stanford diagram and its counts."""
+    """Return the numbers of the survey, and the Stanford diagram; the tables are those of `tables`."""
     samples = faulty_samples(survey.UNITS["as built"])
     return {
         "integrity.reference": 1e6 * survey.units.REFERENCES["X"],
@@ -31,9 +32,16 @@ def blocks() -> dict[str, Content]:
         "integrity.limit": 1e3 * trust.WRONG,
         "integrity.bodies": survey.BODIES,
         "integrity.limit_yaw": 1e3 * trust.WRONG_YAW,
+        "integrity.stanford": stanford(samples),
+    }
+
+
+def tables(progress: Progress) -> dict[str, Content]:
+    """Return the stages of the calibration, the survey, and the counts of the Stanford diagram by sensors in use."""
+    progress("integrity of calibrated units")
+    return {
         "integrity.stages": stage_rows(),
         "integrity.faults": fault_rows(),
-        "integrity.stanford": stanford(samples),
         "integrity.subsets": subset_rows(survey.UNITS["as built"]),
     }
 
@@ -54,7 +62,7 @@ def fault_rows() -> Rows:
     """Return what is valid and wrong after each fault, at rest and in motion, the larger of both."""
     rows: list[tuple[page.Cell, ...]] = []
     for name, calibration, R, runner in _runners():
-        by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in trust.FAULTS}
+        by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in faults.FAULTS}
         none = by_fault.pop("none")
         at_rest = runner("none", 0.0)
         level = 1e3 * float(np.median(at_rest.levels[at_rest.valid][:, :2]))
@@ -94,7 +102,7 @@ def _runner_with(name: str, label: str, case: Case) -> tuple[str, str, float, Ru
 def faulty_samples(case: Case) -> Samples:
     """Return the samples of every fault, at rest and in motion."""
     return survey.join(
-        [survey.run(case, fault, survey.BODIES, speed) for fault in trust.FAULTS for speed in survey.SPEEDS]
+        [survey.run(case, fault, survey.BODIES, speed) for fault in faults.FAULTS for speed in survey.SPEEDS]
     )
 
 

@@ -24,6 +24,7 @@ from models.hall_array import Array
 from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability.worst_deviation import LargestDeviation
+from synth.cache import cached
 
 POINTS = 240  # of a map, along a pitch
 FINE = 120  # places along a pitch of a map with more harmonics
@@ -45,6 +46,7 @@ def deviation_at_known_yaw(array: PlanarArray, points: int = 4096) -> Array:
 
 
 @lru_cache(CACHED_RESULTS)
+@cached
 def worst(array: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
     """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
     return hall_fisher.worst(array, (radians(low), radians(high)), tolerance)

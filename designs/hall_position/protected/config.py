@@ -6,7 +6,7 @@ reached. Those of three sensors are the result of `python -m designs.hall_positi
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -14,16 +14,13 @@ from typing import Any
 import numpy as np
 
 from designs.hall_position import config
-from designs.hall_position.glsdc import channels
 from designs.hall_position.protected import estimator
 from designs.hall_position.protected.parameters import Tuning
 from models import hall_motions as motions
 from models.hall_array import Pair
-from models.hall_motions import Numbers, Pose
-from models.hall_stage import Stage
+from models.hall_motions import Numbers
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
-from synth.emit.c import digits
 from synth.errors import DesignError
 
 NAME, THREE = "hall_position_four", "hall_position_three"
@@ -43,6 +40,7 @@ CALIBRATED_THREE = replace(
     position_limit=1.5e-3,
     yaw_limit=0.066,
     excluded_limits=0.2,
+    start_with_all=True,  # four voltages and a prior have one redundant one: not enough to tell places apart
     largest_phase=0.02,  # 0.16 mm: with a larger deviation almost every level is above its limit
     largest_yaw=0.008,
     largest_amplitude=0.02,
@@ -55,21 +53,19 @@ PRECONDITIONS = (
 )
 CALIBRATE = (
     " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its "
-    "field. Without it almost nothing is valid, and what is valid may be wrong."
+    "field. Without it almost nothing is valid, and what is valid may be wrong. A sensor that has failed before the "
+    "first valid sample leaves nothing valid."
 )
 VECTORS, SEED = 1000, 2011
 REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
 REFUSED, DEAD, FROZEN = slice(300, 304), slice(450, 550), slice(700, 760)  # samples of faults
 
 
-@cache
 def array(name: str = NAME) -> Array:
     """Return the array of an estimator: positions, field in V and noise; raise DesignError for an unknown name."""
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' has no protection levels: give one of {', '.join(PLACES)}")
-    made = Stage().array(PLACES[name])
-    alpha, beta = (digits.significant(v, config.DIGITS) for v in (made.alpha, made.beta))
-    return replace(made, alpha=alpha, beta=beta)
+    return config.array_at(PLACES[name])
 
 
 @cache
@@ -85,19 +81,12 @@ def preconditions(name: str) -> str:
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:
     """Return the content of gains.json."""
-    of, tuning = array(name), asdict(TUNINGS[name])
-    return {
-        "model": "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
-        "alpha_V": of.alpha,
-        "beta_V": of.beta,
-        "pitch_m": of.pitch,
-        "deviation_V": of.deviation,
-        "positions_pitches": [list(place) for place in PLACES[name]],
-        "period_s": config.TIME.period_s,
-        "method": "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
-        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in tuning.items()},
-        "bad_samples": channels.BAD_SAMPLES,
-    }
+    return config.document(
+        PLACES[name],
+        TUNINGS[name],
+        "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
+        "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
+    )
 
 
 def vectors(inputs: Mapping[str, Any], outputs: Mapping[str, Any], name: str = NAME) -> dict[str, Numbers]:
@@ -106,9 +95,7 @@ def vectors(inputs: Mapping[str, Any], outputs: Mapping[str, Any], name: str = N
     The body rests and then moves; a voltage is out of range, a sensor is dead, and the last converter freezes.
     """
     scalar = inputs["V_ax"].dtype.type
-    progress = np.clip((np.arange(VECTORS) - REST) / (VECTORS - REST), 0, 1)
-    along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
-    pose = Pose(*(start + by * along for start, by in zip(START, DISPLACEMENT, strict=True)))
+    pose = motions.rest_then_move(VECTORS, REST, START, DISPLACEMENT)
     V = motions.noisy(array(name), pose, SEED)
     V[REFUSED, 0, 1], V[DEAD, 2] = 9.0, 0.0
     V[FROZEN, -1, 0] = V[FROZEN.start, -1, 0]

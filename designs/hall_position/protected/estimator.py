@@ -98,8 +98,8 @@ def integrity(array: PlanarArray, tuning: Tuning) -> Integrity:
 
 def search(tuning: Tuning) -> Search:
     """Return the search over the pitch and the yaws."""
-    along, turn = tuning.agreement, tuning.yaw_agreement
-    return Search(tuning.starts, {"phase_x": along, "phase_y": along, "yaw": turn}, tuning.patience, tuning.dwell)
+    agreement = {"phase_x": tuning.agreement, "phase_y": tuning.agreement, "yaw": tuning.yaw_agreement}
+    return Search(tuning.starts, agreement, tuning.patience, tuning.dwell, tuning.start_with_all)
 
 
 def phase_unknowns(largest: float, step: float, velocity_gain: float) -> list[Unknown]:

@@ -61,18 +61,21 @@ def voltages(bodies: int, seed: int = SEED, name: str = config.NAME) -> Numbers:
 
 
 def sequences(controller: host.Controller) -> list[Steps]:
-    """Return motions with each fault of FAULTS, and the excursions from them: for cost and decision coverage."""
+    """Return motions with each fault of FAULTS, sweeps with a fault, and excursions: for cost and coverage."""
     V = voltages(len(FAULTS), name=str(controller.manifest["design"]))
     loops = [
         steps.record(controller, f"motion, {fault}", motions.by_input(V[:, k]), closed_loop=True)
         for k, fault in enumerate(FAULTS)
     ]
     at_rest = {name: float(v[0]) for name, v in motions.by_input(V[:, 0]).items()}
+    V[:REST, ::2, 0] = 0
+    V[:REST, 1::2, 0, 0] += OFFSET
+    sweeps = [steps.record(controller, "sweep, fault", motions.by_input(V[:REST, k])) for k in range(len(FAULTS))]
     tracking = tracking_steps(controller)
     ends = steps.at_range_ends(controller, tracking, RANGE_END_STEPS)
     outputs = steps.evaluate(controller, tracking).outputs
     unavailable = np.flatnonzero((outputs["converged"] > 0) & (outputs["valid"] == 0))[-RANGE_END_STEPS:]
-    return [*loops, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable)]
+    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable)]
 
 
 def tracking_steps(controller: host.Controller) -> Steps:

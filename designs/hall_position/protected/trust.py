@@ -6,24 +6,27 @@
                                                                         +-0.1 mm, their angles +-1 deg, gains +-1 %
 
 The amplitude is anywhere within +-10 %. Bodies rest, or move at up to SPEED, tracked from the start. After BEFORE
-samples a voltage, or both of a sensor, fails. `wrong` is an error above 0.5 mm or 20 mrad.
+samples a sensor fails (`faults`). `wrong` is an error above 0.5 mm or 20 mrad.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from designs.hall_position.config import TIME
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
-from designs.hall_position.protected import config
+from designs.hall_position.protected import config, faults
 from designs.hall_position.protected.parameters import Tuning
 from models import built_matrix, hall_bench
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.errors import ModelError
 from synth.execute import build, host
+from synth.simulate import channel_faults
+from synth.simulate.channel_faults import Failure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
@@ -32,44 +35,33 @@ RESIDUAL = 4e-3  # V rms
 AMPLITUDE, GAIN, ANGLE, PLACE = 0.1, 0.01, np.radians(1), 1e-4  # relative, relative, rad, m
 REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
 BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
-OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
-MARGIN = 1e-3  # m, of cold starts to the edge of the pitch
+AXES = ("X", "Y", "yaw")
+OUTCOME = (
+    "valid %, valid and wrong % of samples, of bodies, rms/deviation of X and Y, of yaw, beyond 4 deviations %, um"
+)
 KEPT = 64  # sets of voltages, of a few runs over the same poses
-Fault = Callable[[Numbers, Numbers, int | Numbers], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
-
-
-def _first(value: Callable[[Numbers, Numbers, int | Numbers], Numbers | float]) -> Fault:
-    return lambda V, kept, k: np.column_stack([np.broadcast_to(value(V[:, 0], kept[:, 0], k), len(V)), V[:, 1]])
-
-
-FAULTS: Mapping[str, Fault] = {
-    "none": lambda V, kept, k: V,
-    "dead voltage": _first(lambda v, kept, k: 0.0),
-    "dead sensor": lambda V, kept, k: 0 * V,
-    "stuck voltage": _first(lambda v, kept, k: kept),
-    "stuck sensor": lambda V, kept, k: kept,
-    "saturated": _first(lambda v, kept, k: END),
-    "offset": _first(lambda v, kept, k: v + OFFSET),
-    "halved voltage": _first(lambda v, kept, k: v / 2),
-    "halved sensor": lambda V, kept, k: V / 2,
-    "drift": _first(lambda v, kept, k: v + DRIFT * k),
-}
 
 
 @dataclass(frozen=True)
 class Outcome:
     """Shares of samples that are `valid`, and that are valid and `wrong`, and of bodies that were ever so.
 
-    Of valid positions `ratio` is the rms error over the deviation, `beyond` the share of errors above SIGMAS
-    deviations, and `error` the largest error, m.
+    Of valid samples `ratio` is the rms error over the deviation of X and Y, `yaw_ratio` that of the yaw, `beyond` the
+    share of errors above SIGMAS deviations, and `error` the largest error of a position, m.
     """
 
     valid: float
     wrong: float
     wrong_bodies: float
     ratio: float
+    yaw_ratio: float
     beyond: float
     error: float
+
+    def __str__(self) -> str:
+        """Return the numbers as OUTCOME says."""
+        shares = f"{100 * self.valid:7.2f} {100 * self.wrong:7.3f} {100 * self.wrong_bodies:7.3f}"
+        return f"{shares} {self.ratio:5.2f} {self.yaw_ratio:5.2f} {100 * self.beyond:6.3f} {1e6 * self.error:7.0f}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +88,22 @@ class Samples:
 
     def outcome(self) -> Outcome:
         """Return the shares of the samples and of the bodies."""
-        wrong = self.valid & ((self.error > WRONG) | (np.abs(self.errors[..., 2]) > WRONG_YAW))
-        squares = (self.errors[self.valid] / self.deviations[self.valid])[:, :2] ** 2
+        wrong = self.valid & is_wrong(self.errors)
+        squares = (self.errors[self.valid] / self.deviations[self.valid]) ** 2
         return Outcome(
             valid=float(self.valid.mean()),
             wrong=float(wrong.mean()),
             wrong_bodies=float(wrong.any(axis=0).mean()),
-            ratio=float(np.sqrt(squares.mean())) if squares.size else 0.0,
+            ratio=float(np.sqrt(squares[:, :2].mean())) if squares.size else 0.0,
+            yaw_ratio=float(np.sqrt(squares[:, 2].mean())) if squares.size else 0.0,
             beyond=float((squares > SIGMAS**2).mean()) if squares.size else 0.0,
             error=float(self.error[self.valid].max(initial=0.0)),
         )
+
+
+def is_wrong(errors: Numbers) -> Numbers:
+    """Return which errors (.., 3) of X, Y and yaw count as wrong."""
+    return np.asarray((np.hypot(errors[..., 0], errors[..., 1]) > WRONG) | (np.abs(errors[..., 2]) > WRONG_YAW))
 
 
 @cache
@@ -189,12 +187,11 @@ def simulate(
 
     Yaws are up to `yaw` to either side, rad.
     """
-    if fault not in FAULTS:
-        raise ModelError(f"'{fault}' is not a known fault: give one of {', '.join(FAULTS)}")
+    chosen = faults.find(fault)
     heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(of.sensors, size=bodies)
-    start, other = (_draw(REACH, bodies, rng, yaw) for _ in range(2))
+    start, other = (draw(REACH, bodies, rng, yaw) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
-    flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
+    failure = Failure(chosen, sensor, _second(bodies, rng), kept)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
@@ -202,17 +199,30 @@ def simulate(
         V = of.read(pose) if rest is None else rest
         V = V + config.array().deviation * rng.standard_normal(V.shape)
         if k >= BEFORE:
-            pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
-            failed = FAULTS[fault](pair, before, k - BEFORE)
-            V[each, sensor] = np.where(flip[:, None], failed[:, ::-1], failed)
-        batch = controller.batch(states, motions.by_input(np.clip(V, -END, END)))
+            failure.corrupt(V, k - BEFORE)
+        elif channel_faults.is_frozen(fault):
+            failure = replace(failure, kept=failure.of_group(V))
+        batch = controller.batch(states, motions.by_input(np.clip(V, -faults.END, faults.END)))
         states = batch.states
         if k >= BEFORE:
             outcomes.append(_sample(batch.outputs, pose))
     return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
-def _draw(reach: float, bodies: int, rng: np.random.Generator, yaw: float = YAW) -> Pose:
+def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> Failure:
+    """Return a failure of a random sensor of each body; one that is stuck keeps its voltages at another place."""
+    sensor, other = rng.integers(of.sensors, size=bodies), draw(REACH, bodies, rng)
+    kept = of.read(other)[np.arange(bodies), sensor]
+    return Failure(faults.find(fault), sensor, _second(bodies, rng), kept)
+
+
+def _second(bodies: int, rng: np.random.Generator) -> NDArray[np.int_]:
+    """Draw which of the two voltages of a sensor fails (N,)."""
+    return (rng.random(bodies) < 0.5).astype(int)
+
+
+def draw(reach: float, bodies: int, rng: np.random.Generator, yaw: float = YAW) -> Pose:
+    """Draw poses within `reach` m along X and Y, at yaws of up to `yaw` to either side, rad."""
     X, Y = rng.uniform(-reach, reach, (2, bodies))
     return Pose(X, Y, rng.uniform(-yaw, yaw, bodies))
 
@@ -239,50 +249,13 @@ def _tracking_states(
 
 def _sample(outputs: Mapping[str, Numbers], pose: Pose) -> tuple[Numbers, Numbers, Numbers, Numbers]:
     """Return the fields of `Samples` for one sample."""
-    axes = "X", "Y", "yaw"
-    errors, deviations, levels = (
-        np.stack([outputs[f"{prefix}{a}"].astype(float) - by * getattr(pose, a) for a in axes], axis=-1)
-        for prefix, by in (("", 1), ("deviation_", 0), ("protection_", 0))
+    deviations, levels = (
+        np.stack([outputs[f"{prefix}_{a}"].astype(float) for a in AXES], axis=-1)
+        for prefix in ("deviation", "protection")
     )
-    return outputs["valid"] > 0, errors, deviations, levels
+    return outputs["valid"] > 0, errors(outputs, pose), deviations, levels
 
 
-@dataclass(frozen=True)
-class ColdStart:
-    """Shares of bodies that are tracked at the end and that were ever valid; samples until valid; bodies ever wrong."""
-
-    tracked: float
-    valid: float
-    median: float
-    longest: int
-    wrong: int
-
-
-def cold_start(
-    tuning: Tuning, field: str, bodies: int, samples: int = 120, seed: int = 1, name: str = config.NAME
-) -> ColdStart:
-    """Return the result from init of bodies at rest anywhere in the pitch, less MARGIN; wrong is a pitch or more."""
-    rng = np.random.default_rng(seed)
-    pose = _draw(config.array().pitch / 2 - MARGIN, bodies, rng)
-    return start_from_init(compile_estimator(tuning, name), world(field, bodies, rng, name), pose, samples, rng)
-
-
-def start_from_init(
-    controller: host.Controller, of: World, pose: Pose, samples: int, rng: np.random.Generator
-) -> ColdStart:
-    """Return the result from init of bodies at rest at poses; wrong is a pitch or more."""
-    exact, array, bodies = of.read(pose), config.array(), len(pose.X)
-    states, first = np.repeat(controller.init()[None], bodies), np.zeros(bodies, int)
-    wrong = np.zeros(bodies, bool)
-    for k in range(1, samples + 1):
-        V = exact + array.deviation * rng.standard_normal(exact.shape)
-        batch = controller.batch(states, motions.by_input(V))
-        states = batch.states
-        valid, errors, _, _ = _sample(batch.outputs, pose)
-        error = np.hypot(errors[:, 0], errors[:, 1])
-        first = np.where(valid & (first == 0), k, first)
-        wrong |= valid & (error > array.pitch / 4)
-    ever = first[first > 0]
-    tracked = float((batch.outputs["tracking"] > 0).mean())
-    median, longest = (float(np.median(ever)), int(ever.max())) if ever.size else (np.inf, 0)
-    return ColdStart(tracked, float((first > 0).mean()), median, longest, int(wrong.sum()))
+def errors(outputs: Mapping[str, Numbers], pose: Pose) -> Numbers:
+    """Return the errors (N, 3) of X, Y and yaw."""
+    return np.stack([outputs[a].astype(float) - getattr(pose, a) for a in AXES], axis=-1)

@@ -12,6 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from designs.hall_position import config as hall
+from designs.hall_position.glsdc import tracking
+from designs.hall_position.protected import cold_start as cold_starts
+from designs.hall_position.protected.cold_start import ColdStart
+from designs.hall_position.protected.trust import World
 from designs.hall_position.trust import estimator_ensemble
 from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
@@ -92,3 +97,12 @@ def cold_start(config: EstimatorConfig, pose: Pose, samples: int, speed: float =
 
     state = ensemble.initial_states(estimator_ensemble.compile_estimator(config), n)
     return estimator_ensemble.track_scores(config, state, at, samples, rng)
+
+
+def in_pitch(bodies: int, samples: int = cold_starts.SAMPLES, seed: int = 1) -> ColdStart:
+    """Return the result from `init` of bodies at rest in the counted pitch, of the two sensors that ship."""
+    rng, array = np.random.default_rng(seed), hall.array()
+    pose = cold_starts.in_pitch(bodies, rng, tracking.valid_yaw_limit(hall.TUNING))
+    of = World(lambda at: motions.volts(array, at), len(array.positions))
+    controller = estimator_ensemble.compile_estimator(EstimatorConfig(array))
+    return cold_starts.start(controller, of, pose, samples, rng)

@@ -54,13 +54,12 @@ def tables(section: Section) -> dict[str, Table]:
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     files, row = {"other": EmittedCode({}, {})}, Row("3 sensors", "gcc -O2", 600, 3795, 7225)
-    others = {(id(files), six.optimised_layout(STAGE, 4)): (row,)}
-    monkeypatch.setattr(costs, "measure", lambda files, four: others[id(files), four])
+    parts = {"costs": (row,), "integrity": {}}
     monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     scope = rows.scope(STAGE, rows.published_rows())
     few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
-    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost)
+    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost, parts)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
         "Fig. 3",
@@ -85,7 +84,7 @@ def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.Monkey
     monkeypatch.setattr(page, "_blocks", lambda *_: {})
     monkeypatch.setattr(six, "section", lambda _: Section("Six degrees of freedom"))
     monkeypatch.setattr(template, "assemble", lambda *arguments: str(parts.extend(arguments[3])))
-    page.report({}, Evidence(config.NAME, (), ()), [], [], None)
+    page.report({}, Evidence(config.NAME, (), ()), [], [], None, {"costs": (), "integrity": {}})
     assert [part.blocks for part in parts if part.title == costs.TITLE] == [(Text(costs.ABSENT),)]
 
 

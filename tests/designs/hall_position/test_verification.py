@@ -19,11 +19,12 @@ from synth.blocks import safety
 from synth.check import Check
 from synth.emit import write
 from synth.execute import build, host
+from synth.simulate import ensemble
 from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
 from synth.verify.suite import Witnesses
 
-SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
+SIZES = {"motions": 4000, "random": 2000, "edge": 2_000}
 PAIR = config.NAME
 
 
@@ -42,7 +43,7 @@ def steps_of(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
         inputs = random_steps.motion_inputs(of, SIZES[kind])
-        return verification.condition_steps(of, kind, *verification.steps_along(of, sound().c64, inputs))
+        return verification.condition_steps(of, kind, *ensemble.consecutive_steps(sound().c64, inputs))
     draw = {"random": random_steps.operating_steps, "edge": random_steps.edge_steps}[kind]
     return verification.condition_steps(of, kind, *draw(of, SIZES[kind]))
 

@@ -107,4 +107,4 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position_four"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
     with pytest.raises(DesignError, match="give one of hall_position_four, hall_position_three"):
-        protected.array.__wrapped__(name)
+        protected.array(name)

@@ -116,7 +116,8 @@ def test_no_current_flows_until_a_position_is_known() -> None:
     nonsense = {n: Override(blind, rng.uniform(-4, 4, samples)) for n in planar_stage.HALL}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=nonsense)
     currents = np.abs([run.commands[s.name] for s in planar_stage.INPUTS])
-    assert not currents.any()  # the search may have ended a pitch off
+    assert not currents[:, :200].any() and currents[:, 200:].any()
+    assert np.abs(run["x_raw"] - run["x"])[run["valid"] > 0].max() < 3e-4  # whatever was searched, in its own pitch
     shorter = {n: replace(o, mask=np.arange(samples) < 3) for n, o in nonsense.items()}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=shorter)
     first = int(np.argmax(run["valid"] > 0))

@@ -1,16 +1,20 @@
 """Convergence near the position and from `init`; nothing is valid at a wrong position."""
 
+import re
 from typing import Any
 
 import numpy as np
 import pytest
 
 from designs.hall_position import config
+from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import estimator_ensemble, starts
 from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
+from synth.block import unranged
+from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
 
@@ -78,6 +82,24 @@ def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_e
     at_rest, in_motion = ((each.first_valid > 0).mean() for each in (rest, moving))
     assert rest.is_correct[-1].mean() > 0.9 and 0.2 < at_rest < 0.35 and not rest.is_wrong.any()
     assert in_motion > 0.9 and not moving.is_wrong.any()
+
+
+def test_no_cold_start_in_the_pitch_is_wrong_by_pitches() -> None:
+    """A millimetre from its edge or more, the first sample of the search being anywhere."""
+    start = starts.in_pitch(4000, 60)
+    assert start.wrong == 0 and 0.2 < start.valid < 0.25 and start.misled == 0
+
+
+def test_pitches_that_are_counted_while_searching_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted defect, in the C of the estimator that ships."""
+    controller = estimator_ensemble.compile_estimator(TWO)
+    emitted = write.emit(unranged(estimator.guarded_estimator(TWO.array, config.TIME)), np.float32, libm=True)
+    name = f"{config.NAME}.c"
+    text, count = re.subn(r"\(estimator_acquired != 0u\) \? (turns_[xy]_[XY]_2) : 0.0f", r"\1", emitted.files[name])
+    assert count == 2
+    eager = host.load({**emitted.files, name: text}, emitted.manifest)
+    monkeypatch.setattr(estimator_ensemble, "compile_estimator", lambda of: eager)
+    assert starts.in_pitch(1000, 60).wrong > 10 and controller is not eager
 
 
 def test_a_body_that_moves_is_found() -> None:
