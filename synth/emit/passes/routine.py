@@ -145,6 +145,7 @@ class _Builder:
             marks,
             {},
             next,
+            frozenset(local for state, local in part.local.items() if state in p.integers),
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},
@@ -186,7 +187,7 @@ class _Builder:
         return Argument(self.names.free(self._common(column) or words.common(labels) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
-        return words.common([name(self.p, k) for k in column])
+        return words.common([name(self.p, k) for k in column]).removeprefix(f"{self.part_name}_")
 
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""
