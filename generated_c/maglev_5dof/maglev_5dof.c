@@ -232,10 +232,6 @@ MAGLEV_5DOF_INLINE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_m
     const bool same = maglev_5dof_equal(accepted, code);
     const uint32_t doubts = state->doubts;
     const float distance = fabsf(expected - accepted);
-    const bool far = jump < distance;
-    const bool doubts_below_1 = doubts < 1u;
-    const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
-        (-travel < code) && (code < travel);
     uint32_t unchanged = 0u;
     float before_next = expected;
     uint32_t doubts_next = doubts;
@@ -243,25 +239,24 @@ MAGLEV_5DOF_INLINE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_m
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
         before_next = state->before;
+    } else if (gate < distance) {
+        doubts_next = doubted_changes;
+    } else if (1u <= doubts) {
+        doubts_next = doubts - 1u;
     } else {
-        if (far) {
-            doubts_next = (believed) ? doubts : doubted_changes;
-        } else {
-            if (gate < distance) {
-                doubts_next = doubted_changes;
-            } else {
-                if (1u <= doubts) {
-                    doubts_next = doubts - 1u;
-                } else {
-                    doubts_next = 0u;
-                }
-            }
-        }
+        doubts_next = 0u;
     }
+    const bool doubts_below_1 = doubts < 1u;
     const bool stands = (repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
         (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered);
     const uint32_t jumps = state->jumps;
-    const bool jumping = far && ((1u <= jumps) || (believed && !same));
+    bool jumping = false;
+    if (jump < distance) {
+        const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+            (-travel < code) && (code < travel);
+        jumping = (1u <= jumps) || (believed && !same);
+        doubts_next = (same || believed) ? doubts : doubted_changes;
+    }
     const bool usual = sound && !(stands || jumping);
     uint32_t suspect = 0u;
     bool trusted = true;
@@ -887,12 +882,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (guard_left < latch_samples) {
             state->guard_left = guard_left + 1u;
         }
+    } else if (guard_left <= good_per_bad) {
+        gave_up = 1u;
     } else {
-        if (guard_left <= good_per_bad) {
-            gave_up = 1u;
-        } else {
-            state->guard_left = guard_left - good_per_bad;
-        }
+        state->guard_left = guard_left - good_per_bad;
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
     if (degraded != 0u) {

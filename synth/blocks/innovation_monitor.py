@@ -53,9 +53,10 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         believed = _is_jump_possible(travel, (expected, x["code"]), doubts, _is_in_time(u, missed_calls))
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
-            jumping = ca.logic_and(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))))
+            jumping = ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same)))
+            jumping = ca.if_else(far, jumping, 0)
         near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
-        changed = ca.if_else(far, ca.if_else(believed, doubts, DOUBTS), near)
+        unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
@@ -69,7 +70,8 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         output = {f"{n}_{of}": ca.if_else(usual, *pair) for of, pair in outputs.items()}
         output |= {f"{n}_usual": usual, f"{n}_unchanged": unchanged}
         after_jump = ca.if_else(jumping, ca.if_else(last, 1, excluded), stopped)
-        next = {"code": y, "still": unchanged, "before": before, "doubts": ca.if_else(same, doubts, changed)}
+        next = {"code": y, "still": unchanged, "before": before}
+        next["doubts"] = ca.if_else(far, unexplained, ca.if_else(same, doubts, near))
         next["excluded"] = ca.if_else(usual, 0, after_jump)
         if n in decision.jump:
             count = ca.if_else(jumping, ca.if_else(last, 0, x["jumps"] + 1), 0)

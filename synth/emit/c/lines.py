@@ -31,6 +31,21 @@ def wrapped(lines: Iterable[Line]) -> Iterator[Line]:
             yield from (replace(line, text=row) for row in rows(line.text))
 
 
+def alternative(lines: Sequence[Line], depth: int, tag: str) -> list[Line]:
+    """Return the lines from `} else {` to the last brace; an `if` alone that ends in an `else` follows in its line."""
+    indent = "    " * depth
+    inside = [line.text.removeprefix(f"{indent}    ") for line in lines]
+    braces = [text for text in inside if text.startswith("}")]
+    level = [text for text in inside if text[:1] not in (" ", "}", "#")]
+    alone = len(level) == 1 and lines[0].tag == tag and inside[0].startswith("if (") and "} else {" in braces
+    if not alone or any(len(text) == len(line.text) for text, line in zip(inside, lines, strict=True)):
+        return [Line(f"{indent}}} else {{", tag), *lines, Line(f"{indent}}}", tag)]
+    return [
+        replace(line, text=f"{indent}{'} else ' if line is lines[0] else ''}{text}")
+        for line, text in zip(lines, inside, strict=True)
+    ]
+
+
 def rows(text: str) -> list[str]:
     """Return a line of code in the fewest rows of at most WIDTH columns, broken where the fewest parentheses are open.
 
