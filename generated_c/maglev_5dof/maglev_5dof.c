@@ -56,6 +56,11 @@ static inline bool maglev_5dof_equal(float a, float b)
 #else
 #define MAGLEV_5DOF_INLINE static inline
 #endif
+#if defined(__OPTIMIZE_SIZE__)
+#define MAGLEV_5DOF_LARGE static inline
+#else
+#define MAGLEV_5DOF_LARGE MAGLEV_5DOF_INLINE
+#endif
 /* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, float *last, uint32_t bit,
     uint32_t *faults)
@@ -217,7 +222,7 @@ typedef struct {
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
-MAGLEV_5DOF_INLINE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, bool sound,
+MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, bool sound,
     float accepted, float expected, bool unanswered, bool in_time, uint32_t ready, bool good)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */

@@ -57,6 +57,11 @@ static inline bool maglev_5dof_precise_equal(float a, float b)
 #else
 #define MAGLEV_5DOF_PRECISE_INLINE static inline
 #endif
+#if defined(__OPTIMIZE_SIZE__)
+#define MAGLEV_5DOF_PRECISE_LARGE static inline
+#else
+#define MAGLEV_5DOF_PRECISE_LARGE MAGLEV_5DOF_PRECISE_INLINE
+#endif
 /* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_hold(float value, float low, float high, float *last, uint32_t bit,
     uint32_t *faults)
@@ -208,6 +213,93 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
 }
 
 typedef struct {
+    uint32_t unchanged;
+    float before_next;
+    bool usual;
+    uint32_t suspect;
+    bool trusted;
+    float held;
+    uint32_t frozen;
+    uint32_t excluded_next;
+    uint32_t doubts_next;
+    uint32_t jumps_next;
+} maglev_5dof_precise_monitor_t;
+
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation
+ *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
+    maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, bool sound, float accepted,
+    float expected, bool unanswered, bool in_time, uint32_t ready, bool good)
+{
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
+    static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+
+    const float code = state->code;
+    const bool same = maglev_5dof_precise_equal(accepted, code);
+    const uint32_t doubts = state->doubts;
+    const float distance = fabsf(expected - accepted);
+    uint32_t unchanged = 0u;
+    float before_next = expected;
+    uint32_t doubts_next = doubts;
+    if (same) {
+        const uint32_t still = state->still;
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
+        before_next = state->before;
+    } else if (gate < distance) {
+        doubts_next = doubted_changes;
+    } else if (1u <= doubts) {
+        doubts_next = doubts - 1u;
+    } else {
+        doubts_next = 0u;
+    }
+    const bool doubts_below_1 = doubts < 1u;
+    const bool stands = (repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
+        (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered);
+    const uint32_t jumps = state->jumps;
+    bool jumping = false;
+    if (jump < distance) {
+        const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+            (-travel < code) && (code < travel);
+        jumping = (1u <= jumps) || (believed && !same);
+        doubts_next = (same || believed) ? doubts : doubted_changes;
+    }
+    const bool usual = sound && !(stands || jumping);
+    uint32_t suspect = 0u;
+    bool trusted = true;
+    float held = accepted;
+    uint32_t frozen = 0u;
+    uint32_t excluded_next = 0u;
+    uint32_t jumps_next = 0u;
+    if (!usual) {
+        const uint32_t excluded = state->excluded;
+        const bool usable = good && (excluded == 0u);
+        const uint32_t stopped = (stands && (ready != 0u) && usable) ? 1u : excluded;
+        uint32_t doubted = 1u;
+        if (jumping) {
+            const bool last = excluded_from <= jumps;
+            excluded_next = (last) ? 1u : excluded;
+            jumps_next = (last) ? 0u : (jumps + 1u);
+        } else {
+            doubted = stopped;
+            excluded_next = stopped;
+        }
+        suspect = doubted;
+        const bool measured = usable && (doubted == 0u);
+        trusted = measured;
+        held = (measured) ? accepted : expected;
+        frozen = stopped;
+    }
+    return (maglev_5dof_precise_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
+        .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .excluded_next = excluded_next,
+        .doubts_next = doubts_next, .jumps_next = jumps_next};
+}
+
+typedef struct {
     float k_e;                          /* 1/s^2; predictive servo with internal models: gain on e */
     float k_de;                         /* 1/s; predictive servo with internal models: gain on de */
     float largest_step;                 /* m; a larger change of the set-point has no rate */
@@ -225,7 +317,7 @@ typedef struct {
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
  *     r_next = y_ref_held */
-MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
+MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float value, float e)
 {
@@ -344,12 +436,12 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
         .guard_left = 20u,
+        .x_monitor.doubts = 10u,
+        .z_monitor.doubts = 10u,
         .redundancy_code_y1 = 0.0245f,
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
-        .redundancy_doubts_x = 10u,
-        .redundancy_doubts_z = 10u,
         .observer_y_fast_q = 0.0245f,
         .servo_y_fast.r = 0.018f,
         .observer_y_q = 0.0245f,
@@ -382,7 +474,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const float r = 0.397f;                              /* m; Table I */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
-    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
     static const float T = 0.001f;                              /* s; sample period */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
@@ -443,92 +534,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     }
     const float missed_calls = in->missed_calls;
 
-    /* redundancy: parity, innovations, frozen codes, jumps */
+    /* redundancy: parity, innovations, frozen codes */
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    /* m; end of the travel, where a stop may hold it; of low x, high x, low z, high z */
-    static const float travel = 0.0499f;
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes; of x, z */
-    /* m; from the prediction: no acceleration of the machine explains it; of x, z */
-    static const float jump = 0.00015f;
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_part - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
+    const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
-    const float redundancy_code_x = state->redundancy_code_x;
-    const bool same_x = maglev_5dof_precise_equal(x_accepted, redundancy_code_x);
-    const float observer_x_q = state->observer_x.q;
-    const float distance_x = fabsf(observer_x_q - x_accepted);
-    const bool far_x = jump < distance_x;
-    const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
-    const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
-    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
-    const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
-        (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
-    uint32_t x_unchanged = 0u;
-    float before_x = observer_x_q;
-    uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
-    if (same_x) {
-        const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
-        before_x = state->redundancy_before_x;
-    } else {
-        if (far_x) {
-            redundancy_doubts_x_next = (believed_x) ? redundancy_doubts_x : doubted_changes;
-        } else {
-            if (gate < distance_x) {
-                redundancy_doubts_x_next = doubted_changes;
-            } else {
-                if (1u <= redundancy_doubts_x) {
-                    redundancy_doubts_x_next = redundancy_doubts_x - 1u;
-                } else {
-                    redundancy_doubts_x_next = 0u;
-                }
-            }
-        }
-    }
-    const bool frozen_x = (repeated_samples <= x_unchanged) && (-travel < x_accepted) && (x_accepted < travel) &&
-        (((gate < fabsf(observer_x_q - before_x)) && redundancy_doubts_x_below_1) || x_unanswered);
-    const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
-    const bool jumps_x = far_x && ((1u <= redundancy_jumps_x) || (believed_x && !same_x));
-    const float redundancy_code_z = state->redundancy_code_z;
-    const bool same_z = maglev_5dof_precise_equal(z_accepted, redundancy_code_z);
-    const float observer_z_q = state->observer_z.q;
-    const float distance_z = fabsf(observer_z_q - z_accepted);
-    const bool far_z = jump < distance_z;
-    const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
-    const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
-    const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
-        (observer_z_q < travel) && (-travel < redundancy_code_z) && (redundancy_code_z < travel);
-    uint32_t z_unchanged = 0u;
-    float before_z = observer_z_q;
-    uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
-    if (same_z) {
-        const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
-        before_z = state->redundancy_before_z;
-    } else {
-        if (far_z) {
-            redundancy_doubts_z_next = (believed_z) ? redundancy_doubts_z : doubted_changes;
-        } else {
-            if (gate < distance_z) {
-                redundancy_doubts_z_next = doubted_changes;
-            } else {
-                if (1u <= redundancy_doubts_z) {
-                    redundancy_doubts_z_next = redundancy_doubts_z - 1u;
-                } else {
-                    redundancy_doubts_z_next = 0u;
-                }
-            }
-        }
-    }
-    const bool frozen_z = (repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) &&
-        (((gate < fabsf(observer_z_q - before_z)) && redundancy_doubts_z_below_1) || z_unanswered);
-    const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
-    const bool jumps_z = far_z && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -553,6 +567,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
+    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
+    const maglev_5dof_precise_monitor_t x_monitor = maglev_5dof_precise_monitor(&state->x_monitor, sound, x_accepted,
+        state->observer_x.q, x_unanswered, in_time, guard_ready, (faults & 0x00000010u) == 0u);
+    const maglev_5dof_precise_monitor_t z_monitor = maglev_5dof_precise_monitor(&state->z_monitor, sound, z_accepted,
+        state->observer_z.q, z_unanswered, in_time, guard_ready, (faults & 0x00000020u) == 0u);
+    const bool lost_x_faded_transfer = !x_monitor.trusted;
+    const bool lost_z_faded_transfer = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;
     const float observer_y_q = state->observer_y_q;
     const float observer_theta_q = state->observer_theta_q;
@@ -560,21 +581,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
     const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
-    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
-    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     bool gaps_sufficient = true;
-    bool x_trusted = true;
-    bool z_trusted = true;
     float y1_held = y1_accepted;
     float y2_held = y2_accepted;
     float y3_held = y3_accepted;
     float y4_held = y4_accepted;
-    float x_held = x_accepted;
-    float z_held = z_accepted;
-    uint32_t x_frozen = 0u;
-    uint32_t z_frozen = 0u;
     bool regular = true;
     bool theta_measured = true;
     uint32_t degraded = 0u;
@@ -582,16 +595,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
     uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
-    uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
-    uint32_t redundancy_jumps_x_next = redundancy_jumps_x;
-    uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
-    uint32_t redundancy_jumps_z_next = redundancy_jumps_z;
     uint32_t redundancy_contradictions_0_next = 0u;
     uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !jumps_x &&
-            !frozen_z && !jumps_z)) {
+    if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         const float r_phi = r * observer_phi_q;
@@ -601,15 +609,20 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float y3_expected = observer_y_q + r_phi;
         const float y4_expected = observer_y_q - r_theta;
 
-        /* redundancy: parity, innovations, frozen codes, jumps (continued)
+        /* redundancy: parity, innovations, frozen codes (continued)
          *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
          *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
-         *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
-         *         0; likewise z_unchanged
+         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
+         *         likewise suspect_z, degraded
+         *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
+         *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
+         *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
+         *         determined)
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
+        static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
         static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
@@ -782,42 +795,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_undecided_0_next = doubted;
         }
+        regular = z_monitor.trusted && x_monitor.trusted && determined;
         theta_measured = determined;
-        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const uint32_t stopped_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
-        uint32_t suspect_x = 1u;
-        if (jumps_x) {
-            const bool last_x = excluded_from <= redundancy_jumps_x;
-            redundancy_excluded_x_next = (last_x) ? 1u : redundancy_excluded_x;
-            redundancy_jumps_x_next = (last_x) ? 0u : (redundancy_jumps_x + 1u);
-        } else {
-            suspect_x = stopped_x;
-            redundancy_excluded_x_next = stopped_x;
-            redundancy_jumps_x_next = 0u;
-        }
-        const bool unusual_x_trusted = usable_x && (suspect_x == 0u);
-        x_trusted = unusual_x_trusted;
-        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
-        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const uint32_t stopped_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
-        uint32_t suspect_z = 1u;
-        if (jumps_z) {
-            const bool last_z = excluded_from <= redundancy_jumps_z;
-            redundancy_excluded_z_next = (last_z) ? 1u : redundancy_excluded_z;
-            redundancy_jumps_z_next = (last_z) ? 0u : (redundancy_jumps_z + 1u);
-        } else {
-            suspect_z = stopped_z;
-            redundancy_excluded_z_next = stopped_z;
-            redundancy_jumps_z_next = 0u;
-        }
-        const bool unusual_z_trusted = usable_z && (suspect_z == 0u);
-        z_trusted = unusual_z_trusted;
-        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
-        regular = unusual_z_trusted && unusual_x_trusted && determined;
-        redundancy_degraded_next = ((suspect_z != 0u) || (suspect_x != 0u) || suspect_y4 || suspect_y3 || suspect_y2 ||
-            suspect_y1) ? 1u : redundancy_degraded;
-        x_frozen = stopped_x;
-        z_frozen = stopped_z;
+        redundancy_degraded_next = ((z_monitor.suspect != 0u) || (x_monitor.suspect != 0u) || suspect_y4 ||
+            suspect_y3 || suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -832,15 +813,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         if (suspect_y4) {
             faults |= 0x00004000u;
         }
-        if (suspect_x != 0u) {
+        if (x_monitor.suspect != 0u) {
             faults |= 0x00008000u;
         }
         degraded = guard_ready;
-        if (suspect_z != 0u) {
+        if (z_monitor.suspect != 0u) {
             faults |= 0x00010000u;
         }
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->x_suspect = (float)x_monitor.suspect;
+            diagnostics->z_suspect = (float)z_monitor.suspect;
             diagnostics->y1_expected = y1_expected;
             diagnostics->y2_expected = y2_expected;
             diagnostics->y3_expected = y3_expected;
@@ -849,13 +832,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
             diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
             diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
-            diagnostics->suspect_x = (float)suspect_x;
-            diagnostics->suspect_z = (float)suspect_z;
         }
 #endif
     }
-    const bool lost_x_faded_transfer = !x_trusted;
-    const bool lost_z_faded_transfer = !z_trusted;
 
     /* landing: ramps and state feedback */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
@@ -908,7 +887,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const float cancelled = 0.8f;                    /* 1; part of the disturbance that is cancelled */
         static const float observer_y_fast_alpha = 0.6988058f;  /* 1; triple pole exp(-w T), w = 400 rad/s */
         static const float observer_y_fast_beta = 272.3178f;    /* 1/s; triple pole exp(-w T), w = 400 rad/s */
-        const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+        const bool sufficient = gaps_sufficient && (x_monitor.trusted || z_monitor.trusted);
         enough = sufficient;
         y_fast_estimate = observer_y_fast_q + (observer_y_fast_alpha * nu_y_fast_estimate);
         y_fast_rate = state->observer_y_fast_v + (observer_y_fast_beta * nu_y_fast_estimate);
@@ -978,12 +957,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         if (guard_left < latch_samples) {
             state->guard_left = guard_left + 1u;
         }
+    } else if (guard_left <= good_per_bad) {
+        gave_up = 1u;
     } else {
-        if (guard_left <= good_per_bad) {
-            gave_up = 1u;
-        } else {
-            state->guard_left = guard_left - good_per_bad;
-        }
+        state->guard_left = guard_left - good_per_bad;
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
     if (degraded != 0u) {
@@ -995,9 +972,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    const float x_commutation = ((latched != 0u) && lost_x_faded_transfer) ? not_known : x_held;
+    const float x_commutation = ((latched != 0u) && lost_x_faded_transfer) ? not_known : x_monitor.held;
     out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && lost_z_faded_transfer) ? not_known : z_held;
+    const float z_commutation = ((latched != 0u) && lost_z_faded_transfer) ? not_known : z_monitor.held;
     out->z_commutation = z_commutation;
     uint32_t fault_word;
     if (latched != 0u) {
@@ -1037,18 +1014,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->redundancy_code_y4 = y4_accepted;
         state->redundancy_still_y4 = still_y4;
         state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
-        state->redundancy_code_x = x_accepted;
-        state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_next;
-        state->redundancy_doubts_x = redundancy_doubts_x_next;
-        state->redundancy_before_x = before_x;
-        state->redundancy_jumps_x = redundancy_jumps_x_next;
-        state->redundancy_code_z = z_accepted;
-        state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_next;
-        state->redundancy_doubts_z = redundancy_doubts_z_next;
-        state->redundancy_before_z = before_z;
-        state->redundancy_jumps_z = redundancy_jumps_z_next;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
@@ -1061,8 +1026,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
-        const float e_x = x_held - x_ref_held;
-        const float e_z = z_held - z_ref_held;
+        const float e_x = x_monitor.held - x_ref_held;
+        const float e_z = z_monitor.held - z_ref_held;
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
@@ -1071,12 +1036,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast =
             {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f,
             .largest_rate = 4.0f};
-        const float delay_a_x_last = state->delay_a_x_last;
-        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_trusted, x_held, x_frozen, delay_a_x_last, x_unchanged);
-        const float delay_a_z_last = state->delay_a_z_last;
-        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_trusted, z_held, z_frozen, delay_a_z_last, z_unchanged);
         const float delay_w_phi_last = state->delay_w_phi_last;
         const maglev_5dof_precise_observer_fast_t observer_phi_fast =
             maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
@@ -1125,7 +1084,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->observer_y_fast_q = y_fast_ahead;
         state->observer_y_fast_v = y_fast_rate_ahead;
 
-        /* functions above: servo_fast, observer_fast */
+        /* functions above: servo_fast, observer_fast, observer */
         static const float observer_x_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
         static const float observer_z_fast_largest_disturbance = 20.0f; /* m/s^2; bound of the disturbance */
         static const float observer_theta_fast_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
@@ -1159,21 +1118,23 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             .largest_rate = 4.0f};
         const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
             y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_part, e_y);
-        const float nu_x_fast_ahead = x_held - state->observer_x_fast.q;
+        const float nu_x_fast_ahead = x_monitor.held - state->observer_x_fast.q;
         const float x_fast_ahead_part = maglev_5dof_precise_limit(state->observer_x_fast.d +
             (observer_x_fast_gamma * nu_x_fast_ahead), observer_x_fast_largest_disturbance);
+        const float delay_a_x_last = state->delay_a_x_last;
         const maglev_5dof_precise_observer_fast_t observer_x_fast =
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
-            nu_x_fast_ahead, x_held, x_fast_ahead_part, delay_a_x_last);
+            nu_x_fast_ahead, x_monitor.held, x_fast_ahead_part, delay_a_x_last);
         const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
             observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_part,
             e_x);
-        const float nu_z_fast_ahead = z_held - state->observer_z_fast.q;
+        const float nu_z_fast_ahead = z_monitor.held - state->observer_z_fast.q;
         const float z_fast_ahead_part = maglev_5dof_precise_limit(state->observer_z_fast.d +
             (observer_z_fast_gamma * nu_z_fast_ahead), observer_z_fast_largest_disturbance);
+        const float delay_a_z_last = state->delay_a_z_last;
         const maglev_5dof_precise_observer_fast_t observer_z_fast =
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
-            nu_z_fast_ahead, z_held, z_fast_ahead_part, delay_a_z_last);
+            nu_z_fast_ahead, z_monitor.held, z_fast_ahead_part, delay_a_z_last);
         const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
             observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_part,
             e_z);
@@ -1186,6 +1147,22 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
             &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
             observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_part, e_theta);
+        state->x_monitor.code = x_accepted;
+        state->x_monitor.still = x_monitor.unchanged;
+        state->x_monitor.excluded = x_monitor.excluded_next;
+        state->x_monitor.doubts = x_monitor.doubts_next;
+        state->x_monitor.before = x_monitor.before_next;
+        state->x_monitor.jumps = x_monitor.jumps_next;
+        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
+            x_monitor.trusted, x_monitor.held, x_monitor.frozen, delay_a_x_last, x_monitor.unchanged);
+        state->z_monitor.code = z_accepted;
+        state->z_monitor.still = z_monitor.unchanged;
+        state->z_monitor.excluded = z_monitor.excluded_next;
+        state->z_monitor.doubts = z_monitor.doubts_next;
+        state->z_monitor.before = z_monitor.before_next;
+        state->z_monitor.jumps = z_monitor.jumps_next;
+        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
+            z_monitor.trusted, z_monitor.held, z_monitor.frozen, delay_a_z_last, z_monitor.unchanged);
 
         /* servo_phi_fast: predictive servo with internal models
          *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
@@ -1394,7 +1371,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = first_push_end <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (quiet_samples <= x_unchanged)) {
+        if (runs_w_x || (quiet_samples <= x_monitor.unchanged)) {
             const float probe_x_towards = state->probe_x_towards;
             if (runs_w_x) {
                 float pulse_w_x = 0.0f;
@@ -1406,7 +1383,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 w_x = w_x_unprobed + pulse_w_x;
                 if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
+                    state->probe_x_attempt = (pair_samples <= x_monitor.unchanged) ?
                         ((x_unanswered) ? probe_x_attempt : (probe_x_attempt + 1u)) : 0u;
                     state->probe_x_towards = -probe_x_towards;
                 } else {
@@ -1428,7 +1405,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = first_push_end <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (quiet_samples <= z_unchanged)) {
+        if (runs_w_z || (quiet_samples <= z_monitor.unchanged)) {
             const float probe_z_towards = state->probe_z_towards;
             if (runs_w_z) {
                 float pulse_w_z = 0.0f;
@@ -1440,7 +1417,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 w_z = w_z_unprobed + pulse_w_z;
                 if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
+                    state->probe_z_attempt = (pair_samples <= z_monitor.unchanged) ?
                         ((z_unanswered) ? probe_z_attempt : (probe_z_attempt + 1u)) : 0u;
                     state->probe_z_towards = -probe_z_towards;
                 } else {
@@ -1586,7 +1563,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         if (lost_x_faded_transfer || lost_z_faded_transfer || (0.0f < (handover_transfer * handover_transfer))) {
             const float faded_transfer = maglev_5dof_precise_slew(handover_transfer,
                 (lost_x_faded_transfer && lost_z_faded_transfer) ? handover_transfer :
-                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
+                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
             const bool of_x = 0.0f < faded_transfer;
             const float part = fabsf(faded_transfer);
             const float part_x = (of_x) ? part : 0.0f;
@@ -1634,6 +1611,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->z_fast_rate_ahead = observer_z_fast.fast_rate_ahead;
             diagnostics->theta_fast_ahead = observer_theta_fast.fast_ahead;
             diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
+            diagnostics->x_frozen = (float)x_monitor.frozen;
+            diagnostics->x_unchanged = (float)x_monitor.unchanged;
+            diagnostics->z_frozen = (float)z_monitor.frozen;
+            diagnostics->z_unchanged = (float)z_monitor.unchanged;
             diagnostics->w_phi = w_phi;
             diagnostics->w_theta = w_theta;
             diagnostics->w_x_unprobed = w_x_unprobed;
@@ -1661,17 +1642,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
-        diagnostics->x_unchanged = (float)x_unchanged;
-        diagnostics->z_unchanged = (float)z_unchanged;
+        diagnostics->sound = sound ? 1.0f : 0.0f;
+        diagnostics->x_usual = x_monitor.usual ? 1.0f : 0.0f;
+        diagnostics->x_trusted = x_monitor.trusted ? 1.0f : 0.0f;
+        diagnostics->z_usual = z_monitor.usual ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_monitor.trusted ? 1.0f : 0.0f;
         diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
-        diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
-        diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
         diagnostics->y1_held = y1_held;
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
-        diagnostics->x_frozen = (float)x_frozen;
-        diagnostics->z_frozen = (float)z_frozen;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
         diagnostics->degraded = (float)degraded;

@@ -27,6 +27,11 @@ def inline(block: Block) -> str:
     return f"{block.name.upper()}_INLINE"
 
 
+def large(block: Block) -> str:
+    """Return the macro that begins a large function."""
+    return f"{block.name.upper()}_LARGE"
+
+
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     types: dict[str, str] = {}
@@ -134,7 +139,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
-    head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
+    head = f"{large(block) if routine.is_large else inline(block)} {returned} {block.name}_{routine.name}({arguments})"
     return [head]
 
 

@@ -14,6 +14,8 @@ from synth.emit.passes.outline import Form, Part
 
 Group = list[tuple[Part, Form]]
 BY_VALUE = 3  # numbers that need no struct
+LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
+LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
 TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
 
 
@@ -44,6 +46,11 @@ class Routine:
     def by_value(self) -> bool:
         """Whether the parameters are passed as numbers: so few need no struct."""
         return len(self.parameters) <= BY_VALUE
+
+    @property
+    def is_large(self) -> bool:
+        """Whether a compiler that optimises for size need not inline it."""
+        return sum(n.op not in LOADS for n in self.program.nodes) >= LARGE
 
 
 @dataclass(frozen=True)
