@@ -14,6 +14,7 @@ import casadi as ca
 from synth.block import Block, ComputedSignal
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.operations import BINARY, LOOKUP, UNARY
+from synth.emit.passes import words
 from synth.errors import EmitError
 from synth.fault import Fault
 
@@ -145,8 +146,11 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     for node in values:
         args = [index[a] for a in node.args]
         index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
-    pairs = zip(results, (name for name, _ in block.intermediates), strict=True)
-    return {k: name for value, name in pairs if (k := index[value]) is not None}
+    names: dict[int, dict[str, None]] = {}
+    for value, (name, _) in zip(results, block.intermediates, strict=True):
+        if (k := index[value]) is not None:
+            names.setdefault(k, {})[name] = None
+    return {k: words.joined([*several]) for k, several in names.items()}
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:

@@ -38,4 +38,4 @@ def test_choices_in_one_variable_have_the_name_of_the_last_that_has_one() -> Non
     less, first, second = Node("lt", (0, 1)), Node("choose", (4, 1, 3)), Node("choose", (4, 2, 5))
     p = Program((*COUNT, less, first, second), (), {"y": 6}, {}, labels={6: "direction"})
     assert Naming(p, {}, {6: 5}).name(5) == "direction"
-    assert Naming(p, {}, {}).name(5) == "y_part"
+    assert Naming(p, {}, {}).name(5) == "y_choice"
