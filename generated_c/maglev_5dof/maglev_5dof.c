@@ -172,17 +172,17 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     float d_next = 0.0f;
     float estimate = held;
     float rate = 0.0f;
-    float g_part = 0.0f;
+    float g_change = 0.0f;
     if (ready != 0u) {
         const float q = state->q;
         const float nu = held - q;
         const float d = state->d;
         const float v = state->v;
         if (trusted) {
-            const float d_part = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
-            d_next = d_part;
+            const float d_if_trusted = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
+            d_next = d_if_trusted;
             rate = v + (beta * nu);
-            g_part = learning_step * (a_before * d_part);
+            g_change = learning_step * (a_before * d_if_trusted);
         } else {
             float taken_back = 0.0f;
             if (frozen != 0u) {
@@ -203,7 +203,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         state->gained = 0.0f;
         state->d_at_change = d_next;
     }
-    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, largest_gain), least_gain);
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_change, largest_gain), least_gain);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
 }
 
@@ -497,8 +497,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* redundancy: parity, innovations, frozen codes */
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
-    const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
-    const float residual_0 = residual_0_part - y4_accepted;
+    const float residual_0_without_y4 = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
     const float size = fabsf(residual_0);
@@ -532,8 +532,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_x.q, x_unanswered, in_time, guard_ready, (faults & 0x00000010u) == 0u);
     const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, sound, z_accepted,
         state->observer_z.q, z_unanswered, in_time, guard_ready, (faults & 0x00000020u) == 0u);
-    const bool lost_x_faded_transfer = !x_monitor.trusted;
-    const bool lost_z_faded_transfer = !z_monitor.trusted;
+    const bool lost_x = !x_monitor.trusted;
+    const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;
     const float observer_y_q = state->observer_y_q;
     const float observer_theta_q = state->observer_theta_q;
@@ -613,20 +613,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = redundancy_undecided_0 == 0u;
             if (agreement || (guard_ready == 0u)) {
-                const bool suspect_y1_test = redundancy_undecided_0 != 0u;
-                suspect_y1 = suspect_y1_test;
-                suspect_y2 = suspect_y1_test;
-                suspect_y3 = suspect_y1_test;
-                suspect_y4 = suspect_y1_test;
+                const bool undecided_0_positive = redundancy_undecided_0 != 0u;
+                suspect_y1 = undecided_0_positive;
+                suspect_y2 = undecided_0_positive;
+                suspect_y3 = undecided_0_positive;
+                suspect_y4 = undecided_0_positive;
                 determined = agreeing;
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
-                const float direction_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y3 * (y1_accepted - y1_expected);
-                const float direction_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y4 * (y2_accepted - y2_expected);
-                const float E_y3 = direction_y3 * (y3_accepted - y3_expected);
-                const float E_y4 = direction_y4 * (y4_accepted - y4_expected);
+                const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+                const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
+                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
+                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
                 const bool repeats_y1 = repeated_samples <= still_y1;
                 const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
@@ -710,10 +710,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
+                const uint32_t redundancy_stuck_0_sum = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
                     maglev_5dof_flag(repeats_y2 && contradictory_y2) + maglev_5dof_flag(repeats_y3 &&
                     contradictory_y3) + maglev_5dof_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0;
-                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_part != 0u);
+                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_sum != 0u);
                 determined = waited == 0u;
                 redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
                     redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
@@ -735,7 +735,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
-            float predicted_y4 = residual_0_part;
+            float predicted_y4 = residual_0_without_y4;
             if (missing_at_most_1) {
                 predicted_y1 = y1_accepted - residual_0;
                 predicted_y2 = y2_accepted + residual_0;
@@ -791,7 +791,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
     }
 
-    /* landing: ramps and state feedback */
+    /* landing: ramps and state feedback
+     * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
@@ -831,13 +832,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_theta_alpha = 0.30232367f;  /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_theta_beta = 36.192043f;    /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_theta_gamma = 1445.947f;    /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
+        const float nu = theta - observer_theta_q;
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu),
             observer_theta_largest_disturbance);
-        theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
-        const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
-        theta_rate = theta_rate_part;
-        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_part);
+        theta_estimate = observer_theta_q + (observer_theta_alpha * nu);
+        const float theta_rate_if_ready = state->observer_theta_v + (observer_theta_beta * nu);
+        theta_rate = theta_rate_if_ready;
+        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
          *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
@@ -850,11 +851,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+        const float nu_2 = y - observer_y_q;
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_2),
             observer_y_largest_disturbance);
-        y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
-        y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+        y_estimate = observer_y_q + (observer_y_alpha * nu_2);
+        y_rate = state->observer_y_v + (observer_y_beta * nu_2);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
          *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -867,10 +868,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_gamma = 1445.947f;      /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_phi_estimate = phi - observer_phi_q;
-        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
-        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+        const float nu_3 = phi - observer_phi_q;
+        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_3);
+        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_3);
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_3),
             observer_phi_largest_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -902,9 +903,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    const float x_commutation = ((latched != 0u) && lost_x_faded_transfer) ? not_known : x_monitor.held;
+    const float x_commutation = ((latched != 0u) && lost_x) ? not_known : x_monitor.held;
     out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && lost_z_faded_transfer) ? not_known : z_monitor.held;
+    const float z_commutation = ((latched != 0u) && lost_z) ? not_known : z_monitor.held;
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
@@ -988,27 +989,27 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
         static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        const float rate_ahead_observer_phi_q = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead_observer_phi_q)),
+        const float rate_ahead = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead)),
             observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_limit(rate_ahead_observer_phi_q, observer_phi_largest_rate);
+        state->observer_phi_v = maglev_5dof_limit(rate_ahead, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
         static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float rate_ahead_observer_theta_q = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate +
-            (half_T * (theta_rate + rate_ahead_observer_theta_q)), observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_limit(rate_ahead_observer_theta_q, observer_theta_largest_rate);
+        const float rate_ahead_2 = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + rate_ahead_2)),
+            observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(rate_ahead_2, observer_theta_largest_rate);
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_y_largest_position = 0.0345f; /* m; bound of the prediction */
         static const float least_position = 0.0145f;            /* m; bound of the prediction */
         static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float rate_ahead_observer_y_q = y_rate + (T * (state->delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate +
-            (half_T * (y_rate + rate_ahead_observer_y_q)), observer_y_largest_position), least_position);
-        state->observer_y_v = maglev_5dof_limit(rate_ahead_observer_y_q, observer_y_largest_rate);
+        const float rate_ahead_3 = y_rate + (T * (state->delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + rate_ahead_3)),
+            observer_y_largest_position), least_position);
+        state->observer_y_v = maglev_5dof_limit(rate_ahead_3, observer_y_largest_rate);
 
         /* functions above: observer */
         state->x_monitor.code = x_accepted;
@@ -1074,15 +1075,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
-        const bool landing_left_at_most_4 = landing_left <= good_per_bad;
+        const bool left_at_most_4 = landing_left <= good_per_bad;
         uint32_t landing = 1u;
-        if (waiting && landing_left_at_most_4) {
+        if (waiting && left_at_most_4) {
             state->landing_landing = 1u;
         } else {
             landing = landing_landing;
         }
         if (waiting) {
-            if (!landing_left_at_most_4) {
+            if (!left_at_most_4) {
                 state->landing_left = landing_left - good_per_bad;
             }
         } else {
@@ -1097,7 +1098,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_y;
         float w_x_unprobed;
         float w_z_unprobed;
-        float landing_r_y_part = landing_r_y;
+        float landing_r_y_unlimited = landing_r_y;
         if (landing != 0u) {
             fault_word = faults_before | 0x40000000u;
             float ramp_y = landing_r_y;
@@ -1127,7 +1128,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            landing_r_y_part = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
+            landing_r_y_unlimited = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
                 (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate;
             const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
             state->landing_dr_y = ramp_rate_next_y;
@@ -1167,7 +1168,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         }
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
+        state->landing_r_y = maglev_5dof_min(landing_r_y_unlimited, ramp_end);
 
         /* probe_x: probe at rest
          *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
@@ -1178,22 +1179,21 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
          *         sample or quiet_samples <= x_unchanged, else towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 1u <= probe_x_sample;
+        const bool runs = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (quiet_samples <= x_monitor.unchanged)) {
-            if (runs_w_x) {
-                const uint32_t one_more_w_x = probe_x_attempt + 1u;
-                float pulse_w_x = 0.0f;
+        if (runs || (quiet_samples <= x_monitor.unchanged)) {
+            if (runs) {
+                const uint32_t one_more = probe_x_attempt + 1u;
+                float pulse = 0.0f;
                 if (probe_x_sample <= last_push_end) {
-                    const float push_w_x = state->probe_x_towards * (float)one_more_w_x;
-                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
-                        -push_w_x : push_w_x;
+                    const float push = state->probe_x_towards * (float)one_more;
+                    pulse = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ? -push : push;
                 }
-                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, largest_demand);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse, largest_demand);
                 if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
                     state->probe_x_attempt = (pair_samples <= x_monitor.unchanged) ?
-                        ((x_unanswered) ? probe_x_attempt : one_more_w_x) : 0u;
+                        ((x_unanswered) ? probe_x_attempt : one_more) : 0u;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
@@ -1209,22 +1209,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest
          *     as probe_x, with z in place of x */
         const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 1u <= probe_z_sample;
+        const bool runs_2 = 1u <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (quiet_samples <= z_monitor.unchanged)) {
-            if (runs_w_z) {
-                const uint32_t one_more_w_z = probe_z_attempt + 1u;
-                float pulse_w_z = 0.0f;
+        if (runs_2 || (quiet_samples <= z_monitor.unchanged)) {
+            if (runs_2) {
+                const uint32_t one_more_2 = probe_z_attempt + 1u;
+                float pulse_2 = 0.0f;
                 if (probe_z_sample <= last_push_end) {
-                    const float push_w_z = state->probe_z_towards * (float)one_more_w_z;
-                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
-                        -push_w_z : push_w_z;
+                    const float push_2 = state->probe_z_towards * (float)one_more_2;
+                    pulse_2 = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ? -push_2 :
+                        push_2;
                 }
-                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, largest_demand);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_2, largest_demand);
                 if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
                     state->probe_z_attempt = (pair_samples <= z_monitor.unchanged) ?
-                        ((z_unanswered) ? probe_z_attempt : one_more_w_z) : 0u;
+                        ((z_unanswered) ? probe_z_attempt : one_more_2) : 0u;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
                 }
@@ -1249,8 +1249,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         half_c_2, half_c_3, half_c_4
          *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
          *         half_load_2, half_load_3, half_load_4
-         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + 16 * (half_a_1 * half_c_1)); likewise inverse_b_2,
-         *         inverse_b_3, inverse_b_4
+         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + discriminant_factor * (half_a_1 * half_c_1));
+         *         likewise inverse_b_2, inverse_b_3, inverse_b_4
          *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
          *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
          *         likewise half_force_theta
@@ -1263,6 +1263,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
         /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
         static const float half_c_over_h2 = 0.0007232277f;
+        static const float discriminant_factor = 16.0f;         /* 1; 4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c */
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -1281,10 +1282,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
-        const float safe_output_last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
+        const float last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
         const float half_load_1 = half_a_1 +
-            (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
-        const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (16.0f * (half_a_1 * half_c_1)));
+            (half_c_1 * (last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
+        const float inverse_b_1 = 1.0f /
+            sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
         const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
         const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
@@ -1292,10 +1294,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
         const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
-        const float safe_output_last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
+        const float last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
         const float half_load_2 = half_a_2 +
-            (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
-        const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
+            (half_c_2 * (last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
+        const float inverse_b_2 = 1.0f /
+            sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
         const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
         const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
         const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
@@ -1304,8 +1307,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_load_3 = half_a_3 +
-            (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
-        const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
+            (half_c_3 * (last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
+        const float inverse_b_3 = 1.0f /
+            sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
         const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
         const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
         const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
@@ -1314,17 +1318,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_load_4 = half_a_4 +
-            (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
-        const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
+            (half_c_4 * (last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
+        const float inverse_b_4 = 1.0f /
+            sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
         const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
         const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) +
             (half_load_3 - half_load_1);
         const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
             (half_load_2 - half_load_4);
         const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
-        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) +
+        const float half_force_1_3_numerator = (inverse_b_2_plus_inverse_b_4 * half_force) +
             ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
-        const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
+        const float half_force_1_3 = half_force_1_3_numerator /
+            (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
         const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
@@ -1370,6 +1376,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_theta_last = w_theta;
 
         /* handover: direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once
+         * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an
+         * angle that is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the
+         * motors along that axis, and is cut where i_q leaves no room.
+         * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut
+         * at once, at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
          *     faded_transfer = max(min(transfer if not x_trusted and not z_trusted, else ((0 if z_trusted is set,
          *         else -1) if x_trusted is set, else 1), transfer + fade_step), transfer - fade_step)
          *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
@@ -1380,9 +1391,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
         static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
-        if (lost_x_faded_transfer || lost_z_faded_transfer || (0.0f < (handover_transfer * handover_transfer))) {
-            const float faded_transfer = maglev_5dof_slew(handover_transfer,
-                (lost_x_faded_transfer && lost_z_faded_transfer) ? handover_transfer :
+        if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
+            const float faded_transfer = maglev_5dof_slew(handover_transfer, (lost_x && lost_z) ? handover_transfer :
                 ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
             const bool of_x = 0.0f < faded_transfer;
             const float part = fabsf(faded_transfer);

@@ -6,8 +6,8 @@
     frozen    its code does not change for FRESH samples or more while its prediction, which agreed with it at the last
               DOUBTS changes, moves by more than `gate`; or a `probe` says that its code did not answer
     jump      its innovation y - y^ is larger than `jump`, and y^ agreed with it at the last DOUBTS changes. The
-              prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the body
-              has moved on, nor where the prediction or the code before it is outside `travel`
+              prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the
+              body has moved on, nor where the prediction or the code before it is outside `travel`
 
 A frozen sensor is excluded until init at once, one that jumps after `persistent` samples in a row. Once latched,
 predictions stand still, and no jump is looked for any more.

@@ -51,11 +51,12 @@ def block(
 ) -> Block:
     """Return the Block between the guard and the laws.
 
-    For each sensor s of a group it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; for each
-    other one ``<s>_usual``, ``<s>_suspect`` and ``<s>_trusted`` of its `innovation_monitor`; further ``ready`` and
-    ``complete``. Its outputs are ``<s>_held`` of the sensors of a group, ``suspect_<s>`` of all, and ``regular``,
-    ``determined`` and ``sufficient``, and for the monitors ``sound``. While all readings are good and agree and no sensor was ever a suspect, they
-    pass, and nothing else is computed. ``degraded`` says that this is not so, once ready.
+    For each sensor s of a group it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; for
+    each other one ``<s>_usual``, ``<s>_suspect`` and ``<s>_trusted`` of its `innovation_monitor`; further ``ready`` and
+    ``complete``. Its outputs are ``<s>_held`` of the sensors of a group, ``suspect_<s>`` of all, ``regular``,
+    ``determined`` and ``sufficient``, and for the monitors ``sound``. While all readings are good and agree and no
+    sensor was ever a suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once
+    ready.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
@@ -176,7 +177,9 @@ def _vote(
         value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
         suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
     next = {
-        f"contradictions_{i}": by_case(ca.SX(0), redundancy_signals.count(ca.SX(1), count, decision.undecided), ca.SX(0)),
+        f"contradictions_{i}": by_case(
+            ca.SX(0), redundancy_signals.count(ca.SX(1), count, decision.undecided), ca.SX(0)
+        ),
         f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
         **{f"excluded_{n}": by_case(excluded[n], isolated[n] * final, excluded[n]) for n in names},

@@ -78,9 +78,15 @@ class Decision:
         ]  # fmt: skip
 
     def _counts(self) -> list[Constant]:
-        still, wrong, before = ("still", "unchanged"), ("contradictions", "jumps"), "contradictions or jumps before the last"
+        still, wrong, before = (
+            ("still", "unchanged"),
+            ("contradictions", "jumps"),
+            "contradictions or jumps before the last",
+        )
         return [
-            Constant("repeated_samples", FRESH, "1", "samples without a change of the code: fewer, and it moves", still),
+            Constant(
+                "repeated_samples", FRESH, "1", "samples without a change of the code: fewer, and it moves", still
+            ),
             Constant("still_samples", STILL, "1", "samples without a change of the code: it stands still", still),
             Constant("excluded_from", self.persistent - 1, "1", before, wrong),
         ]

@@ -36,8 +36,9 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SOUND", "SUSPECTED"),
-    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
+    *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
+    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "SOUND", "SUSPECTED", "frozen", "guard", "safe_output"),
+    "without_latch",
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"

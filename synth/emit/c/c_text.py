@@ -102,16 +102,12 @@ def _inline(block: Block, program: Program) -> list[str]:
     Where the size of the code counts, a large function is left to the compiler.
     """
     inline, large = routines.inline(block), routines.large(block)
-    return [
-        *("#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"),
-        *("#else", f"#define {inline} static inline", "#endif"),
-        *(
-            ["#if defined(__OPTIMIZE_SIZE__)", f"#define {large} static inline", "#else", f"#define {large} {inline}"]
-            + ["#endif"]
-            if any(call.routine.is_large for call in program.calls.values())
-            else []
-        ),
-    ]
+    rows = ["#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"]
+    rows += ["#else", f"#define {inline} static inline", "#endif"]
+    if any(call.routine.is_large for call in program.calls.values()):
+        rows += ["#if defined(__OPTIMIZE_SIZE__)", f"#define {large} static inline"]
+        rows += ["#else", f"#define {large} {inline}", "#endif"]
+    return rows
 
 
 def _guards(block: Block, program: Program, layout: Layout) -> list[str]:

@@ -94,9 +94,11 @@ def comment(text: str, indent: str = "") -> list[str]:
     return [row.replace("\0", " ") for row in lines]
 
 
-def opening(title: Sequence[str], equations: Sequence[str]) -> list[str]:
-    """Return the comment that opens a section: the lines of its title, and its equations."""
-    rows = [*title, *(f"    {prose(row)}" for row in equations)]
+def opening(title: Sequence[str], equations: Sequence[str], notes: Sequence[str] = (), indent: int = 0) -> list[str]:
+    """Return the comment that opens a section behind an indentation: lines of its title, notes, and equations."""
+    width = WIDTH - indent - len(" *  */")
+    said = [row for note in notes for row in wrap(prose(note), width, break_on_hyphens=False)]
+    rows = [*title, *said, *(f"    {prose(row)}" for row in equations)]
     return [f"{'/*' if row is rows[0] else ' *'} {row}" for row in rows[:-1]] + [
         f"{' *' if rows[1:] else '/*'} {rows[-1]} */"
     ]

@@ -8,7 +8,7 @@ comparison with a constant              above_limit, below_limit
 comparison with a whole number          left_at_least_3, left_above_3, left_positive
 choices that change a state             left_next
 fault word on its way              faults_before
-value of a variable of the law          its name; with the signal that it serves where several values of its Block have it
+value of a variable of the law          its name; with the signal that it serves where several of its Block have it
 
 A value with a longer name, on the way to the signal `r_1`, has a name from what becomes of it, else from what it is:
 

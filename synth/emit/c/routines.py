@@ -80,9 +80,9 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
         about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
-        equations = p.equations.get(used[0].block, ()) if used[0].block not in explained else ()
+        first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
-        lines += [Line(row) for row in opening(about, equations)]
+        lines += [Line(row) for row in opening(about, p.equations.get(first, ()), p.notes.get(first, ()))]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
