@@ -19,7 +19,7 @@ def count(flag: ca.SX, counted: ca.SX, most: int) -> ca.SX:
 
 def inputs(grouped: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
     """Return the inputs for the sensors of groups and for those without one."""
-    return [*_read(grouped), *(_monitored(n, of) for of in _MONITORED for n in singles), _READY, _COMPLETE]
+    return [*_read(grouped), *(_monitor_flag(n, of) for of in _MONITOR_FLAGS for n in singles), _READY, _COMPLETE]
 
 
 def outputs(sensors: Sequence[Signal], grouped: Sequence[Signal]) -> list[Signal]:
@@ -55,7 +55,7 @@ def outputs_of_monitor(sensor: Signal) -> list[Signal]:
     """Return the outputs of the monitor of a sensor."""
     n = sensor.name
     return [
-        replace(sensor, name=f"{n}_held"), *(_monitored(n, of) for of in _MONITORED),
+        replace(sensor, name=f"{n}_held"), *(_monitor_flag(n, of) for of in _MONITOR_FLAGS),
         _flag(f"{n}_frozen", "its code stands still although it ought to move, or it is excluded"),
         Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code"),
     ]  # fmt: skip
@@ -79,15 +79,15 @@ def _flag(name: str, about: str) -> Signal:
 
 
 _READY, _COMPLETE = _flag("ready", "every measurement was good at once"), _flag("complete", "all are good")
-_MONITORED = {
+_MONITOR_FLAGS = {
     "trusted": "measured, not predicted",
     "suspect": "wrong, or may be: is frozen or jumps",
     "usual": "sound, and nothing is wrong with this one",
 }
 
 
-def _monitored(n: str, of: str) -> Signal:
-    return _flag(f"{n}_{of}", _MONITORED[of])
+def _monitor_flag(n: str, of: str) -> Signal:
+    return _flag(f"{n}_{of}", _MONITOR_FLAGS[of])
 
 
 def _read(sensors: Sequence[Signal]) -> list[Signal]:

@@ -154,7 +154,7 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     for value, (name, _) in zip(results, block.intermediates, strict=True):
         if (k := index[value]) is not None:
             names.setdefault(k, {})[name] = None
-    return {k: words.joined([*several]) for k, several in names.items()}
+    return {k: words.combine([*several]) for k, several in names.items()}
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:

@@ -22,7 +22,7 @@ def common(names: Sequence[str]) -> str:
     return joined if joined.isidentifier() else ""
 
 
-def joined(names: Sequence[str]) -> str:
+def combine(names: Sequence[str]) -> str:
     """Return one name for a value with several: ``sign_y1_y3`` for ``sign_y1`` and ``sign_y3``, else the last."""
     shared, ends = common(names), [name.rpartition("_")[2] for name in names]
     alike = len(names) > 1 and all(name == f"{shared}_{end}" for name, end in zip(names, ends, strict=True))

@@ -29,4 +29,4 @@ def test_names_have_words_in_common(names: list[str], common: str) -> None:
     ],
 )
 def test_a_value_with_several_names_has_the_ends_of_all(names: list[str], one: str) -> None:
-    assert words.joined(names) == one
+    assert words.combine(names) == one
