@@ -60,7 +60,8 @@ class State:
 class Constant:
     """A constant of the controller, exact until emission rounds it; `source` names the origin of its value.
 
-    A whole number has `of`: words in the names of the counts that it is compared with or given to.
+    A whole number has `of`: words in the names of the counts that it is compared with or given to. `parameters` are
+    those of a plant that its value follows from.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Constant:
     unit: str
     source: str
     of: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         identifier("constant", self.name)
