@@ -1434,9 +1434,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 
         /* inversion: exact inversion of F(2), (6), (7)
-         *     half_force = 3.45 * (w_y - G) + half_1 + half_2 + half_3 + half_4
-         *     half_force_phi = 0.663476 * (w_phi + 11250 * phi_fast_ahead) + half_3 - half_1
-         *     half_force_theta = 0.663476 * (w_theta + 2850 * theta_fast_ahead) + half_2 - half_4
+         *     half_force = half_M_y * (w_y - G) + half_1 + half_2 + half_3 + half_4
+         *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi_fast_ahead) + half_3 - half_1;
+         *         likewise half_force_theta
          *     half_force_1_3 = ((s2 + s4) * half_force + (s2 - s4) * half_force_theta - (s3 - s1) *
          *         half_force_phi) / (s1 + s3 + s2 + s4)
          *     i_d1_balanced = limit(2 * doubled_1 / (sqrt(squares_1) + sqrt(max(squares_1 - 8 * (motors_1_half_c *
@@ -1444,12 +1444,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
          *         i_d4_balanced^2))); likewise u_z_computed */
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
+        static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float gap_offset = 0.009233333f;           /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
         static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
         /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
         static const float half_c_over_h2 = 0.0007232277f;
         static const float M_z = 8.6f;                          /* kg; Table I */
         static const float M_x = 10.6f;                         /* kg; Table I */
+        static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; of x, z */
+        static const float half_I_over_r = 0.66347605f;
+        static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
         static const float discriminant_factor = 16.0f;         /* 1; 4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c */
         /* A; largest direct current, rms: a little below the current limit */
         static const float direct_limit = 4.9492526f;
@@ -1500,11 +1505,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_2_4_squared);
-        const float half_force = (3.45f * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
-        const float half_force_phi = (0.66347605f * (w_phi + (11250.0f * observer_phi_fast.fast_ahead))) +
+        const float half_force = (half_M_y * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
+        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * observer_phi_fast.fast_ahead))) +
             (half_3 - half_1);
-        const float half_force_theta = (0.66347605f * (w_theta + (2850.0f * observer_theta_fast.fast_ahead))) +
-            (half_2 - half_4);
+        const float half_force_theta = (half_I_over_r * (w_theta +
+            (compensated_k_s_theta * observer_theta_fast.fast_ahead))) + (half_2 - half_4);
         const float squares_2 = thrust_per_ampere_2_squared +
             (discriminant_factor * (motors_2_half_a * motors_2_half_c));
         const float s2 = 1.0f / squares_2;
