@@ -66,8 +66,10 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         doubted = ca.if_else(jumping, 1, stopped)
         measured = ca.logic_and(usable, ca.logic_not(doubted))
         replaced = ca.if_else(measured, y, clip(expected, sensor))
-        outputs = {"held": (y, replaced), "trusted": (1, measured), "frozen": (0, stopped), "suspect": (0, doubted)}
-        output = {f"{n}_{of}": ca.if_else(usual, *pair) for of, pair in outputs.items()}
+        no, yes = ca.SX(0), ca.SX(1)
+        outputs = {"held": (y, replaced), "trusted": (yes, measured)}
+        outputs |= {"frozen": (no, stopped), "suspect": (no, doubted)}
+        output = {f"{n}_{of}": ca.if_else(usual, first, other) for of, (first, other) in outputs.items()}
         output |= {f"{n}_usual": usual, f"{n}_unchanged": unchanged}
         after_jump = ca.if_else(jumping, ca.if_else(last, 1, excluded), stopped)
         next = {"code": y, "still": unchanged, "before": before}
