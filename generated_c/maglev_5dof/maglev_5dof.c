@@ -222,8 +222,8 @@ typedef struct {
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
-MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, bool sound,
-    float accepted, float expected, bool unanswered, bool in_time, uint32_t ready, bool good)
+MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, float accepted,
+    float expected, bool unanswered, bool in_time, bool sound, uint32_t ready, bool good)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
@@ -235,34 +235,35 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
 
     const float code = state->code;
     const bool same = maglev_5dof_equal(accepted, code);
-    const uint32_t doubts = state->doubts;
-    const float distance = fabsf(expected - accepted);
     uint32_t unchanged = 0u;
     float before_next = expected;
-    uint32_t doubts_next = doubts;
     if (same) {
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
         before_next = state->before;
-    } else if (gate < distance) {
-        doubts_next = doubted_changes;
-    } else if (1u <= doubts) {
-        doubts_next = doubts - 1u;
-    } else {
-        doubts_next = 0u;
     }
+    const uint32_t doubts = state->doubts;
     const bool doubts_below_1 = doubts < 1u;
     const bool stands = (repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
         (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered);
+    const float distance = fabsf(expected - accepted);
     const uint32_t jumps = state->jumps;
+    const bool changed = !same;
     bool jumping = false;
+    uint32_t doubts_next;
     if (jump < distance) {
         const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
             (-travel < code) && (code < travel);
-        jumping = (1u <= jumps) || (believed && !same);
+        jumping = (1u <= jumps) || (believed && changed);
         doubts_next = (same || believed) ? doubts : doubted_changes;
+    } else if (changed && (gate < distance)) {
+        doubts_next = doubted_changes;
+    } else if (changed && (1u <= doubts)) {
+        doubts_next = doubts - 1u;
+    } else {
+        doubts_next = doubts;
     }
-    const bool usual = sound && !(stands || jumping);
+    const bool usual = !(stands || jumping) && sound;
     uint32_t suspect = 0u;
     bool trusted = true;
     float held = accepted;
@@ -528,10 +529,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
-    const maglev_5dof_monitor_t x_monitor = maglev_5dof_monitor(&state->x_monitor, sound, x_accepted,
-        state->observer_x.q, x_unanswered, in_time, guard_ready, (faults & 0x00000010u) == 0u);
-    const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, sound, z_accepted,
-        state->observer_z.q, z_unanswered, in_time, guard_ready, (faults & 0x00000020u) == 0u);
+    const maglev_5dof_monitor_t x_monitor = maglev_5dof_monitor(&state->x_monitor, x_accepted, state->observer_x.q,
+        x_unanswered, in_time, sound, guard_ready, (faults & 0x00000010u) == 0u);
+    const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, z_accepted, state->observer_z.q,
+        z_unanswered, in_time, sound, guard_ready, (faults & 0x00000020u) == 0u);
     const bool lost_x = !x_monitor.trusted;
     const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;

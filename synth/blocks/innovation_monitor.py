@@ -55,12 +55,14 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same)))
             jumping = ca.if_else(far, jumping, 0)
-        near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+        changed = ca.logic_not(same)
+        agreeing = ca.if_else(ca.logic_and(changed, doubts >= 1), doubts - 1, doubts)
+        near = ca.if_else(ca.logic_and(changed, distance > gate), DOUBTS, agreeing)
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
-        usual = ca.logic_and(u[safety.SOUND.name], ca.logic_not(ca.logic_or(stands, jumping)))
+        usual = ca.logic_and(ca.logic_not(ca.logic_or(stands, jumping)), u[safety.SOUND.name])
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
         stopped = ca.if_else(ca.logic_and(ca.logic_and(stands, u["ready"]), usable), 1, excluded)
         doubted = ca.if_else(jumping, 1, stopped)
@@ -73,7 +75,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         output |= {f"{n}_usual": usual, f"{n}_unchanged": unchanged}
         after_jump = ca.if_else(jumping, ca.if_else(last, 1, excluded), stopped)
         next = {"code": y, "still": unchanged, "before": before}
-        next["doubts"] = ca.if_else(far, unexplained, ca.if_else(same, doubts, near))
+        next["doubts"] = ca.if_else(far, unexplained, near)
         next["excluded"] = ca.if_else(usual, 0, after_jump)
         if n in decision.jump:
             count = ca.if_else(jumping, ca.if_else(last, 0, x["jumps"] + 1), 0)
