@@ -107,6 +107,11 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         },
         "predictor.delay": {"name": "before", "time": time, "signals": [w]},
         "redundancy_decision.Decision": decision,
+        "innovation_monitor.block": {
+            "time": time,
+            "sensor": Signal("q", "m", -1.0, 1.0),
+            "decision": redundancy.Decision({"q": 1e-3}, {"q": (-0.9, 0.9)}),
+        },
         "redundancy.block": {
             "time": time,
             "sensors": [Signal("q", "m", -1.0, 1.0)],

@@ -27,6 +27,7 @@ from math import pi, sqrt
 import casadi as ca
 
 from models import pmlsm, slotted_field
+from synth.block import Constant
 from synth.errors import ModelError
 from synth.plant import Plant, build, symbols
 from synth.signals import Parameter, Signal
@@ -172,6 +173,20 @@ def motion(x: Exprs, second: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[st
     """Return the derivatives by state and the outputs by name, from the accelerations of `accelerations`."""
     derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
     return derivative, {q: x[q] for q in RATE} | {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
+
+
+def numbers(plant: Plant, compensated: Mapping[str, float]) -> list[Constant]:
+    """Return the numbers of the currents that the C names; `compensated` are the parts of the springs in the law."""
+    half_forces = {
+        "half_M_y": ("kg", lambda p: p["M_y"] / 2),
+        "half_I_x_over_r": ("kg m/rad", lambda p: p["I_x"] / (2 * p["r"])),
+        "half_I_z_over_r": ("kg m/rad", lambda p: p["I_z"] / (2 * p["r"])),
+    }
+    springs = {f"compensated_{n}": ("1/s^2", lambda p, n=n, part=part: part * p[n]) for n, part in compensated.items()}
+    return [
+        *(plant.constant(name) for name in ("M_x", "M_z", "G")),
+        *(plant.constant(name, unit, formula) for name, (unit, formula) in (half_forces | springs).items()),
+    ]
 
 
 def direct_currents(

@@ -60,7 +60,8 @@ class State:
 class Constant:
     """A constant of the controller, exact until emission rounds it; `source` names the origin of its value.
 
-    A whole number has `of`: words in the names of the counts that it is compared with or given to.
+    A whole number has `of`: words in the names of the counts that it is compared with or given to. `parameters` are
+    those of a plant that its value follows from.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Constant:
     unit: str
     source: str
     of: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         identifier("constant", self.name)
@@ -98,8 +100,8 @@ class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
-    a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names, and
-    `intermediates` the values that its law's variables hold, by their names. `failures` are rows of the header's table.
+    a latch. `numbers` are those in the expressions that C names and `notes` sentences that it has, by the name of their
+    Block, and `intermediates` the values that its law's variables hold. `failures` are rows of the header's table.
     """
 
     name: str
@@ -118,6 +120,7 @@ class Block:
     numbers: tuple[tuple[str, Constant], ...] = ()
     intermediates: tuple[tuple[str, ca.SX], ...] = ()
     failures: tuple[Failure, ...] = ()
+    notes: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -181,7 +184,7 @@ class Step:
     `certified` gives for outputs and named signals that are limited to +-h a function (u, e) to how large they are
     before the limit while all inputs are in range, as computed with an error of u relative to the result of each
     operation and of e relative to that of each sine and cosine, infinite where libm computes these. Where that is h or
-    less, emission leaves the limit out. `numbers` are values in the expressions, such as a mass, with name and unit.
+    less, emission leaves the limit out. `numbers` are values in the expressions with name and unit, `notes` sentences.
     """
 
     output: Exprs
@@ -189,6 +192,7 @@ class Step:
     named: Sequence[tuple[Signal, ca.SX]] = ()
     certified: Mapping[str, Certificate] = field(default_factory=dict)
     numbers: Sequence[Constant] = ()
+    notes: Sequence[str] = ()
 
 
 Law = Callable[[Exprs, Exprs, Exprs], Step]
@@ -236,10 +240,10 @@ def build(
     computed += [(ComputedSignal(s, name, tag, certified(s.name)), output[s.name]) for s in outputs]
     laws.check_symbols(f"block '{name}'", [*next.values(), *(e for _, e in computed)], symbol.values())
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    numbers = tuple((name, n) for n in step.numbers)
+    numbers, notes = tuple((name, n) for n in step.numbers), tuple((name, n) for n in step.notes)
     values = tuple((n, e) for n, e in values if not laws.foreign_symbols(e, symbol.values()))
     return Block(
-        name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers, intermediates=values
+        name, tag, time, *declared, symbol, output, next, tuple(computed), (), None, numbers, values, (), notes
     )
 
 

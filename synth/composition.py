@@ -85,6 +85,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         tuple(pair for b in blocks for pair in b.numbers),
         tuple(intermediates),
         tuple(f for b in blocks for f in b.failures),
+        tuple(pair for b in blocks for pair in b.notes),
     )
 
 

@@ -65,13 +65,13 @@ class Plant:
         """
         if formula is None:
             p = self.parameter(name)
-            return Constant(name, p.value, p.unit, p.source)
+            return Constant(name, p.value, p.unit, p.source, parameters=(name,))
         symbol = {p.name: ca.SX.sym(p.name) for p in self.parameters}
         expr = ca.SX(law.evaluate(f"the formula of '{name}'", formula, symbol))
         read = [p for p in self.parameters if ca.depends_on(expr, symbol[p.name])]
         value = float(ca.Function("value", list(symbol.values()), [expr])(*self.values))
         values = ", ".join(f"{p.name} = {p.value:g} {p.unit}" for p in read)
-        return Constant(name, value, unit, source or f"{_text(expr)}, {values}")
+        return Constant(name, value, unit, source or f"{_text(expr)}, {values}", (), tuple(p.name for p in read))
 
     def with_parameters(self, **values: float) -> "Plant":
         """Return the plant with some parameters' values replaced."""

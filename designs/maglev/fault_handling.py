@@ -31,7 +31,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Constant, Exprs, Step, build
-from synth.blocks import landing, missed_calls, predictor, probe, redundancy
+from synth.blocks import innovation_monitor, landing, missed_calls, predictor, probe, redundancy
 from synth.blocks.redundancy_decision import jump_gate
 from synth.emit.c import digits
 from synth.fault import Fault
@@ -196,12 +196,12 @@ def laws(plant: Plant, law: Sequence[Block], at_rest: probe.Probe) -> list[Block
     diverted = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES} | handover.BALANCED
     computed = {s.name for block in law for s in block.outputs}
     modelled = [] if {acceleration(a).name for a in AXES if a.excess} <= computed else [accelerations(plant)]
-    readings = redundancy.block(
-        TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION, INTERFACE_OF_ALL.missed_calls
-    )
+    readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
     readings = replace(readings, faults=(DEGRADED,))
+    missed, positions = INTERFACE_OF_ALL.missed_calls, [INTERFACE.signals[n] for n in COMMUTATED]
     descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], platen.BAD_SAMPLES, platen.GOOD_SAMPLES)
     return [
+        *(innovation_monitor.block(TIME, s, DECISION, missed) for s in positions),
         readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),
         sufficiency(),
         predict_gaps(plant),

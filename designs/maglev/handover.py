@@ -27,6 +27,13 @@ NUMBERS = [
     Constant("fade_step", 1 / FADE, "1", f"1 / {FADE}: the handover takes {FADE} samples"),
     Constant("current_limit", CURRENT, "A", "largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too"),
 ]
+NOTES = [
+    "Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an angle that "
+    "is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the motors along that "
+    "axis, and is cut where i_q leaves no room.",
+    "The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once, "
+    "at most from 3.5 A to 1.45 A beside 3.5 A of thrust.",
+]
 BALANCED = {s.name: s.name.replace("computed", "balanced") for s in DIRECT}
 
 
@@ -88,7 +95,7 @@ def block() -> Block:
             of_thrust = room(u[f"u_{n}_computed"])
             named.append((Signal(f"room_{n}", "A", 0, CURRENT, "direct current beside the thrust"), of_thrust))
         next = {"transfer": ca.if_else(active, transfer, x["transfer"])}
-        return Step(output, next, named, numbers=NUMBERS)
+        return Step(output, next, named, numbers=NUMBERS, notes=NOTES)
 
     inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted]
     states = [State(TRANSFER, 0.0)]

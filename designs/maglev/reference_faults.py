@@ -113,7 +113,7 @@ def step(
         state, values[:SENSORS], good, expected, at_rest.attempts, inputs["missed_calls"], SENSING
     )
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
-    still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
+    still = np.array([after_readings[f"{s}_monitor_still"] for s in "xz"])
     acting = rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     q, v, d, after_observers = predictor.observe(
         state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS

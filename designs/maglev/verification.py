@@ -121,12 +121,13 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns, most: Map
         states[f"observer_{s}_q"] = q + rng.normal(0, 1e-5, n)
         states[f"observer_{s}_v"], states[f"observer_{s}_d"] = rng.normal(0, 0.02, n), rng.normal(0, 0.5, n)
         states[f"delay_{reference_faults.DEMANDS[s]}_last"] = rng.normal(0, 0.5, n)
-    for name, y in zip(reference_faults.NAMES, readings, strict=True):
-        states[f"redundancy_code_{name}"] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
-        states[f"redundancy_excluded_{name}"] = (rng.uniform(size=n) < RARE).astype(float)
+    codes, excluded = (reference_faults.SENSING.states(of) for of in ("code", "excluded"))
+    for code, out, y in zip(codes, excluded, readings, strict=True):
+        states[code] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
+        states[out] = (rng.uniform(size=n) < RARE).astype(float)
     for name in "xz":
-        states[f"redundancy_doubts_{name}"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
-        states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
+        states[f"{name}_monitor_doubts"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
+        states[f"{name}_monitor_before"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
         states[f"probe_{name}_sample"] = np.where(
             rng.uniform(size=n) < 0.5, 0, rng.integers(0, most[f"probe_{name}_sample"] + 1, n)
         )

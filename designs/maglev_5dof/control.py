@@ -115,16 +115,8 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
 
 def _numbers(plant: Plant, compensated: Mapping[str, float]) -> list[Constant]:
     """Return the numbers of the decoupling that the C names; `compensated` are the parts of the springs."""
-    half_forces = {
-        "half_M_y": ("kg", lambda p: p["M_y"] / 2),
-        "half_I_x_over_r": ("kg m/rad", lambda p: p["I_x"] / (2 * p["r"])),
-        "half_I_z_over_r": ("kg m/rad", lambda p: p["I_z"] / (2 * p["r"])),
-    }
-    springs = {f"compensated_{n}": ("1/s^2", lambda p, n=n, part=part: part * p[n]) for n, part in compensated.items()}
-    formulas = half_forces | springs
     return [
-        *(plant.constant(name) for name in ("M_x", "M_z", "G")),
-        *(plant.constant(name, unit, formula) for name, (unit, formula) in formulas.items()),
+        *maglev_stage.numbers(plant, compensated),
         *pmlsm.numbers(plant),
         Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
         Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),

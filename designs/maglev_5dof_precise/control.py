@@ -183,7 +183,8 @@ def inversion(plant: Plant) -> Block:
 def _numbers(plant: Plant) -> list[Constant]:
     """Return the numbers of the inversion that the C names."""
     return [
-        *(plant.constant(name) for name in ("M_x", "M_z", "G", "r")),
+        *maglev_stage.numbers(plant, COMPENSATED),
+        plant.constant("r"),
         *pmlsm.numbers(plant),
         Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
         Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),

@@ -188,10 +188,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_yaw = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
     const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
-    const float ax_part_sine_part = three_quarters_pi * heading_cosine;
+    const float ax_part_sine_product = three_quarters_pi * heading_cosine;
     const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
-    const float ax_part_sine_part_2 = three_quarters_pi * heading_sine;
-    const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_part + ax_part_sine_part_2,
+    const float ax_part_sine_product_2 = three_quarters_pi * heading_sine;
+    const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_product + ax_part_sine_product_2,
         6.973755f);
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
@@ -206,7 +206,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_part - ax_part_sine_part_2,
+    const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_product - ax_part_sine_product_2,
         6.973755f);
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float f3_2 = limited_ay * f3_polynomial(ay_part_cosine_argument);
@@ -219,7 +219,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_part - ax_part_sine_part_2,
+    const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_product - ax_part_sine_product_2,
         6.973755f);
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float f3_3 = limited_bx * f3_polynomial(bx_part_cosine_argument);
@@ -232,7 +232,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_bx = 8.0f * f3_3_times_bx_part_cosine;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_part + ax_part_sine_part_2,
+    const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_product + ax_part_sine_product_2,
         6.973755f);
     const float by_part_cosine_argument = limited_by * limited_by;
     const float f3_4 = limited_by * f3_polynomial(by_part_cosine_argument);
@@ -248,62 +248,64 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float estimator_field_3_scaled = 3.0f * estimator_field_3;
-    const float converged_part = ax_part_full_squared * estimator_field_5;
+    const float converged_product = ax_part_full_squared * estimator_field_5;
     const float rows_1_1_converged = start_cosine_ax * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part))));
+        (ax_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float converged_part_2 = ay_part_full_squared * estimator_field_5;
-    const float converged_part_3 = ay_part_full * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3 + converged_part_2)));
-    const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_part + ax_part_sine_part_2)) +
-        converged_part_3;
-    const float converged_part_4 = ax_part_full * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3 + converged_part)));
-    const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_part_4;
+    const float converged_product_2 = ay_part_full_squared * estimator_field_5;
+    const float converged_product_3 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + converged_product_2)));
+    const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_product + ax_part_sine_product_2)) +
+        converged_product_3;
+    const float converged_product_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + converged_product)));
+    const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_product_4;
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_2))));
-    const float converged_part_5 = converged_part_4 - (rows_2_2_converged * (ax_part_sine_part_2 - ax_part_sine_part));
-    const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_part_3;
+        (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_2))));
+    const float converged_sum = converged_product_4 -
+        (rows_2_2_converged * (ax_part_sine_product_2 - ax_part_sine_product));
+    const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_product_3;
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_part_6 = bx_part_full_squared * estimator_field_5;
+    const float converged_product_5 = bx_part_full_squared * estimator_field_5;
     const float rows_3_1_converged = start_cosine_bx * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_6))));
+        (bx_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_5))));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float converged_part_7 = by_part_full_squared * estimator_field_5;
-    const float converged_part_8 = by_part_full * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3 + converged_part_7)));
+    const float converged_product_6 = by_part_full_squared * estimator_field_5;
+    const float converged_product_7 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + converged_product_6)));
     const float rows_3_3_converged = (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
-        ax_part_sine_part_2)) + converged_part_8;
-    const float converged_part_9 = bx_part_full * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3 + converged_part_6)));
-    const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_part_9;
+        ax_part_sine_product_2)) + converged_product_7;
+    const float converged_product_8 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + converged_product_5)));
+    const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_product_8;
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_part_7))));
-    const float converged_part_10 = converged_part_9 - (rows_4_2_converged * (ax_part_sine_part - ax_part_sine_part_2));
-    const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_part_8;
+        (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_6))));
+    const float converged_sum_2 = converged_product_8 -
+        (rows_4_2_converged * (ax_part_sine_product - ax_part_sine_product_2));
+    const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_product_7;
     const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
         (rows_3_3_converged * rows_3_1_converged);
-    const float converged_part_11 = 1.0f /
+    const float converged_inverse = 1.0f /
         ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + 0.00992376f);
-    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_part_11, 8330.405f);
+    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, 8330.405f);
     const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
         (rows_3_1_converged * residuals_3_converged);
-    const float converged_part_12 = (converged_part_5 * rows_2_2_converged) + (converged_part_10 * rows_4_2_converged);
-    const float converged_part_13 = 1.0f /
+    const float converged_sum_3 = (converged_sum * rows_2_2_converged) + (converged_sum_2 * rows_4_2_converged);
+    const float converged_inverse_2 = 1.0f /
         ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + 0.00992376f);
-    const float row_2_converged = hall_position_limit(-(converged_part_12 * converged_part_13), 8330.405f);
+    const float row_2_converged = hall_position_limit(-(converged_sum_3 * converged_inverse_2), 8330.405f);
     const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
         (rows_4_2_converged * residuals_4_converged);
-    const float converged_part_14 = hall_position_max((rows_1_3_converged * rows_1_3_converged) + (converged_part_5 *
-        converged_part_5) + (rows_3_3_converged * rows_3_3_converged) + (converged_part_10 * converged_part_10) +
-        2.7546635f - (row_1_converged * left_3_1_converged) + (row_2_converged * converged_part_12), 2.7546635f);
+    const float converged_denominator = hall_position_max((rows_1_3_converged * rows_1_3_converged) + (converged_sum *
+        converged_sum) + (rows_3_3_converged * rows_3_3_converged) + (converged_sum_2 * converged_sum_2) + 2.7546635f -
+        (row_1_converged * left_3_1_converged) + (row_2_converged * converged_sum_3), 2.7546635f);
     const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
-        (converged_part_5 * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
-        (converged_part_10 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
-        (row_2_converged * gradient_2_converged)) / converged_part_14, 0.10100254f);
+        (converged_sum * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (converged_sum_2 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
+        (row_2_converged * gradient_2_converged)) / converged_denominator, 0.10100254f);
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
     const float half_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
@@ -311,59 +313,59 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_cosine_converged = heading_cosine - fall_converged;
     const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
-    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_part_11) -
+    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_inverse) -
         (row_1_converged * then_3_converged), 0.5f);
-    const float converged_part_15 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
-    const float converged_part_16 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
-    const float by_ax_converged = then_1_converged - converged_part_15 + converged_part_16;
+    const float converged_product_9 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
+    const float converged_product_10 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
+    const float by_ax_converged = then_1_converged - converged_product_9 + converged_product_10;
     const float f7_argument = by_ax_converged * by_ax_converged;
     const float by_cosine_ax_converged = f7_polynomial(f7_argument);
     const float by_sine_ax_converged = by_ax_converged * f8_polynomial(f7_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
-    const float converged_part_17 = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_part_18 = converged_part_17 * estimator_field_5;
-    const float converged_part_19 = phasors_1_sine_converged * (estimator_field_1 +
-        (converged_part_17 * (estimator_field_3 + converged_part_18)));
+    const float converged_square = phasors_1_sine_converged * phasors_1_sine_converged;
+    const float converged_product_11 = converged_square * estimator_field_5;
+    const float converged_product_12 = phasors_1_sine_converged * (estimator_field_1 +
+        (converged_square * (estimator_field_3 + converged_product_11)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
-        (turns_3_sine_converged * V_ay_held) - converged_part_19;
-    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_part_13) -
+        (turns_3_sine_converged * V_ay_held) - converged_product_12;
+    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
         (row_2_converged * then_3_converged), 0.5f);
-    const float by_ay_converged = then_2_converged - converged_part_15 - converged_part_16;
+    const float by_ay_converged = then_2_converged - converged_product_9 - converged_product_10;
     const float f7_argument_2 = by_ay_converged * by_ay_converged;
     const float by_cosine_ay_converged = f7_polynomial(f7_argument_2);
     const float by_sine_ay_converged = by_ay_converged * f8_polynomial(f7_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
-    const float converged_part_20 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_part_21 = converged_part_20 * estimator_field_5;
-    const float converged_part_22 = phasors_2_sine_converged * (estimator_field_1 +
-        (converged_part_20 * (estimator_field_3 + converged_part_21)));
+    const float converged_square_2 = phasors_2_sine_converged * phasors_2_sine_converged;
+    const float converged_product_13 = converged_square_2 * estimator_field_5;
+    const float converged_product_14 = phasors_2_sine_converged * (estimator_field_1 +
+        (converged_square_2 * (estimator_field_3 + converged_product_13)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
-        (turns_3_sine_converged * V_ax_held) - converged_part_22;
-    const float by_bx_converged = then_1_converged + converged_part_15 - converged_part_16;
+        (turns_3_sine_converged * V_ax_held) - converged_product_14;
+    const float by_bx_converged = then_1_converged + converged_product_9 - converged_product_10;
     const float f7_argument_3 = by_bx_converged * by_bx_converged;
     const float by_cosine_bx_converged = f7_polynomial(f7_argument_3);
     const float by_sine_bx_converged = by_bx_converged * f8_polynomial(f7_argument_3);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
-    const float converged_part_23 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_part_24 = converged_part_23 * estimator_field_5;
-    const float converged_part_25 = phasors_3_sine_converged * (estimator_field_1 +
-        (converged_part_23 * (estimator_field_3 + converged_part_24)));
+    const float converged_square_3 = phasors_3_sine_converged * phasors_3_sine_converged;
+    const float converged_product_15 = converged_square_3 * estimator_field_5;
+    const float converged_product_16 = phasors_3_sine_converged * (estimator_field_1 +
+        (converged_square_3 * (estimator_field_3 + converged_product_15)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
-        (turns_3_sine_converged * V_by_held) - converged_part_25;
-    const float by_converged = then_2_converged + converged_part_15 + converged_part_16;
+        (turns_3_sine_converged * V_by_held) - converged_product_16;
+    const float by_converged = then_2_converged + converged_product_9 + converged_product_10;
     const float f7_argument_4 = by_converged * by_converged;
     const float by_cosine_converged = f7_polynomial(f7_argument_4);
     const float by_sine_converged = by_converged * f8_polynomial(f7_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
-    const float converged_part_26 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_part_27 = converged_part_26 * estimator_field_5;
-    const float converged_part_28 = phasors_4_sine_converged * (estimator_field_1 +
-        (converged_part_26 * (estimator_field_3 + converged_part_27)));
+    const float converged_square_4 = phasors_4_sine_converged * phasors_4_sine_converged;
+    const float converged_product_17 = converged_square_4 * estimator_field_5;
+    const float converged_product_18 = phasors_4_sine_converged * (estimator_field_1 +
+        (converged_square_4 * (estimator_field_3 + converged_product_17)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
-        (turns_3_sine_converged * V_bx_held) - converged_part_28;
+        (turns_3_sine_converged * V_bx_held) - converged_product_18;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
         (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
         (residuals_4_converged_2 * residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
@@ -374,58 +376,58 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
     const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
         (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
-        (converged_part_17 * (estimator_field_3_scaled + (5.0f * converged_part_18))));
-    const float converged_part_29 = three_quarters_pi * turns_3_cosine_converged;
-    const float converged_part_30 = three_quarters_pi * turns_3_sine_converged;
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_part_29 + converged_part_30)) +
-        converged_part_22;
+        (converged_square * (estimator_field_3_scaled + (5.0f * converged_product_11))));
+    const float converged_product_19 = three_quarters_pi * turns_3_cosine_converged;
+    const float converged_product_20 = three_quarters_pi * turns_3_sine_converged;
+    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_product_19 + converged_product_20)) +
+        converged_product_14;
     const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
         (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
-        (converged_part_20 * (estimator_field_3_scaled + (5.0f * converged_part_21))));
-    const float converged_part_31 = converged_part_19 -
-        (rows_2_2_converged_2 * (converged_part_30 - converged_part_29));
+        (converged_square_2 * (estimator_field_3_scaled + (5.0f * converged_product_13))));
+    const float converged_sum_4 = converged_product_12 -
+        (rows_2_2_converged_2 * (converged_product_20 - converged_product_19));
     const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
         (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
-        (converged_part_23 * (estimator_field_3_scaled + (5.0f * converged_part_24))));
+        (converged_square_3 * (estimator_field_3_scaled + (5.0f * converged_product_15))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
-        converged_part_30)) + converged_part_28;
+        converged_product_20)) + converged_product_18;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (estimator_field_1 + (converged_part_26 * (estimator_field_3_scaled + (5.0f * converged_part_27))));
-    const float converged_part_32 = converged_part_25 -
-        (rows_4_2_converged_2 * (converged_part_29 - converged_part_30));
+        (estimator_field_1 + (converged_square_4 * (estimator_field_3_scaled + (5.0f * converged_product_17))));
+    const float converged_sum_5 = converged_product_16 -
+        (rows_4_2_converged_2 * (converged_product_19 - converged_product_20));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
         (rows_3_3_converged_2 * rows_3_1_converged_2);
-    const float converged_part_33 = 1.0f /
+    const float converged_inverse_3 = 1.0f /
         ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 * rows_3_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_part_33, 8330.405f);
+    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3, 8330.405f);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
         (rows_3_1_converged_2 * residuals_3_converged_2) - (0.00992376f * then_1_converged);
-    const float converged_part_34 = (converged_part_31 * rows_2_2_converged_2) +
-        (converged_part_32 * rows_4_2_converged_2);
-    const float converged_part_35 = 1.0f /
+    const float converged_sum_6 = (converged_sum_4 * rows_2_2_converged_2) + (converged_sum_5 * rows_4_2_converged_2);
+    const float converged_inverse_4 = 1.0f /
         ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 * rows_4_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_limit(-(converged_part_34 * converged_part_35), 8330.405f);
+    const float row_2_converged_2 = hall_position_limit(-(converged_sum_6 * converged_inverse_4), 8330.405f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
         (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
-    const float converged_part_36 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) + (converged_part_31
-        * converged_part_31) + (rows_3_3_converged_2 * rows_3_3_converged_2) + (converged_part_32 * converged_part_32) +
-        2.7546635f - (row_1_converged_2 * left_3_1_converged_2) + (row_2_converged_2 * converged_part_34), 2.7546635f);
+    const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
+        (converged_sum_4 * converged_sum_4) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+        (converged_sum_5 * converged_sum_5) + 2.7546635f - (row_1_converged_2 * left_3_1_converged_2) +
+        (row_2_converged_2 * converged_sum_6), 2.7546635f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
-    float converged_part_37 = cost_converged;
+    float converged_choice = cost_converged;
     if (!better_converged) {
         other_3_converged = 0.0f;
         other_1_converged = 0.0f;
         other_2_converged = 0.0f;
-        converged_part_37 = squares_converged;
+        converged_choice = squares_converged;
     }
-    const float converged_part_38 = (better_converged) ? (then_3_converged +
-        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_part_31 * residuals_2_converged_2) +
-        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_part_32 * residuals_4_converged_2) -
+    const float converged_choice_2 = (better_converged) ? (then_3_converged +
+        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_sum_4 * residuals_2_converged_2) +
+        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_sum_5 * residuals_4_converged_2) -
         (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
-        gradient_2_converged_2)) / converged_part_36)) : (0.5f * (then_3_converged + other_3_converged));
-    const float then_3_converged_2 = hall_position_limit(converged_part_38, 0.10100254f);
+        gradient_2_converged_2)) / converged_denominator_2)) : (0.5f * (then_3_converged + other_3_converged));
+    const float then_3_converged_2 = hall_position_limit(converged_choice_2, 0.10100254f);
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
     const float half_converged_2 = then_3_converged_2 * f6_polynomial(then_3_converged_2_squared);
@@ -434,126 +436,126 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
     const float moves_3_converged = then_3_converged_2 - then_3_converged;
-    const float then_1_converged_2 = hall_position_limit((better_converged) ?
-        (then_1_converged + ((gradient_1_converged_2 * converged_part_33) - (row_1_converged_2 * moves_3_converged))) :
+    const float then_1_converged_2 = hall_position_limit((better_converged) ? (then_1_converged +
+        ((gradient_1_converged_2 * converged_inverse_3) - (row_1_converged_2 * moves_3_converged))) :
         (0.5f * (then_1_converged + other_1_converged)), 0.5f);
-    const float converged_part_39 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
-    const float converged_part_40 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
-    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_part_39 + converged_part_40,
-        0.97596323f);
+    const float converged_product_21 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
+    const float converged_product_22 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
+    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_product_21 +
+        converged_product_22, 0.97596323f);
     const float f7_argument_5 = by_ax_converged_2 * by_ax_converged_2;
     const float by_cosine_ax_converged_2 = f7_polynomial(f7_argument_5);
     const float by_sine_ax_converged_2 = by_ax_converged_2 * f8_polynomial(f7_argument_5);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
-    const float converged_part_41 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_part_42 = converged_part_41 * estimator_field_5;
-    const float converged_part_43 = phasors_1_sine_converged_2 * (estimator_field_1 +
-        (converged_part_41 * (estimator_field_3 + converged_part_42)));
+    const float converged_square_5 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
+    const float converged_product_23 = converged_square_5 * estimator_field_5;
+    const float converged_product_24 = phasors_1_sine_converged_2 * (estimator_field_1 +
+        (converged_square_5 * (estimator_field_3 + converged_product_23)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
-        (turns_3_sine_converged_2 * V_ay_held) - converged_part_43;
-    const float then_2_converged_2 = hall_position_limit((better_converged) ?
-        (then_2_converged + ((gradient_2_converged_2 * converged_part_35) - (row_2_converged_2 * moves_3_converged))) :
+        (turns_3_sine_converged_2 * V_ay_held) - converged_product_24;
+    const float then_2_converged_2 = hall_position_limit((better_converged) ? (then_2_converged +
+        ((gradient_2_converged_2 * converged_inverse_4) - (row_2_converged_2 * moves_3_converged))) :
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
-    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_part_39 - converged_part_40,
-        0.97596323f);
+    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_product_21 -
+        converged_product_22, 0.97596323f);
     const float f7_argument_6 = by_ay_converged_2 * by_ay_converged_2;
     const float by_cosine_ay_converged_2 = f7_polynomial(f7_argument_6);
     const float by_sine_ay_converged_2 = by_ay_converged_2 * f8_polynomial(f7_argument_6);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
-    const float converged_part_44 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_part_45 = converged_part_44 * estimator_field_5;
-    const float converged_part_46 = phasors_2_sine_converged_2 * (estimator_field_1 +
-        (converged_part_44 * (estimator_field_3 + converged_part_45)));
+    const float converged_square_6 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
+    const float converged_product_25 = converged_square_6 * estimator_field_5;
+    const float converged_product_26 = phasors_2_sine_converged_2 * (estimator_field_1 +
+        (converged_square_6 * (estimator_field_3 + converged_product_25)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
-        (turns_3_sine_converged_2 * V_ax_held) - converged_part_46;
-    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_part_39 - converged_part_40,
-        0.97596323f);
+        (turns_3_sine_converged_2 * V_ax_held) - converged_product_26;
+    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_product_21 -
+        converged_product_22, 0.97596323f);
     const float f7_argument_7 = by_bx_converged_2 * by_bx_converged_2;
     const float by_cosine_bx_converged_2 = f7_polynomial(f7_argument_7);
     const float by_sine_bx_converged_2 = by_bx_converged_2 * f8_polynomial(f7_argument_7);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
-    const float converged_part_47 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_part_48 = converged_part_47 * estimator_field_5;
-    const float converged_part_49 = phasors_3_sine_converged_2 * (estimator_field_1 +
-        (converged_part_47 * (estimator_field_3 + converged_part_48)));
+    const float converged_square_7 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
+    const float converged_product_27 = converged_square_7 * estimator_field_5;
+    const float converged_product_28 = phasors_3_sine_converged_2 * (estimator_field_1 +
+        (converged_square_7 * (estimator_field_3 + converged_product_27)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
-        (turns_3_sine_converged_2 * V_by_held) - converged_part_49;
-    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_part_39 + converged_part_40,
+        (turns_3_sine_converged_2 * V_by_held) - converged_product_28;
+    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_product_21 + converged_product_22,
         0.97596323f);
     const float f7_argument_8 = by_converged_2 * by_converged_2;
     const float by_cosine_converged_2 = f7_polynomial(f7_argument_8);
     const float by_sine_converged_2 = by_converged_2 * f8_polynomial(f7_argument_8);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
-    const float converged_part_50 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_part_51 = converged_part_50 * estimator_field_5;
-    const float converged_part_52 = phasors_4_sine_converged_2 * (estimator_field_1 +
-        (converged_part_50 * (estimator_field_3 + converged_part_51)));
+    const float converged_square_8 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
+    const float converged_product_29 = converged_square_8 * estimator_field_5;
+    const float converged_product_30 = phasors_4_sine_converged_2 * (estimator_field_1 +
+        (converged_square_8 * (estimator_field_3 + converged_product_29)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
-        (turns_3_sine_converged_2 * V_bx_held) - converged_part_52;
+        (turns_3_sine_converged_2 * V_bx_held) - converged_product_30;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
         residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
         residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
         (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_part_37) + 1e-08f);
+    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_choice) + 1e-08f);
     const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
         (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
-        (converged_part_41 * (estimator_field_3_scaled + (5.0f * converged_part_42))));
-    const float converged_part_53 = three_quarters_pi * turns_3_cosine_converged_2;
-    const float converged_part_54 = three_quarters_pi * turns_3_sine_converged_2;
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_part_53 + converged_part_54)) +
-        converged_part_46;
+        (converged_square_5 * (estimator_field_3_scaled + (5.0f * converged_product_23))));
+    const float converged_product_31 = three_quarters_pi * turns_3_cosine_converged_2;
+    const float converged_product_32 = three_quarters_pi * turns_3_sine_converged_2;
+    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_product_31 + converged_product_32)) +
+        converged_product_26;
     const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
         (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
-        (converged_part_44 * (estimator_field_3_scaled + (5.0f * converged_part_45))));
-    const float converged_part_55 = converged_part_43 -
-        (rows_2_2_converged_3 * (converged_part_54 - converged_part_53));
+        (converged_square_6 * (estimator_field_3_scaled + (5.0f * converged_product_25))));
+    const float converged_sum_7 = converged_product_24 -
+        (rows_2_2_converged_3 * (converged_product_32 - converged_product_31));
     const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
         (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
-        (converged_part_47 * (estimator_field_3_scaled + (5.0f * converged_part_48))));
+        (converged_square_7 * (estimator_field_3_scaled + (5.0f * converged_product_27))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
-        converged_part_54)) + converged_part_52;
+        converged_product_32)) + converged_product_30;
     const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
         (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
-        (converged_part_50 * (estimator_field_3_scaled + (5.0f * converged_part_51))));
-    const float converged_part_56 = converged_part_49 -
-        (rows_4_2_converged_3 * (converged_part_53 - converged_part_54));
+        (converged_square_8 * (estimator_field_3_scaled + (5.0f * converged_product_29))));
+    const float converged_sum_8 = converged_product_28 -
+        (rows_4_2_converged_3 * (converged_product_31 - converged_product_32));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
         (rows_3_3_converged_3 * rows_3_1_converged_3);
-    const float converged_part_57 = 1.0f /
+    const float converged_inverse_5 = 1.0f /
         ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 * rows_3_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_part_57, 8330.405f);
+    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5, 8330.405f);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
         (rows_3_1_converged_3 * residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
-    const float converged_part_58 = (converged_part_55 * rows_2_2_converged_3) +
-        (converged_part_56 * rows_4_2_converged_3);
-    const float converged_part_59 = 1.0f /
+    const float converged_sum_9 = (converged_sum_7 * rows_2_2_converged_3) + (converged_sum_8 * rows_4_2_converged_3);
+    const float converged_inverse_6 = 1.0f /
         ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 * rows_4_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_limit(-(converged_part_58 * converged_part_59), 8330.405f);
+    const float row_2_converged_3 = hall_position_limit(-(converged_sum_9 * converged_inverse_6), 8330.405f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
         (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
-    const float converged_part_60 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) + (converged_part_55
-        * converged_part_55) + (rows_3_3_converged_3 * rows_3_3_converged_3) + (converged_part_56 * converged_part_56) +
-        2.7546635f - (row_1_converged_3 * left_3_1_converged_3) + (row_2_converged_3 * converged_part_58), 2.7546635f);
+    const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
+        (converged_sum_7 * converged_sum_7) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+        (converged_sum_8 * converged_sum_8) + 2.7546635f - (row_1_converged_3 * left_3_1_converged_3) +
+        (row_2_converged_3 * converged_sum_9), 2.7546635f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_part_61 = cost_converged_2;
+    float converged_choice_3 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_part_61 = converged_part_37;
+        converged_choice_3 = converged_choice;
     }
-    const float converged_part_62 = (better_converged_2) ? (then_3_converged_2 +
-        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_part_55 * residuals_2_converged_3) +
-        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_part_56 * residuals_4_converged_3) -
+    const float converged_choice_4 = (better_converged_2) ? (then_3_converged_2 +
+        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_sum_7 * residuals_2_converged_3) +
+        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_sum_8 * residuals_4_converged_3) -
         (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
-        gradient_2_converged_3)) / converged_part_60)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
-    const float then_3_converged_3 = hall_position_limit(converged_part_62, 0.10100254f);
+        gradient_2_converged_3)) / converged_denominator_3)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
+    const float then_3_converged_3 = hall_position_limit(converged_choice_4, 0.10100254f);
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
     const float half_converged_3 = then_3_converged_3 * f6_polynomial(then_3_converged_3_squared);
@@ -563,125 +565,126 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
     const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_part_57) - (row_1_converged_3 * moves_3_converged_2))) :
+        ((gradient_1_converged_3 * converged_inverse_5) - (row_1_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
-    const float converged_part_63 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
-    const float converged_part_64 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
-    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_part_63 + converged_part_64,
-        0.97596323f);
+    const float converged_product_33 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
+    const float converged_product_34 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
+    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_product_33 +
+        converged_product_34, 0.97596323f);
     const float f7_argument_9 = by_ax_converged_3 * by_ax_converged_3;
     const float by_cosine_ax_converged_3 = f7_polynomial(f7_argument_9);
     const float by_sine_ax_converged_3 = by_ax_converged_3 * f8_polynomial(f7_argument_9);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
-    const float converged_part_65 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_part_66 = converged_part_65 * estimator_field_5;
-    const float converged_part_67 = phasors_1_sine_converged_3 * (estimator_field_1 +
-        (converged_part_65 * (estimator_field_3 + converged_part_66)));
+    const float converged_square_9 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
+    const float converged_product_35 = converged_square_9 * estimator_field_5;
+    const float converged_product_36 = phasors_1_sine_converged_3 * (estimator_field_1 +
+        (converged_square_9 * (estimator_field_3 + converged_product_35)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
-        (turns_3_sine_converged_3 * V_ay_held) - converged_part_67;
+        (turns_3_sine_converged_3 * V_ay_held) - converged_product_36;
     const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_part_59) - (row_2_converged_3 * moves_3_converged_2))) :
+        ((gradient_2_converged_3 * converged_inverse_6) - (row_2_converged_3 * moves_3_converged_2))) :
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
-    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_part_63 - converged_part_64,
-        0.97596323f);
+    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_product_33 -
+        converged_product_34, 0.97596323f);
     const float f7_argument_10 = by_ay_converged_3 * by_ay_converged_3;
     const float by_cosine_ay_converged_3 = f7_polynomial(f7_argument_10);
     const float by_sine_ay_converged_3 = by_ay_converged_3 * f8_polynomial(f7_argument_10);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
-    const float converged_part_68 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_part_69 = converged_part_68 * estimator_field_5;
-    const float converged_part_70 = phasors_2_sine_converged_3 * (estimator_field_1 +
-        (converged_part_68 * (estimator_field_3 + converged_part_69)));
+    const float converged_square_10 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
+    const float converged_product_37 = converged_square_10 * estimator_field_5;
+    const float converged_product_38 = phasors_2_sine_converged_3 * (estimator_field_1 +
+        (converged_square_10 * (estimator_field_3 + converged_product_37)));
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
-        (turns_3_sine_converged_3 * V_ax_held) - converged_part_70;
-    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_part_63 - converged_part_64,
-        0.97596323f);
+        (turns_3_sine_converged_3 * V_ax_held) - converged_product_38;
+    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_product_33 -
+        converged_product_34, 0.97596323f);
     const float f7_argument_11 = by_bx_converged_3 * by_bx_converged_3;
     const float by_cosine_bx_converged_3 = f7_polynomial(f7_argument_11);
     const float by_sine_bx_converged_3 = by_bx_converged_3 * f8_polynomial(f7_argument_11);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
-    const float converged_part_71 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_part_72 = converged_part_71 * estimator_field_5;
-    const float converged_part_73 = phasors_3_sine_converged_3 * (estimator_field_1 +
-        (converged_part_71 * (estimator_field_3 + converged_part_72)));
+    const float converged_square_11 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
+    const float converged_product_39 = converged_square_11 * estimator_field_5;
+    const float converged_product_40 = phasors_3_sine_converged_3 * (estimator_field_1 +
+        (converged_square_11 * (estimator_field_3 + converged_product_39)));
     const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
-        (turns_3_sine_converged_3 * V_by_held) - converged_part_73;
-    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_part_63 + converged_part_64,
+        (turns_3_sine_converged_3 * V_by_held) - converged_product_40;
+    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_product_33 + converged_product_34,
         0.97596323f);
     const float f7_argument_12 = by_converged_3 * by_converged_3;
     const float by_cosine_converged_3 = f7_polynomial(f7_argument_12);
     const float by_sine_converged_3 = by_converged_3 * f8_polynomial(f7_argument_12);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
-    const float converged_part_74 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_part_75 = converged_part_74 * estimator_field_5;
-    const float converged_part_76 = phasors_4_sine_converged_3 * (estimator_field_1 +
-        (converged_part_74 * (estimator_field_3 + converged_part_75)));
+    const float converged_square_12 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
+    const float converged_product_41 = converged_square_12 * estimator_field_5;
+    const float converged_product_42 = phasors_4_sine_converged_3 * (estimator_field_1 +
+        (converged_square_12 * (estimator_field_3 + converged_product_41)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
-        (turns_3_sine_converged_3 * V_bx_held) - converged_part_76;
+        (turns_3_sine_converged_3 * V_bx_held) - converged_product_42;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
         (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_part_61) + 1e-08f);
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_choice_3) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
         (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
-        (converged_part_65 * (estimator_field_3_scaled + (5.0f * converged_part_66))));
-    const float converged_part_77 = three_quarters_pi * turns_3_cosine_converged_3;
-    const float converged_part_78 = three_quarters_pi * turns_3_sine_converged_3;
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_part_77 + converged_part_78)) +
-        converged_part_70;
+        (converged_square_9 * (estimator_field_3_scaled + (5.0f * converged_product_35))));
+    const float converged_product_43 = three_quarters_pi * turns_3_cosine_converged_3;
+    const float converged_product_44 = three_quarters_pi * turns_3_sine_converged_3;
+    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_product_43 + converged_product_44)) +
+        converged_product_38;
     const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
         (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
-        (converged_part_68 * (estimator_field_3_scaled + (5.0f * converged_part_69))));
-    const float converged_part_79 = converged_part_67 -
-        (rows_2_2_converged_4 * (converged_part_78 - converged_part_77));
+        (converged_square_10 * (estimator_field_3_scaled + (5.0f * converged_product_37))));
+    const float converged_sum_10 = converged_product_36 -
+        (rows_2_2_converged_4 * (converged_product_44 - converged_product_43));
     const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
         (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
-        (converged_part_71 * (estimator_field_3_scaled + (5.0f * converged_part_72))));
+        (converged_square_11 * (estimator_field_3_scaled + (5.0f * converged_product_39))));
     const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
-        converged_part_78)) + converged_part_76;
+        converged_product_44)) + converged_product_42;
     const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
         (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
-        (converged_part_74 * (estimator_field_3_scaled + (5.0f * converged_part_75))));
-    const float converged_part_80 = converged_part_73 -
-        (rows_4_2_converged_4 * (converged_part_77 - converged_part_78));
+        (converged_square_12 * (estimator_field_3_scaled + (5.0f * converged_product_41))));
+    const float converged_sum_11 = converged_product_40 -
+        (rows_4_2_converged_4 * (converged_product_43 - converged_product_44));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
         (rows_3_3_converged_4 * rows_3_1_converged_4);
-    const float converged_part_81 = 1.0f /
+    const float converged_inverse_7 = 1.0f /
         ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 * rows_3_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_part_81, 8330.405f);
+    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7, 8330.405f);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
         (rows_3_1_converged_4 * residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
-    const float converged_part_82 = (converged_part_79 * rows_2_2_converged_4) +
-        (converged_part_80 * rows_4_2_converged_4);
-    const float converged_part_83 = 1.0f /
+    const float converged_sum_12 = (converged_sum_10 * rows_2_2_converged_4) +
+        (converged_sum_11 * rows_4_2_converged_4);
+    const float converged_inverse_8 = 1.0f /
         ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 * rows_4_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_limit(-(converged_part_82 * converged_part_83), 8330.405f);
+    const float row_2_converged_4 = hall_position_limit(-(converged_sum_12 * converged_inverse_8), 8330.405f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
         (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
-    const float converged_part_84 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) + (converged_part_79
-        * converged_part_79) + (rows_3_3_converged_4 * rows_3_3_converged_4) + (converged_part_80 * converged_part_80) +
-        2.7546635f - (row_1_converged_4 * left_3_1_converged_4) + (row_2_converged_4 * converged_part_82), 2.7546635f);
+    const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
+        (converged_sum_10 * converged_sum_10) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+        (converged_sum_11 * converged_sum_11) + 2.7546635f - (row_1_converged_4 * left_3_1_converged_4) +
+        (row_2_converged_4 * converged_sum_12), 2.7546635f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_part_85 = cost_converged_3;
+    float converged_choice_5 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_part_85 = converged_part_61;
+        converged_choice_5 = converged_choice_3;
     }
-    const float converged_part_86 = (better_converged_3) ? (then_3_converged_3 +
-        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_part_79 * residuals_2_converged_4) +
-        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_part_80 * residuals_4_converged_4) -
+    const float converged_choice_6 = (better_converged_3) ? (then_3_converged_3 +
+        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_sum_10 * residuals_2_converged_4) +
+        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_sum_11 * residuals_4_converged_4) -
         (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
-        gradient_2_converged_4)) / converged_part_84)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
-    const float then_3_converged_4 = hall_position_limit(converged_part_86, 0.10100254f);
+        gradient_2_converged_4)) / converged_denominator_4)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
+    const float then_3_converged_4 = hall_position_limit(converged_choice_6, 0.10100254f);
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
     const float half_converged_4 = then_3_converged_4 * f6_polynomial(then_3_converged_4_squared);
@@ -691,65 +694,65 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
     const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
     const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_part_81) - (row_1_converged_4 * moves_3_converged_3))) :
+        ((gradient_1_converged_4 * converged_inverse_7) - (row_1_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
-    const float converged_part_87 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
-    const float converged_part_88 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
-    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_part_87 + converged_part_88,
-        0.97596323f);
+    const float converged_product_45 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
+    const float converged_product_46 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
+    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_product_45 +
+        converged_product_46, 0.97596323f);
     const float f7_argument_13 = by_ax_converged_4 * by_ax_converged_4;
     const float by_cosine_ax_converged_4 = f7_polynomial(f7_argument_13);
     const float by_sine_ax_converged_4 = by_ax_converged_4 * f8_polynomial(f7_argument_13);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
-    const float converged_part_89 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_part_90 = converged_part_89 * estimator_field_5;
-    const float converged_part_91 = phasors_1_sine_converged_4 * (estimator_field_1 +
-        (converged_part_89 * (estimator_field_3 + converged_part_90)));
+    const float converged_square_13 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
+    const float converged_product_47 = converged_square_13 * estimator_field_5;
+    const float converged_product_48 = phasors_1_sine_converged_4 * (estimator_field_1 +
+        (converged_square_13 * (estimator_field_3 + converged_product_47)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
-        (turns_3_sine_converged_4 * V_ay_held) - converged_part_91;
+        (turns_3_sine_converged_4 * V_ay_held) - converged_product_48;
     const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_part_83) - (row_2_converged_4 * moves_3_converged_3))) :
+        ((gradient_2_converged_4 * converged_inverse_8) - (row_2_converged_4 * moves_3_converged_3))) :
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
-    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_part_87 - converged_part_88,
-        0.97596323f);
+    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_product_45 -
+        converged_product_46, 0.97596323f);
     const float f7_argument_14 = by_ay_converged_4 * by_ay_converged_4;
     const float by_cosine_ay_converged_4 = f7_polynomial(f7_argument_14);
     const float by_sine_ay_converged_4 = by_ay_converged_4 * f8_polynomial(f7_argument_14);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
-    const float converged_part_92 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_part_93 = converged_part_92 * estimator_field_5;
-    const float converged_part_94 = phasors_2_sine_converged_4 * (estimator_field_1 +
-        (converged_part_92 * (estimator_field_3 + converged_part_93)));
+    const float converged_square_14 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
+    const float converged_product_49 = converged_square_14 * estimator_field_5;
+    const float converged_product_50 = phasors_2_sine_converged_4 * (estimator_field_1 +
+        (converged_square_14 * (estimator_field_3 + converged_product_49)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
-        (turns_3_sine_converged_4 * V_ax_held) - converged_part_94;
-    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_part_87 - converged_part_88,
-        0.97596323f);
+        (turns_3_sine_converged_4 * V_ax_held) - converged_product_50;
+    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_product_45 -
+        converged_product_46, 0.97596323f);
     const float f7_argument_15 = by_bx_converged_4 * by_bx_converged_4;
     const float by_cosine_bx_converged_4 = f7_polynomial(f7_argument_15);
     const float by_sine_bx_converged_4 = by_bx_converged_4 * f8_polynomial(f7_argument_15);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
-    const float converged_part_95 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_part_96 = converged_part_95 * estimator_field_5;
-    const float converged_part_97 = phasors_3_sine_converged_4 * (estimator_field_1 +
-        (converged_part_95 * (estimator_field_3 + converged_part_96)));
+    const float converged_square_15 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
+    const float converged_product_51 = converged_square_15 * estimator_field_5;
+    const float converged_product_52 = phasors_3_sine_converged_4 * (estimator_field_1 +
+        (converged_square_15 * (estimator_field_3 + converged_product_51)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
-        (turns_3_sine_converged_4 * V_by_held) - converged_part_97;
-    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_part_87 + converged_part_88,
+        (turns_3_sine_converged_4 * V_by_held) - converged_product_52;
+    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_product_45 + converged_product_46,
         0.97596323f);
     const float f7_argument_16 = by_converged_4 * by_converged_4;
     const float by_cosine_converged_4 = f7_polynomial(f7_argument_16);
     const float by_sine_converged_4 = by_converged_4 * f8_polynomial(f7_argument_16);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
-    const float converged_part_98 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_part_99 = converged_part_98 * estimator_field_5;
-    const float converged_part_100 = phasors_4_sine_converged_4 * (estimator_field_1 +
-        (converged_part_98 * (estimator_field_3 + converged_part_99)));
+    const float converged_square_16 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
+    const float converged_product_53 = converged_square_16 * estimator_field_5;
+    const float converged_product_54 = phasors_4_sine_converged_4 * (estimator_field_1 +
+        (converged_square_16 * (estimator_field_3 + converged_product_53)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
-        (turns_3_sine_converged_4 * V_bx_held) - converged_part_100;
+        (turns_3_sine_converged_4 * V_bx_held) - converged_product_54;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5);
@@ -761,55 +764,55 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_part_85) + 1e-08f);
+        ((1.000002f * converged_choice_5) + 1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
         (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
-        (converged_part_89 * (estimator_field_3_scaled + (5.0f * converged_part_90))));
+        (converged_square_13 * (estimator_field_3_scaled + (5.0f * converged_product_47))));
     const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
         (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
-        (converged_part_95 * (estimator_field_3_scaled + (5.0f * converged_part_96))));
+        (converged_square_15 * (estimator_field_3_scaled + (5.0f * converged_product_51))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
         (rows_3_1_converged_5 * residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
     const float inverse_1 = 1.0f /
         ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 * rows_3_1_converged_5) + 0.00992376f);
-    const float converged_part_101 = gradient_1_converged_5 * inverse_1;
+    const float converged_product_55 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
         (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
-        (converged_part_92 * (estimator_field_3_scaled + (5.0f * converged_part_93))));
+        (converged_square_14 * (estimator_field_3_scaled + (5.0f * converged_product_49))));
     const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
         (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
-        (converged_part_98 * (estimator_field_3_scaled + (5.0f * converged_part_99))));
+        (converged_square_16 * (estimator_field_3_scaled + (5.0f * converged_product_53))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
         (rows_4_2_converged_5 * residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
     const float inverse_2 = 1.0f /
         ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 * rows_4_2_converged_5) + 0.00992376f);
-    const float converged_part_102 = gradient_2_converged_5 * inverse_2;
-    const float converged_part_103 = three_quarters_pi * turns_3_cosine_converged_4;
-    const float converged_part_104 = three_quarters_pi * turns_3_sine_converged_4;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_part_103 + converged_part_104)) +
-        converged_part_94;
-    const float converged_part_105 = converged_part_91 -
-        (rows_2_2_converged_5 * (converged_part_104 - converged_part_103));
+    const float converged_product_56 = gradient_2_converged_5 * inverse_2;
+    const float converged_product_57 = three_quarters_pi * turns_3_cosine_converged_4;
+    const float converged_product_58 = three_quarters_pi * turns_3_sine_converged_4;
+    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_product_57 + converged_product_58)) +
+        converged_product_50;
+    const float converged_sum_13 = converged_product_48 -
+        (rows_2_2_converged_5 * (converged_product_58 - converged_product_57));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
-        converged_part_104)) + converged_part_100;
-    const float converged_part_106 = converged_part_97 -
-        (rows_4_2_converged_5 * (converged_part_103 - converged_part_104));
+        converged_product_58)) + converged_product_54;
+    const float converged_sum_14 = converged_product_52 -
+        (rows_4_2_converged_5 * (converged_product_57 - converged_product_58));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
         (rows_3_3_converged_5 * rows_3_1_converged_5);
     const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
-    const float converged_part_107 = (converged_part_105 * rows_2_2_converged_5) +
-        (converged_part_106 * rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(converged_part_107 * inverse_2), 8330.405f);
+    const float converged_sum_15 = (converged_sum_13 * rows_2_2_converged_5) +
+        (converged_sum_14 * rows_4_2_converged_5);
+    const float by_yaw_Y = hall_position_limit(-(converged_sum_15 * inverse_2), 8330.405f);
     const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (converged_part_105 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_part_106 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
+        (converged_sum_13 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (converged_sum_14 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
         (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
-    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_part_105 *
-        converged_part_105) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_part_106 * converged_part_106)
-        + 2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_part_107), 2.7546635f);
+    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_sum_13 *
+        converged_sum_13) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_sum_14 * converged_sum_14) +
+        2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_sum_15), 2.7546635f);
     const float step_converged = forward_3_converged / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_part_101) +
-        (gradient_2_converged_5 * converged_part_102) + (forward_3_converged * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_product_55) +
+        (gradient_2_converged_5 * converged_product_56) + (forward_3_converged * step_converged)) <= 1e-08f);
     float at_3;
     float at_1;
     float at_2;
@@ -817,18 +820,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, 0.10100254f);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_limit(then_1_converged_4 + (converged_part_101 - (by_yaw_X * moves_3_X)), 0.5f);
-        at_2 = hall_position_limit(then_2_converged_4 + (converged_part_102 - (by_yaw_Y * moves_3_X)), 0.5f);
+        at_1 = hall_position_limit(then_1_converged_4 + (converged_product_55 - (by_yaw_X * moves_3_X)), 0.5f);
+        at_2 = hall_position_limit(then_2_converged_4 + (converged_product_56 - (by_yaw_Y * moves_3_X)), 0.5f);
+    } else if (better_converged_4) {
+        at_3 = then_3_converged_4;
+        at_1 = then_1_converged_4;
+        at_2 = then_2_converged_4;
     } else {
-        if (better_converged_4) {
-            at_3 = then_3_converged_4;
-            at_1 = then_1_converged_4;
-            at_2 = then_2_converged_4;
-        } else {
-            at_3 = other_3_converged_3;
-            at_1 = other_1_converged_3;
-            at_2 = other_2_converged_3;
-        }
+        at_3 = other_3_converged_3;
+        at_1 = other_1_converged_3;
+        at_2 = other_2_converged_3;
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
@@ -838,16 +839,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
     float yaw_2 = 0.0f;
-    float estimator_motion_x_part = 0.0f;
-    float estimator_motion_y_part = 0.0f;
-    float estimator_motion_yaw_part = 0.0f;
+    float estimator_motion_x_change = 0.0f;
+    float estimator_motion_y_change = 0.0f;
+    float estimator_motion_yaw_change = 0.0f;
     if (!(integrity_residual_fault && tracking)) {
         by_phase_x = at_1;
         by_phase_y = at_2;
         yaw_2 = at_3;
-        estimator_motion_x_part = 0.5f * at_1;
-        estimator_motion_y_part = 0.5f * at_2;
-        estimator_motion_yaw_part = 0.1f * at_3;
+        estimator_motion_x_change = 0.5f * at_1;
+        estimator_motion_y_change = 0.5f * at_2;
+        estimator_motion_yaw_change = 0.1f * at_3;
     }
     const float moved_x = prediction_phase_x + by_phase_x;
     const bool turns_x_X = pi < moved_x;
@@ -957,9 +958,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float continued_motion_y = 0.0f;
     float continued_motion_yaw = 0.0f;
     if (estimator_searching == 0u) {
-        continued_motion_x = estimator_motion_x + estimator_motion_x_part;
-        continued_motion_y = estimator_motion_y + estimator_motion_y_part;
-        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_part;
+        continued_motion_x = estimator_motion_x + estimator_motion_x_change;
+        continued_motion_y = estimator_motion_y + estimator_motion_y_change;
+        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_change;
     }
     state->estimator_motion_x = hall_position_limit(continued_motion_x, 0.5f);
     state->estimator_motion_y = hall_position_limit(continued_motion_y, 0.5f);

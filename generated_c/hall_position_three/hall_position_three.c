@@ -366,10 +366,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     bool screened_test = false;
     if ((fabsf(V_ax_held - state->screen_last_V_ax) <= 0.0f) || (fabsf(V_ay_held - state->screen_last_V_ay) <= 0.0f)) {
         const uint32_t screen_repeats_1 = state->screen_repeats_1;
-        const uint32_t screened_part = screen_repeats_1 + 1u;
-        const float screened_part_2 = hall_position_three_min((float)screened_part, 6.0f);
-        screened_test = 6.0f <= screened_part_2;
-        state->screen_repeats_1 = (uint32_t)screened_part_2;
+        const uint32_t screened_sum = screen_repeats_1 + 1u;
+        const float screened_limited = hall_position_three_min((float)screened_sum, 6.0f);
+        screened_test = 6.0f <= screened_limited;
+        state->screen_repeats_1 = (uint32_t)screened_limited;
     } else {
         state->screen_repeats_1 = 0u;
     }
@@ -377,10 +377,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     bool screened_test_2 = false;
     if ((fabsf(V_bx_held - state->screen_last_V_bx) <= 0.0f) || (fabsf(V_by_held - state->screen_last_V_by) <= 0.0f)) {
         const uint32_t screen_repeats_2 = state->screen_repeats_2;
-        const uint32_t screened_part_3 = screen_repeats_2 + 1u;
-        const float screened_part_4 = hall_position_three_min((float)screened_part_3, 6.0f);
-        screened_test_2 = 6.0f <= screened_part_4;
-        state->screen_repeats_2 = (uint32_t)screened_part_4;
+        const uint32_t screened_sum_2 = screen_repeats_2 + 1u;
+        const float screened_limited_2 = hall_position_three_min((float)screened_sum_2, 6.0f);
+        screened_test_2 = 6.0f <= screened_limited_2;
+        state->screen_repeats_2 = (uint32_t)screened_limited_2;
     } else {
         state->screen_repeats_2 = 0u;
     }
@@ -388,10 +388,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     bool frozen = false;
     if ((fabsf(V_cx_held - state->screen_last_V_cx) <= 0.0f) || (fabsf(V_cy_held - state->screen_last_V_cy) <= 0.0f)) {
         const uint32_t screen_repeats_3 = state->screen_repeats_3;
-        const uint32_t screened_part_5 = screen_repeats_3 + 1u;
-        const float count_screened = hall_position_three_min((float)screened_part_5, 6.0f);
-        frozen = 6.0f <= count_screened;
-        state->screen_repeats_3 = (uint32_t)count_screened;
+        const uint32_t screened_sum_3 = screen_repeats_3 + 1u;
+        const float count = hall_position_three_min((float)screened_sum_3, 6.0f);
+        frozen = 6.0f <= count;
+        state->screen_repeats_3 = (uint32_t)count;
     } else {
         state->screen_repeats_3 = 0u;
     }
@@ -481,14 +481,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cos_yaw = cos_yaw_polynomial(cos_yaw_argument);
     const float sin_yaw = starts_3 * sin_yaw_polynomial(cos_yaw_argument);
     const float estimator_motion_phase_x = state->estimator_motion_phase_x;
-    const float ax_part_sine_part = state->estimator_phase_x + estimator_motion_phase_x;
-    float ax_part_sine_part_2 = ax_part_sine_part;
-    if (pi < ax_part_sine_part) {
-        ax_part_sine_part_2 = ax_part_sine_part - two_pi;
+    const float phase_x_plus_motion_phase_x = state->estimator_phase_x + estimator_motion_phase_x;
+    float ax_part_sine_choice = phase_x_plus_motion_phase_x;
+    if (pi < phase_x_plus_motion_phase_x) {
+        ax_part_sine_choice = phase_x_plus_motion_phase_x - two_pi;
     }
-    float starts_1 = ax_part_sine_part_2;
-    if (ax_part_sine_part_2 < -pi) {
-        starts_1 = ax_part_sine_part_2 + two_pi;
+    float starts_1 = ax_part_sine_choice;
+    if (ax_part_sine_choice < -pi) {
+        starts_1 = ax_part_sine_choice + two_pi;
     }
     const float cos_yaw_scaled = 1.495398f * cos_yaw;
     const float sin_yaw_scaled = 1.69646f * sin_yaw;
@@ -505,14 +505,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_phase_y = state->estimator_motion_phase_y;
-    const float ay_part_sine_part = state->estimator_phase_y + estimator_motion_phase_y;
-    float ay_part_sine_part_2 = ay_part_sine_part;
-    if (pi < ay_part_sine_part) {
-        ay_part_sine_part_2 = ay_part_sine_part - two_pi;
+    const float phase_y_plus_motion_phase_y = state->estimator_phase_y + estimator_motion_phase_y;
+    float ay_part_sine_choice = phase_y_plus_motion_phase_y;
+    if (pi < phase_y_plus_motion_phase_y) {
+        ay_part_sine_choice = phase_y_plus_motion_phase_y - two_pi;
     }
-    float starts_2 = ay_part_sine_part_2;
-    if (ay_part_sine_part_2 < -pi) {
-        starts_2 = ay_part_sine_part_2 + two_pi;
+    float starts_2 = ay_part_sine_choice;
+    if (ay_part_sine_choice < -pi) {
+        starts_2 = ay_part_sine_choice + two_pi;
     }
     const float cos_yaw_scaled_2 = 1.69646f * cos_yaw;
     const float sin_yaw_scaled_2 = 1.495398f * sin_yaw;
@@ -578,92 +578,91 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float estimator_amplitude = state->estimator_amplitude;
-    const float phase_x_part = estimator_amplitude * estimator_field_1;
+    const float phase_x_product = estimator_amplitude * estimator_field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float phase_x_part_2 = 3.0f * (estimator_amplitude * estimator_field_3);
-    const float phase_x_part_3 = estimator_amplitude * estimator_field_5;
-    const float rows_1_1 = start_cosine_ax * (phase_x_part +
-        (ax_part_full_squared * (phase_x_part_2 + (5.0f * (ax_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_4 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
+    const float phase_x_product_2 = 3.0f * (estimator_amplitude * estimator_field_3);
+    const float phase_x_product_3 = estimator_amplitude * estimator_field_5;
+    const float rows_1_1 = start_cosine_ax * (phase_x_product +
+        (ax_part_full_squared * (phase_x_product_2 + (5.0f * (ax_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
     const float rows_1_4 = ax_part_full * (estimator_field_1 +
         (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
-    const float residuals_1_phase_x = phase_x_part_4 - (estimator_amplitude * rows_1_4);
+    const float residuals_1_phase_x = phase_x_sum - (estimator_amplitude * rows_1_4);
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float rows_3_1 = start_cosine_bx * (phase_x_part +
-        (bx_part_full_squared * (phase_x_part_2 + (5.0f * (bx_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_5 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
+    const float rows_3_1 = start_cosine_bx * (phase_x_product +
+        (bx_part_full_squared * (phase_x_product_2 + (5.0f * (bx_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum_2 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
     const float rows_3_4 = bx_part_full * (estimator_field_1 +
         (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
-    const float residuals_3_phase_x = phase_x_part_5 - (estimator_amplitude * rows_3_4);
+    const float residuals_3_phase_x = phase_x_sum_2 - (estimator_amplitude * rows_3_4);
     const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float rows_5_1 = start_cosine_cx * (phase_x_part +
-        (cx_part_full_squared * (phase_x_part_2 + (5.0f * (cx_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
+    const float rows_5_1 = start_cosine_cx * (phase_x_product +
+        (cx_part_full_squared * (phase_x_product_2 + (5.0f * (cx_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum_3 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
     const float rows_5_4 = cx_part_full * (estimator_field_1 +
         (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
-    const float residuals_5_phase_x = phase_x_part_6 - (estimator_amplitude * rows_5_4);
+    const float residuals_5_phase_x = phase_x_sum_3 - (estimator_amplitude * rows_5_4);
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
     const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, 0.065f);
-    const float phase_x_part_7 = gradient_1_phase_x * terms_1_phase_x;
-    const float phase_x_part_8 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
-    const float rows_1_3 = phase_x_part_8 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
-    const float phase_x_part_9 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
-    const float rows_3_3 = phase_x_part_9 + (rows_3_1 * (sin_yaw_scaled_4 - cos_yaw_scaled_3));
-    const float phase_x_part_10 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
-    const float rows_5_3 = phase_x_part_10 + (rows_5_1 * (sin_yaw_scaled_6 - cos_yaw_scaled_4));
+    const float phase_x_product_4 = gradient_1_phase_x * terms_1_phase_x;
+    const float phase_x_sum_4 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
+    const float rows_1_3 = phase_x_sum_4 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
+    const float phase_x_sum_5 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
+    const float rows_3_3 = phase_x_sum_5 + (rows_3_1 * (sin_yaw_scaled_4 - cos_yaw_scaled_3));
+    const float phase_x_sum_6 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
+    const float rows_5_3 = phase_x_sum_6 + (rows_5_1 * (sin_yaw_scaled_6 - cos_yaw_scaled_4));
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
     const float terms_1_phase_x_2 = hall_position_three_limit(left_3_1 * terms_1_phase_x, 1250.0f);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float rows_2_2 = start_cosine_ay * (phase_x_part +
-        (ay_part_full_squared * (phase_x_part_2 + (5.0f * (ay_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_11 = phase_x_part_4 - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
+    const float rows_2_2 = start_cosine_ay * (phase_x_product +
+        (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum_7 = phase_x_sum - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
     const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
-    const float residuals_2_phase_x = phase_x_part_8 - (estimator_amplitude * rows_2_4);
+    const float residuals_2_phase_x = phase_x_sum_4 - (estimator_amplitude * rows_2_4);
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float rows_4_2 = start_cosine_by * (phase_x_part +
-        (by_part_full_squared * (phase_x_part_2 + (5.0f * (by_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_12 = phase_x_part_5 - (rows_4_2 * ((-2.6703537f * cos_yaw) - sin_yaw_scaled_3));
+    const float rows_4_2 = start_cosine_by * (phase_x_product +
+        (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum_8 = phase_x_sum_2 - (rows_4_2 * ((-2.6703537f * cos_yaw) - sin_yaw_scaled_3));
     const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
-    const float residuals_4_phase_x = phase_x_part_9 - (estimator_amplitude * rows_4_4);
+    const float residuals_4_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_4_4);
     const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float rows_6_2 = start_cosine_cy * (phase_x_part +
-        (cy_part_full_squared * (phase_x_part_2 + (5.0f * (cy_part_full_squared * phase_x_part_3)))));
-    const float phase_x_part_13 = phase_x_part_6 - (rows_6_2 * ((-0.5466371f * cos_yaw) - sin_yaw_scaled_5));
+    const float rows_6_2 = start_cosine_cy * (phase_x_product +
+        (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
+    const float phase_x_sum_9 = phase_x_sum_3 - (rows_6_2 * ((-0.5466371f * cos_yaw) - sin_yaw_scaled_5));
     const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
-    const float residuals_6_phase_x = phase_x_part_10 - (estimator_amplitude * rows_6_4);
-    const float phase_x_part_14 = (phase_x_part_11 * rows_2_2) + (phase_x_part_12 * rows_4_2) +
-        (phase_x_part_13 * rows_6_2);
+    const float residuals_6_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_6_4);
+    const float phase_x_sum_10 = (phase_x_sum_7 * rows_2_2) + (phase_x_sum_8 * rows_4_2) + (phase_x_sum_9 * rows_6_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
     const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, 0.065f);
-    const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_part_14 * terms_1_phase_x_3), 1250.0f);
+    const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_sum_10 * terms_1_phase_x_3), 1250.0f);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x);
-    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_part_11 * residuals_2_phase_x) +
-        (rows_3_3 * residuals_3_phase_x) - (phase_x_part_12 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
-        (phase_x_part_13 * residuals_6_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) -
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_sum_7 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (phase_x_sum_8 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (phase_x_sum_9 * residuals_6_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) -
         (terms_1_phase_x_4 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_part_11 * phase_x_part_11) + (rows_3_3 * rows_3_3) +
-        (phase_x_part_12 * phase_x_part_12) + (rows_5_3 * rows_5_3) + (phase_x_part_13 * phase_x_part_13);
+    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_sum_7 * phase_x_sum_7) + (rows_3_3 * rows_3_3) +
+        (phase_x_sum_8 * phase_x_sum_8) + (rows_5_3 * rows_5_3) + (phase_x_sum_9 * phase_x_sum_9);
     const float terms_1_phase_x_5 = 1.0f / hall_position_three_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_part_14), 0.40625f);
-    const float phase_x_part_15 = forward_3_phase_x * terms_1_phase_x_5;
+        (terms_1_phase_x_4 * phase_x_sum_10), 0.40625f);
+    const float phase_x_product_5 = forward_3_phase_x * terms_1_phase_x_5;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
     const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, 500.0f);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
     const float terms_1_phase_x_7 = hall_position_three_limit(left_4_2 * terms_1_phase_x_3, 500.0f);
-    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_part_11) + (rows_3_4 * rows_3_3) -
-        (rows_4_4 * phase_x_part_12) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_part_13) -
-        (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_part_14);
+    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_sum_7) + (rows_3_4 * rows_3_3) -
+        (rows_4_4 * phase_x_sum_8) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_sum_9) -
+        (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_sum_10);
     const float terms_1_phase_x_8 = hall_position_three_limit(left_4_3_phase_x * terms_1_phase_x_5, 200.0f);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
@@ -675,130 +674,130 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
         (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.065f);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float steps_3_phase_x = phase_x_part_15 - (terms_1_phase_x_8 * steps_4_phase_x);
-    const float steps_1_phase_x = phase_x_part_7 - (terms_1_phase_x_2 * steps_3_phase_x) -
+    const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
         (terms_1_phase_x_6 * steps_4_phase_x);
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_three_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
-    const float phase_x_part_16 = rows_1_1 * terms_1_phase_x;
+    const float phase_x_product_6 = rows_1_1 * terms_1_phase_x;
     const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
-    const float phase_x_part_17 = b_3_phase_x * terms_1_phase_x_5;
+    const float phase_x_product_7 = b_3_phase_x * terms_1_phase_x_5;
     const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
-    const float moves_1_3_phase_x = phase_x_part_17 - (terms_1_phase_x_8 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = phase_x_part_16 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
+    const float moves_1_3_phase_x = phase_x_product_7 - (terms_1_phase_x_8 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = phase_x_product_6 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
         (terms_1_phase_x_6 * moves_1_4_phase_x);
-    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f -
-        ((rows_1_1 * phase_x_part_16) + (b_3_phase_x * phase_x_part_17) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
+    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * phase_x_product_6) +
+        (b_3_phase_x * phase_x_product_7) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
     const float scores_1_phase_x = residuals_1_phase_x -
         ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
-    const float phase_x_part_18 = phase_x_part_11 + (terms_1_phase_x_4 * rows_2_2);
-    const float phase_x_part_19 = phase_x_part_18 * terms_1_phase_x_5;
-    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_part_18);
+    const float phase_x_sum_11 = phase_x_sum_7 + (terms_1_phase_x_4 * rows_2_2);
+    const float phase_x_product_8 = phase_x_sum_11 * terms_1_phase_x_5;
+    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_sum_11);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float phase_x_part_20 = phase_x_part_19 + (terms_1_phase_x_8 * weighted_4_phase_x);
-    const float phase_x_part_21 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_part_19 * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_three_limit(-(phase_x_part_21 * gains_1_phase_x), 31.622776f);
-    const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_part_20) - (terms_1_phase_x_6 * weighted_4_phase_x) -
+    const float phase_x_sum_12 = phase_x_product_8 + (terms_1_phase_x_8 * weighted_4_phase_x);
+    const float phase_x_sum_13 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_product_8 * b_3_phase_x);
+    const float lower_2_1_phase_x = hall_position_three_limit(-(phase_x_sum_13 * gains_1_phase_x), 31.622776f);
+    const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_sum_12) - (terms_1_phase_x_6 * weighted_4_phase_x) -
         (lower_2_1_phase_x * moves_1_1_phase_x);
     const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
     const float gains_2_phase_x = 1.0f /
-        hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_part_18 * phase_x_part_19) +
-        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_part_21), 0.001f);
-    const float phase_x_part_22 = gradient_2_phase_x * terms_1_phase_x_3;
-    const float steps_2_phase_x = phase_x_part_22 - (terms_1_phase_x_4 * steps_3_phase_x) -
+        hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_sum_11 * phase_x_product_8) +
+        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_sum_13), 0.001f);
+    const float phase_x_product_9 = gradient_2_phase_x * terms_1_phase_x_3;
+    const float steps_2_phase_x = phase_x_product_9 - (terms_1_phase_x_4 * steps_3_phase_x) -
         (terms_1_phase_x_7 * steps_4_phase_x);
     const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (phase_x_part_11 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
-    const float phase_x_part_23 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_part_20) -
-        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_part_23);
-    const float phase_x_part_24 = phase_x_part_20 + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float phase_x_part_25 = rows_3_1 * terms_1_phase_x;
+        (phase_x_sum_7 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float phase_x_sum_14 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_sum_12) -
+        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_sum_14);
+    const float phase_x_sum_15 = phase_x_sum_12 + (lower_2_1_phase_x * moves_1_3_phase_x);
+    const float phase_x_product_10 = rows_3_1 * terms_1_phase_x;
     const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
-    const float phase_x_part_26 = b_3_phase_x_2 * terms_1_phase_x_5;
+    const float phase_x_product_11 = b_3_phase_x_2 * terms_1_phase_x_5;
     const float b_4_phase_x_2 = rows_3_4 - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float moves_3_3 = phase_x_part_26 - (terms_1_phase_x_8 * moves_3_4);
-    const float moves_3_1 = phase_x_part_25 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
+    const float moves_3_3 = phase_x_product_11 - (terms_1_phase_x_8 * moves_3_4);
+    const float moves_3_1 = phase_x_product_10 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
     const float gains_3 = 1.0f / hall_position_three_max(1.0f -
-        ((rows_3_1 * phase_x_part_25) + (b_3_phase_x_2 * phase_x_part_26) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
+        ((rows_3_1 * phase_x_product_10) + (b_3_phase_x_2 * phase_x_product_11) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
     const float scores_3 = residuals_3_phase_x -
         ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float phase_x_part_27 = phase_x_part_12 + (terms_1_phase_x_4 * rows_4_2);
-    const float phase_x_part_28 = phase_x_part_27 * terms_1_phase_x_5;
-    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_part_27);
+    const float phase_x_sum_16 = phase_x_sum_8 + (terms_1_phase_x_4 * rows_4_2);
+    const float phase_x_product_12 = phase_x_sum_16 * terms_1_phase_x_5;
+    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_sum_16);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float phase_x_part_29 = phase_x_part_28 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
-    const float phase_x_part_30 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_part_28 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(phase_x_part_30 * gains_3), 31.622776f);
-    const float moves_4_1 = (terms_1_phase_x_2 * phase_x_part_29) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
+    const float phase_x_sum_17 = phase_x_product_12 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
+    const float phase_x_sum_18 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_product_12 * b_3_phase_x_2);
+    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(phase_x_sum_18 * gains_3), 31.622776f);
+    const float moves_4_1 = (terms_1_phase_x_2 * phase_x_sum_17) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
     const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
     const float gains_4 = 1.0f /
-        hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_part_27 * phase_x_part_28) +
-        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_part_30), 0.001f);
+        hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_sum_16 * phase_x_product_12) +
+        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_sum_18), 0.001f);
     const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (phase_x_part_12 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float phase_x_part_31 = phase_x_part_29 + (lower_2_1_phase_x_2 * moves_3_3);
-    const float phase_x_part_32 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_part_29) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_part_32);
-    const float phase_x_part_33 = rows_5_1 * terms_1_phase_x;
+        (phase_x_sum_8 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
+    const float phase_x_sum_19 = phase_x_sum_17 + (lower_2_1_phase_x_2 * moves_3_3);
+    const float phase_x_sum_20 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_sum_17) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_sum_20);
+    const float phase_x_product_13 = rows_5_1 * terms_1_phase_x;
     const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
-    const float phase_x_part_34 = b_3_phase_x_3 * terms_1_phase_x_5;
+    const float phase_x_product_14 = b_3_phase_x_3 * terms_1_phase_x_5;
     const float b_4_phase_x_3 = rows_5_4 - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float moves_5_3 = phase_x_part_34 - (terms_1_phase_x_8 * moves_5_4);
-    const float moves_5_1 = phase_x_part_33 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
+    const float moves_5_3 = phase_x_product_14 - (terms_1_phase_x_8 * moves_5_4);
+    const float moves_5_1 = phase_x_product_13 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
     const float gains_5 = 1.0f / hall_position_three_max(1.0f -
-        ((rows_5_1 * phase_x_part_33) + (b_3_phase_x_3 * phase_x_part_34) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
+        ((rows_5_1 * phase_x_product_13) + (b_3_phase_x_3 * phase_x_product_14) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
     const float scores_5 = residuals_5_phase_x -
         ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
-    const float phase_x_part_35 = phase_x_part_13 + (terms_1_phase_x_4 * rows_6_2);
-    const float phase_x_part_36 = phase_x_part_35 * terms_1_phase_x_5;
-    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_part_35);
+    const float phase_x_sum_21 = phase_x_sum_9 + (terms_1_phase_x_4 * rows_6_2);
+    const float phase_x_product_15 = phase_x_sum_21 * terms_1_phase_x_5;
+    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_sum_21);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float phase_x_part_37 = phase_x_part_36 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
-    const float phase_x_part_38 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_part_36 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(phase_x_part_38 * gains_5), 31.622776f);
-    const float moves_6_1 = (terms_1_phase_x_2 * phase_x_part_37) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
+    const float phase_x_sum_22 = phase_x_product_15 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
+    const float phase_x_sum_23 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_product_15 * b_3_phase_x_3);
+    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(phase_x_sum_23 * gains_5), 31.622776f);
+    const float moves_6_1 = (terms_1_phase_x_2 * phase_x_sum_22) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
     const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
     const float gain = 1.0f /
-        hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_part_35 * phase_x_part_36) +
-        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_part_38), 0.001f);
+        hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_sum_21 * phase_x_product_15) +
+        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_sum_23), 0.001f);
     const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (phase_x_part_13 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float phase_x_part_39 = phase_x_part_37 + (lower_2_1_phase_x_3 * moves_5_3);
-    const float phase_x_part_40 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_part_37) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_part_40);
+        (phase_x_sum_9 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+    const float phase_x_sum_24 = phase_x_sum_22 + (lower_2_1_phase_x_3 * moves_5_3);
+    const float phase_x_sum_25 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
+    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_sum_22) -
+        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_sum_25);
     float moves_1_1_phase_x_2 = moves_1_1_phase_x;
     float gains_1_phase_x_2 = gains_1_phase_x;
     float scores_1_phase_x_2 = scores_1_phase_x;
     float moves_2_1_phase_x_2 = moves_2_1_phase_x;
     float gains_2_phase_x_2 = gains_2_phase_x;
     float scores_2_phase_x_2 = scores_2_phase_x;
-    bool phase_x_part_41 = false;
+    bool phase_x_if_not_none_phase_x = false;
     float moves_1_3_phase_x_2 = moves_1_3_phase_x;
     float moves_2_3_phase_x;
     float moves_1_4_phase_x_2 = moves_1_4_phase_x;
     float moves_2_4_phase_x;
-    bool phase_x_part_42 = true;
-    bool phase_x_test = true;
+    bool phase_x_if_not_none_phase_x_2 = true;
+    bool phase_x_if_not_none_phase_x_3 = true;
     float moves_1_2_phase_x;
     float moves_2_2_phase_x_2 = moves_2_2_phase_x;
     if (excluded < 2.0f) {
-        moves_2_3_phase_x = -phase_x_part_24;
+        moves_2_3_phase_x = -phase_x_sum_15;
         moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
-        moves_1_2_phase_x = -phase_x_part_23;
+        moves_1_2_phase_x = -phase_x_sum_14;
     } else {
-        phase_x_part_41 = true;
+        phase_x_if_not_none_phase_x = true;
         const bool excluded_below_3 = excluded < 3.0f;
         if (excluded_below_3) {
-            phase_x_part_42 = false;
+            phase_x_if_not_none_phase_x_2 = false;
             moves_1_1_phase_x_2 = moves_3_1;
             gains_1_phase_x_2 = gains_3;
             scores_1_phase_x_2 = scores_3;
@@ -806,10 +805,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             gains_2_phase_x_2 = gains_4;
             scores_2_phase_x_2 = scores_4_phase_x;
             moves_1_3_phase_x_2 = moves_3_3;
-            moves_2_3_phase_x = -phase_x_part_31;
+            moves_2_3_phase_x = -phase_x_sum_19;
             moves_1_4_phase_x_2 = moves_3_4;
             moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
-            moves_1_2_phase_x = -phase_x_part_32;
+            moves_1_2_phase_x = -phase_x_sum_20;
             moves_2_2_phase_x_2 = moves_4_2;
         } else {
             moves_1_1_phase_x_2 = moves_5_1;
@@ -819,13 +818,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             gains_2_phase_x_2 = gain;
             scores_2_phase_x_2 = scores_6_phase_x;
             moves_1_3_phase_x_2 = moves_5_3;
-            moves_2_3_phase_x = -phase_x_part_39;
+            moves_2_3_phase_x = -phase_x_sum_24;
             moves_1_4_phase_x_2 = moves_5_4;
             moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
-            moves_1_2_phase_x = -phase_x_part_40;
+            moves_1_2_phase_x = -phase_x_sum_25;
             moves_2_2_phase_x_2 = moves_6_2;
         }
-        phase_x_test = excluded_below_3;
+        phase_x_if_not_none_phase_x_3 = excluded_below_3;
     }
     float added_1_phase_x = 0.0f;
     bool weights_1 = true;
@@ -839,15 +838,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float added_3_deviation_yaw = 0.0f;
     float added_4_deviation_amplitude = 0.0f;
     if (!none_phase_x) {
-        const float phase_x_part_43 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_part_44 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_part_43) + (moves_2_1_phase_x_2 * phase_x_part_44));
-        weights_1 = phase_x_part_41;
-        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_part_43) + (moves_2_3_phase_x * phase_x_part_44));
-        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_part_43) + (moves_2_4_phase_x * phase_x_part_44));
-        weights_3 = phase_x_part_42;
-        weights_5 = phase_x_test;
-        added_2_phase_x = -((moves_1_2_phase_x * phase_x_part_43) + (moves_2_2_phase_x_2 * phase_x_part_44));
+        const float phase_x_product_16 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_product_17 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_16) + (moves_2_1_phase_x_2 * phase_x_product_17));
+        weights_1 = phase_x_if_not_none_phase_x;
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_16) + (moves_2_3_phase_x * phase_x_product_17));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_16) + (moves_2_4_phase_x * phase_x_product_17));
+        weights_3 = phase_x_if_not_none_phase_x_2;
+        weights_5 = phase_x_if_not_none_phase_x_3;
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_16) + (moves_2_2_phase_x_2 * phase_x_product_17));
         added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
         added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
@@ -866,14 +865,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
     const float limited_3_sine = hall_position_three_limit(turns_3_sine - sin_yaw, 0.1f);
     const float best_4 = hall_position_three_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
-    const float phase_x_part_45 = hall_position_three_max(hall_position_three_min(estimator_amplitude + best_4, 1.25f),
+    const float phase_x_limited = hall_position_three_max(hall_position_three_min(estimator_amplitude + best_4, 1.25f),
         0.75f);
     const float best_2 = hall_position_three_limit(steps_2_phase_x + added_2_phase_x, 0.5f);
     float terms_1_phase_x_9 = 0.0f;
-    float phase_x_part_46 = 0.0f;
+    float phase_x_choice = 0.0f;
     float terms_2_phase_x = 0.0f;
-    float phase_x_part_47 = 0.0f;
-    float chi_square_part = 0.0f;
+    float phase_x_choice_2 = 0.0f;
+    float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (1.495398f * limited_3_cosine) + (1.69646f * limited_3_sine);
         const float f15_argument = by_ax * by_ax;
@@ -881,7 +880,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_ax * (by_ax * f16_polynomial(f15_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
-            (phase_x_part_45 * (phasors_1_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 - (1.69646f * limited_3_cosine) + (1.495398f * limited_3_sine);
@@ -890,12 +889,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_ay * (by_ay * f22_polynomial(f21_argument)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
-            (phase_x_part_45 * (phasors_2_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
             (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
-        phase_x_part_46 = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_part_11 * residuals_2_phase_x_2);
+        phase_x_choice = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_sum_7 * residuals_2_phase_x_2);
         terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
-        phase_x_part_47 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
-        chi_square_part = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
+        phase_x_choice_2 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
+        chi_square_choice = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
             (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
     float terms_3_phase_x = 0.0f;
@@ -913,7 +912,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_bx * (by_bx * f18_polynomial(f17_argument)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
-            (phase_x_part_45 * (phasors_3_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
@@ -923,9 +922,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_by * (by * f24_polynomial(f23_argument)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
-            (phase_x_part_45 * (phasors_4_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
             (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
-        terms_4_phase_x = -(phase_x_part_12 * residuals_4_phase_x_2);
+        terms_4_phase_x = -(phase_x_sum_8 * residuals_4_phase_x_2);
         terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
         terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
         terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
@@ -947,7 +946,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_cx * (by_cx * f20_polynomial(f19_argument)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
-            (phase_x_part_45 * (phasors_5_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
@@ -957,9 +956,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             (start_cosine_cy * (by_cy * f26_polynomial(f25_argument)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
-            (phase_x_part_45 * (phasors_6_sine * (estimator_field_1 +
+            (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
             (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
-        terms_6_phase_x = -(phase_x_part_13 * residuals_6_phase_x_2);
+        terms_6_phase_x = -(phase_x_sum_9 * residuals_6_phase_x_2);
         terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
         terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
         terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
@@ -967,70 +966,70 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
     }
     const float gradient_1_phase_x_2 = terms_1_phase_x_9 + terms_3_phase_x + terms_5_phase_x;
-    const float phase_x_part_48 = gradient_1_phase_x_2 * terms_1_phase_x;
-    const float gradient_3_phase_x = phase_x_part_46 + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
+    const float phase_x_product_18 = gradient_1_phase_x_2 * terms_1_phase_x;
+    const float gradient_3_phase_x = phase_x_choice + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
         terms_6_phase_x;
     const float gradient_2_phase_x_2 = terms_2_phase_x + terms_4_phase_x_2 + terms_6_phase_x_2;
     const float forward_3_phase_x_2 = gradient_3_phase_x - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
         (terms_1_phase_x_4 * gradient_2_phase_x_2);
-    const float phase_x_part_49 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float phase_x_product_19 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x = phase_x_part_47 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
+    const float gradient_4_phase_x = phase_x_choice_2 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
         terms_6_phase_x_3 - (0.007222222f * offsets_4_phase_x_2);
     const float forward_4_phase_x_5 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_5 * diagonal_4;
-    const float steps_3_phase_x_2 = phase_x_part_49 - (terms_1_phase_x_8 * steps_4_phase_x_2);
+    const float steps_3_phase_x_2 = phase_x_product_19 - (terms_1_phase_x_8 * steps_4_phase_x_2);
     const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
         (moves_1_4_phase_x_2 * gradient_4_phase_x), 1598.1837f);
-    const float phase_x_part_50 = gains_1_phase_x_2 * projections_1;
+    const float phase_x_product_20 = gains_1_phase_x_2 * projections_1;
     const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
         (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
         (moves_2_4_phase_x * gradient_4_phase_x), 1598.1837f);
-    const float phase_x_part_51 = gains_2_phase_x_2 * projections_2;
-    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_part_48 -
+    const float phase_x_product_21 = gains_2_phase_x_2 * projections_2;
+    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_18 -
         (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
-        ((moves_1_1_phase_x_2 * phase_x_part_50) + (moves_2_1_phase_x_2 * phase_x_part_51)))), 0.5f);
+        ((moves_1_1_phase_x_2 * phase_x_product_20) + (moves_2_1_phase_x_2 * phase_x_product_21)))), 0.5f);
     const float starts_1_plus_moved_1 = starts_1 + moved_1;
-    float phase_x_part_52 = starts_1_plus_moved_1;
+    float phase_x_choice_3 = starts_1_plus_moved_1;
     if (pi < starts_1_plus_moved_1) {
-        phase_x_part_52 = starts_1_plus_moved_1 - two_pi;
+        phase_x_choice_3 = starts_1_plus_moved_1 - two_pi;
     }
-    float phase_x_part_53 = phase_x_part_52;
-    if (phase_x_part_52 < -pi) {
-        phase_x_part_53 = phase_x_part_52 + two_pi;
+    float phase_x_unlimited = phase_x_choice_3;
+    if (phase_x_choice_3 < -pi) {
+        phase_x_unlimited = phase_x_choice_3 + two_pi;
     }
-    const float phase_x = hall_position_three_limit(phase_x_part_53, pi);
-    const float phase_y_part = gradient_2_phase_x_2 * terms_1_phase_x_3;
-    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_part - (terms_1_phase_x_4 * steps_3_phase_x_2) -
-        (terms_1_phase_x_7 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
-        ((moves_1_2_phase_x * phase_x_part_50) + (moves_2_2_phase_x_2 * phase_x_part_51)))), 0.5f);
+    const float phase_x = hall_position_three_limit(phase_x_unlimited, pi);
+    const float phase_y_product = gradient_2_phase_x_2 * terms_1_phase_x_3;
+    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product -
+        (terms_1_phase_x_4 * steps_3_phase_x_2) - (terms_1_phase_x_7 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
+        ((moves_1_2_phase_x * phase_x_product_20) + (moves_2_2_phase_x_2 * phase_x_product_21)))), 0.5f);
     const float starts_2_plus_moved_2 = starts_2 + moved_2;
-    float phase_y_part_2 = starts_2_plus_moved_2;
+    float phase_y_choice = starts_2_plus_moved_2;
     if (pi < starts_2_plus_moved_2) {
-        phase_y_part_2 = starts_2_plus_moved_2 - two_pi;
+        phase_y_choice = starts_2_plus_moved_2 - two_pi;
     }
-    float phase_y_part_3 = phase_y_part_2;
-    if (phase_y_part_2 < -pi) {
-        phase_y_part_3 = phase_y_part_2 + two_pi;
+    float phase_y_unlimited = phase_y_choice;
+    if (phase_y_choice < -pi) {
+        phase_y_unlimited = phase_y_choice + two_pi;
     }
-    const float phase_y = hall_position_three_limit(phase_y_part_3, pi);
+    const float phase_y = hall_position_three_limit(phase_y_unlimited, pi);
     const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + ((none_phase_x) ? 0.0f :
-        ((moves_1_3_phase_x_2 * phase_x_part_50) + (moves_2_3_phase_x * phase_x_part_51)))), 0.1f);
+        ((moves_1_3_phase_x_2 * phase_x_product_20) + (moves_2_3_phase_x * phase_x_product_21)))), 0.1f);
     const float yaw = hall_position_three_limit(starts_3 + moved_3, 0.20943952f);
-    const float amplitude_part = estimator_amplitude + hall_position_three_limit(best_4 + (steps_4_phase_x_2 +
-        ((none_phase_x) ? 0.0f : ((moves_1_4_phase_x_2 * phase_x_part_50) + (moves_2_4_phase_x * phase_x_part_51)))),
-        0.125f);
-    const float amplitude = hall_position_three_max(hall_position_three_min(amplitude_part, 1.25f), 0.75f);
-    const float deviation_phase_x_part = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
+    const float amplitude_sum = estimator_amplitude +
+        hall_position_three_limit(best_4 + (steps_4_phase_x_2 + ((none_phase_x) ? 0.0f :
+        ((moves_1_4_phase_x_2 * phase_x_product_20) + (moves_2_4_phase_x * phase_x_product_21)))), 0.125f);
+    const float amplitude = hall_position_three_max(hall_position_three_min(amplitude_sum, 1.25f), 0.75f);
+    const float deviation_phase_x_sum = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
-        (deviation_phase_x_part * deviation_phase_x_part * diagonal_4);
+        (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
     const float deviation_phase_x = hall_position_three_min(0.0050990195f * sqrtf(variances_1), 0.02f);
-    const float deviation_phase_y_part = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
+    const float deviation_phase_y_sum = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
-        (deviation_phase_y_part * deviation_phase_y_part * diagonal_4);
+        (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
     const float deviation_phase_y = hall_position_three_min(0.0050990195f * sqrtf(variances_2), 0.02f);
     const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
@@ -1038,120 +1037,116 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float deviation_yaw = hall_position_three_min(0.0050990195f * sqrtf(variances_3), 0.008f);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_three_min(0.0050990195f * sqrtf(variances_4), 0.02f);
-    const float chi_square_part_2 = (gradient_1_phase_x_2 * phase_x_part_48) + (gradient_2_phase_x_2 * phase_y_part) +
-        (forward_3_phase_x_2 * phase_x_part_49) + (forward_4_phase_x_5 * steps_4_phase_x_2) +
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_18) + (gradient_2_phase_x_2 *
+        phase_y_product) + (forward_3_phase_x_2 * phase_x_product_19) + (forward_4_phase_x_5 * steps_4_phase_x_2) +
         ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
         (gains_2_phase_x_2 * (projections_2 * projections_2))));
-    const float cost_chi_square = hall_position_three_max(chi_square_part + terms_3_chi_square + terms_4_chi_square +
+    const float cost_chi_square = hall_position_three_max(chi_square_choice + terms_3_chi_square + terms_4_chi_square +
         terms_5_chi_square + terms_6_chi_square + (0.007222222f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) -
-        chi_square_part_2, 0.0f);
+        chi_square_sum, 0.0f);
     const float chi_square = hall_position_three_min(38461.54f * cost_chi_square, 1e+09f);
-    const bool converged = chi_square_part_2 <= 2.6e-07f;
+    const bool converged = chi_square_sum <= 2.6e-07f;
     const bool factors_2 = (left_1_1 <= 16250.0f) && (left_2_2_phase_x <= 16250.0f) &&
         (left_3_3_phase_x <= 101562.5f) && (left_4_4_phase_x <= 16250.0f);
     const bool weak = !factors_2 || (15.384461f <= variances_1) || (15.384461f <= variances_2) ||
         (2.4615138f <= variances_3) || (15.384461f <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const bool none_protection_phase_x = hall_position_three_equal(excluded, 0.0f);
-    const float protection_phase_x_part = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
+    const float protection_phase_x_limited = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
-    const float protection_phase_x_part_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_part_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
-    const float protection_phase_y_part = hall_position_three_max(0.0f, (phase_x_part_23 * phase_x_part_23 *
+    const float protection_phase_x_sum = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_sum_2 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
+    const float protection_phase_y_limited = hall_position_three_max(0.0f, (phase_x_sum_14 * phase_x_sum_14 *
         gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
-    const float protection_phase_y_part_2 = (phase_x_part_32 * phase_x_part_32 * gains_3) +
+    const float protection_phase_y_sum = (phase_x_sum_20 * phase_x_sum_20 * gains_3) +
         (moves_4_2 * moves_4_2 * gains_4);
-    const float protection_phase_y_part_3 = (phase_x_part_40 * phase_x_part_40 * gains_5) +
-        (moves_6_2 * moves_6_2 * gain);
-    const float protection_yaw_part = hall_position_three_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
-        gains_1_phase_x) + (phase_x_part_24 * phase_x_part_24 * gains_2_phase_x));
-    const float protection_yaw_part_2 = (moves_3_3 * moves_3_3 * gains_3) +
-        (phase_x_part_31 * phase_x_part_31 * gains_4);
-    const float protection_yaw_part_3 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_part_39 * phase_x_part_39 * gain);
-    const float protection_phase_x_part_4 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
+    const float protection_phase_y_sum_2 = (phase_x_sum_25 * phase_x_sum_25 * gains_5) + (moves_6_2 * moves_6_2 * gain);
+    const float protection_yaw_limited = hall_position_three_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
+        gains_1_phase_x) + (phase_x_sum_15 * phase_x_sum_15 * gains_2_phase_x));
+    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (phase_x_sum_19 * phase_x_sum_19 * gains_4);
+    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_sum_24 * phase_x_sum_24 * gain);
+    const float protection_phase_x_sum_3 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
         residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
         + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) + (0.007222222f *
-        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_part_7) + (gradient_2_phase_x *
-        phase_x_part_22) + (forward_3_phase_x * phase_x_part_15) + (forward_4_phase_x * steps_4_phase_x));
-    const float full_cost = hall_position_three_max(protection_phase_x_part_4, 0.0f);
+        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x *
+        phase_x_product_9) + (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_three_max(protection_phase_x_sum_3, 0.0f);
     const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
     const float costs_3 = full_cost -
         ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
     const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_part_5 = scores_4_phase_x * gains_4;
+    const float protection_phase_x_product = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_part_5));
-    const float protection_phase_x_part_6 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_part_7 = scores_2_phase_x * gains_2_phase_x;
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product));
+    const float protection_phase_x_product_2 = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_product_3 = scores_2_phase_x * gains_2_phase_x;
     const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_part_6) + (scores_2_phase_x * protection_phase_x_part_7));
+        ((scores_1_phase_x * protection_phase_x_product_2) + (scores_2_phase_x * protection_phase_x_product_3));
     float limit = 16.266235f;
-    float protection_phase_x_part_8;
+    float protection_phase_x_choice;
     float share = 1.0f;
-    float protection_phase_y_part_4;
+    float protection_phase_y_choice;
     float level;
     if (none_protection_phase_x) {
-        protection_phase_x_part_8 = (0.03536334f *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_part, protection_phase_x_part_2),
-            protection_phase_x_part_3))) + (3.4807565f * deviation_phase_x);
-        protection_phase_y_part_4 = (0.03536334f *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_part, protection_phase_y_part_2),
-            protection_phase_y_part_3))) + (3.4807565f * deviation_phase_y);
-        level = (0.03536334f * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_part,
-            protection_yaw_part_2), protection_yaw_part_3))) + (3.4807565f * deviation_yaw);
+        protection_phase_x_choice = (0.03536334f *
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_limited, protection_phase_x_sum),
+            protection_phase_x_sum_2))) + (3.4807565f * deviation_phase_x);
+        protection_phase_y_choice = (0.03536334f *
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_limited, protection_phase_y_sum),
+            protection_phase_y_sum_2))) + (3.4807565f * deviation_phase_y);
+        level = (0.03536334f * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_limited,
+            protection_yaw_sum), protection_yaw_sum_2))) + (3.4807565f * deviation_yaw);
     } else {
         limit = 12.115665f;
-        const float protection_phase_x_part_9 = 0.0003150073f + (1e-05f * full_cost);
-        const float protection_phase_x_part_10 = steps_1_phase_x - moved_1;
-        const float protection_phase_y_part_5 = steps_2_phase_x - moved_2;
-        const float protection_yaw_part_4 = steps_3_phase_x - moved_3;
+        const float protection_phase_x_sum_4 = 0.0003150073f + (1e-05f * full_cost);
+        const float protection_phase_x_sum_5 = steps_1_phase_x - moved_1;
+        const float protection_phase_y_sum_3 = steps_2_phase_x - moved_2;
+        const float protection_yaw_sum_3 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_part;
+        float added_protection_phase_x = protection_phase_x_limited;
         float apart_protection_phase_y = 0.0f;
-        float added_protection_phase_y = protection_phase_y_part;
+        float added_protection_phase_y = protection_phase_y_limited;
         float apart_protection_yaw = 0.0f;
-        float added_protection_yaw = protection_yaw_part;
-        if (costs_1 <= protection_phase_x_part_9) {
-            apart_protection_phase_x = fabsf(protection_phase_x_part_10 -
-                ((moves_1_1_phase_x * protection_phase_x_part_6) + (moves_2_1_phase_x * protection_phase_x_part_7)));
-            apart_protection_phase_y = fabsf(protection_phase_y_part_5 -
-                ((moves_2_2_phase_x * protection_phase_x_part_7) - (phase_x_part_23 * protection_phase_x_part_6)));
-            apart_protection_yaw = fabsf(protection_yaw_part_4 -
-                ((moves_1_3_phase_x * protection_phase_x_part_6) - (phase_x_part_24 * protection_phase_x_part_7)));
+        float added_protection_yaw = protection_yaw_limited;
+        if (costs_1 <= protection_phase_x_sum_4) {
+            apart_protection_phase_x = fabsf(protection_phase_x_sum_5 - ((moves_1_1_phase_x *
+                protection_phase_x_product_2) + (moves_2_1_phase_x * protection_phase_x_product_3)));
+            apart_protection_phase_y = fabsf(protection_phase_y_sum_3 -
+                ((moves_2_2_phase_x * protection_phase_x_product_3) - (phase_x_sum_14 * protection_phase_x_product_2)));
+            apart_protection_yaw = fabsf(protection_yaw_sum_3 -
+                ((moves_1_3_phase_x * protection_phase_x_product_2) - (phase_x_sum_15 * protection_phase_x_product_3)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (costs_2 <= protection_phase_x_part_9) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x,
-                fabsf(protection_phase_x_part_10 -
-                ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_part_5))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_part_2);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_part_5
-                - ((moves_4_2 * protection_phase_x_part_5) - (phase_x_part_32 * scores_3_times_gains_3))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_part_2);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_part_4 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_part_31 * protection_phase_x_part_5))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_part_2);
+        if (costs_2 <= protection_phase_x_sum_4) {
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product))));
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
+                - ((moves_4_2 * protection_phase_x_product) - (phase_x_sum_20 * scores_3_times_gains_3))));
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_19 * protection_phase_x_product))));
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum);
         }
-        if (costs_3 <= protection_phase_x_part_9) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x,
-                fabsf(protection_phase_x_part_10 -
-                ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_part_3);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_part_5
-                - ((moves_6_2 * scores_6_phase_x_times_gain) - (phase_x_part_40 * scores_5_times_gains_5))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_part_3);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_part_4 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_part_39 * scores_6_phase_x_times_gain))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_part_3);
+        if (costs_3 <= protection_phase_x_sum_4) {
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
+                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
+                - ((moves_6_2 * scores_6_phase_x_times_gain) - (phase_x_sum_25 * scores_5_times_gains_5))));
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_sum_24 * scores_6_phase_x_times_gain))));
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
         }
-        protection_phase_x_part_8 = apart_protection_phase_x +
+        protection_phase_x_choice = apart_protection_phase_x +
             (0.017748445f * sqrtf(diagonal_1 + added_protection_phase_x));
         share = 0.2f;
-        protection_phase_y_part_4 = apart_protection_phase_y +
+        protection_phase_y_choice = apart_protection_phase_y +
             (0.017748445f * sqrtf(diagonal_2 + added_protection_phase_y));
         level = apart_protection_yaw + (0.017748445f * sqrtf(diagonal_3 + added_protection_yaw));
     }
@@ -1159,13 +1154,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
         (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gain < 999.99f);
     if (!detectable) {
-        protection_phase_x_part_8 = 18.552713f;
-        protection_phase_y_part_4 = 18.552713f;
+        protection_phase_x_choice = 18.552713f;
+        protection_phase_y_choice = 18.552713f;
         level = 6.6f;
     }
-    const float protection_phase_x = hall_position_three_min(protection_phase_x_part_8, 18.552713f);
+    const float protection_phase_x = hall_position_three_min(protection_phase_x_choice, 18.552713f);
     const float share_scaled = 0.18552713f * share;
-    const float protection_phase_y = hall_position_three_min(protection_phase_y_part_4, 18.552713f);
+    const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, 18.552713f);
     const float protection_yaw = hall_position_three_min(level, 6.6f);
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
@@ -1187,8 +1182,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->tracking = tracking ? 1.0f : 0.0f;
     const uint32_t metres_counting = state->metres_counting;
     const bool accepted = phases_valid_test && passes;
-    float X_part = 0.0f;
-    float Y_part = 0.0f;
+    float X_choice = 0.0f;
+    float Y_choice = 0.0f;
     float count_x = 0.0f;
     float count_y = 0.0f;
     float tracked_2_motion_phase_x = 0.0f;
@@ -1203,41 +1198,37 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
          *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
          *         likewise pitch_y_next */
         const float metres_pitch_x = state->metres_pitch_x;
-        float X_part_2 = metres_pitch_x;
+        float X_if_tracking = metres_pitch_x;
         if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
             const float change_x = phase_x - state->metres_last_x;
             float turned_x;
             if (change_x < -pi) {
                 turned_x = metres_pitch_x + 1.0f;
+            } else if (pi < change_x) {
+                turned_x = metres_pitch_x - 1.0f;
             } else {
-                if (pi < change_x) {
-                    turned_x = metres_pitch_x - 1.0f;
-                } else {
-                    turned_x = metres_pitch_x;
-                }
+                turned_x = metres_pitch_x;
             }
-            X_part_2 = hall_position_three_limit(turned_x, 9.0f);
+            X_if_tracking = hall_position_three_limit(turned_x, 9.0f);
         }
-        X_part = 0.0508f * X_part_2;
+        X_choice = 0.0508f * X_if_tracking;
         const float metres_pitch_y = state->metres_pitch_y;
-        float Y_part_2 = metres_pitch_y;
+        float Y_if_tracking = metres_pitch_y;
         if ((fabsf(metres_pitch_y) <= 8.0f) && (metres_counting != 0u)) {
             const float change_y = phase_y - state->metres_last_y;
             float turned_y;
             if (change_y < -pi) {
                 turned_y = metres_pitch_y + 1.0f;
+            } else if (pi < change_y) {
+                turned_y = metres_pitch_y - 1.0f;
             } else {
-                if (pi < change_y) {
-                    turned_y = metres_pitch_y - 1.0f;
-                } else {
-                    turned_y = metres_pitch_y;
-                }
+                turned_y = metres_pitch_y;
             }
-            Y_part_2 = hall_position_three_limit(turned_y, 9.0f);
+            Y_if_tracking = hall_position_three_limit(turned_y, 9.0f);
         }
-        Y_part = 0.0508f * Y_part_2;
-        count_x = X_part_2;
-        count_y = Y_part_2;
+        Y_choice = 0.0508f * Y_if_tracking;
+        count_x = X_if_tracking;
+        count_y = Y_if_tracking;
 
         /* estimator: weighted least squares (continued) */
         if (accepted) {
@@ -1269,9 +1260,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_excluded = (uint32_t)hall_position_three_max(best, 0.0f);
         state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
-        const uint32_t estimator_missed_part = estimator_missed + 1u;
+        const uint32_t estimator_missed_sum = estimator_missed + 1u;
         state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
-            hall_position_three_min((float)estimator_missed_part, 8.0f));
+            hall_position_three_min((float)estimator_missed_sum, 8.0f));
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
@@ -1285,12 +1276,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
         const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
         const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-        const float estimator_phase_x_part = 2.0f - ((first || ((hall_position_three_min(apart_phase_x,
+        const float estimator_phase_x_sum = 2.0f - ((first || ((hall_position_three_min(apart_phase_x,
             fabsf(apart_phase_x - two_pi)) <= 0.15f) && (hall_position_three_min(apart_phase_y, fabsf(apart_phase_y -
             two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
-        const float count_estimator_phase_x = hall_position_three_max((float)estimator_candidates,
-            (solves ? 1.0f : 0.0f) * estimator_phase_x_part);
-        const bool unique = last && hall_position_three_equal(count_estimator_phase_x, 1.0f);
+        const float count_2 = hall_position_three_max((float)estimator_candidates,
+            (solves ? 1.0f : 0.0f) * estimator_phase_x_sum);
+        const bool unique = last && hall_position_three_equal(count_2, 1.0f);
         float candidate_phase_x = phase_x;
         float candidate_phase_y = phase_y;
         float candidate_yaw = yaw;
@@ -1306,43 +1297,43 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             candidate_yaw = estimator_candidate_yaw;
             candidate_amplitude = state->estimator_candidate_amplitude;
         }
-        float estimator_phase_x_part_2 = phase_x;
-        float estimator_phase_y_part = phase_y;
-        float estimator_yaw_part = yaw;
-        float estimator_amplitude_part = 1.0f;
+        float estimator_phase_x_choice = phase_x;
+        float estimator_phase_y_choice = phase_y;
+        float estimator_yaw_if_not_unique = yaw;
+        float estimator_amplitude_choice = 1.0f;
         if (ends) {
-            const float estimator_phase_x_part_3 = state->estimator_begin_phase_x + 5.1470127f;
-            if (pi < estimator_phase_x_part_3) {
-                const float estimator_phase_x_part_4 = estimator_phase_x_part_3 - two_pi;
-                estimator_phase_x_part_2 = estimator_phase_x_part_4;
-                state->estimator_begin_phase_x = estimator_phase_x_part_4;
+            const float estimator_phase_x_sum_2 = state->estimator_begin_phase_x + 5.1470127f;
+            if (pi < estimator_phase_x_sum_2) {
+                const float estimator_phase_x_sum_3 = estimator_phase_x_sum_2 - two_pi;
+                estimator_phase_x_choice = estimator_phase_x_sum_3;
+                state->estimator_begin_phase_x = estimator_phase_x_sum_3;
             } else {
-                estimator_phase_x_part_2 = estimator_phase_x_part_3;
-                state->estimator_begin_phase_x = estimator_phase_x_part_3;
+                estimator_phase_x_choice = estimator_phase_x_sum_2;
+                state->estimator_begin_phase_x = estimator_phase_x_sum_2;
             }
-            const float estimator_phase_y_part_2 = state->estimator_begin_phase_y + 4.2162914f;
-            if (pi < estimator_phase_y_part_2) {
-                const float estimator_phase_y_part_3 = estimator_phase_y_part_2 - two_pi;
-                estimator_phase_y_part = estimator_phase_y_part_3;
-                state->estimator_begin_phase_y = estimator_phase_y_part_3;
+            const float estimator_phase_y_sum = state->estimator_begin_phase_y + 4.2162914f;
+            if (pi < estimator_phase_y_sum) {
+                const float estimator_phase_y_sum_2 = estimator_phase_y_sum - two_pi;
+                estimator_phase_y_choice = estimator_phase_y_sum_2;
+                state->estimator_begin_phase_y = estimator_phase_y_sum_2;
             } else {
-                estimator_phase_y_part = estimator_phase_y_part_2;
-                state->estimator_begin_phase_y = estimator_phase_y_part_2;
+                estimator_phase_y_choice = estimator_phase_y_sum;
+                state->estimator_begin_phase_y = estimator_phase_y_sum;
             }
-            const float estimator_yaw_part_2 = state->estimator_begin_yaw + 0.230258f;
-            if (0.20943952f < estimator_yaw_part_2) {
-                const float estimator_yaw_part_3 = estimator_yaw_part_2 - 0.41887903f;
-                estimator_yaw_part = estimator_yaw_part_3;
-                state->estimator_begin_yaw = estimator_yaw_part_3;
+            const float estimator_yaw_sum = state->estimator_begin_yaw + 0.230258f;
+            if (0.20943952f < estimator_yaw_sum) {
+                const float estimator_yaw_sum_2 = estimator_yaw_sum - 0.41887903f;
+                estimator_yaw_if_not_unique = estimator_yaw_sum_2;
+                state->estimator_begin_yaw = estimator_yaw_sum_2;
             } else {
-                estimator_yaw_part = estimator_yaw_part_2;
-                state->estimator_begin_yaw = estimator_yaw_part_2;
+                estimator_yaw_if_not_unique = estimator_yaw_sum;
+                state->estimator_begin_yaw = estimator_yaw_sum;
             }
             state->estimator_age = 0u;
         } else {
-            estimator_amplitude_part = amplitude;
-            const uint32_t estimator_age_part = estimator_age + 1u;
-            state->estimator_age = (uint32_t)hall_position_three_min((float)estimator_age_part, 3.0f);
+            estimator_amplitude_choice = amplitude;
+            const uint32_t estimator_age_sum = estimator_age + 1u;
+            state->estimator_age = (uint32_t)hall_position_three_min((float)estimator_age_sum, 3.0f);
         }
         if (unique) {
             state->estimator_phase_x = candidate_phase_x;
@@ -1350,21 +1341,20 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_yaw = candidate_yaw;
             state->estimator_amplitude = candidate_amplitude;
         } else {
-            state->estimator_phase_x = estimator_phase_x_part_2;
-            state->estimator_phase_y = estimator_phase_y_part;
-            state->estimator_yaw = estimator_yaw_part;
-            state->estimator_amplitude = estimator_amplitude_part;
+            state->estimator_phase_x = estimator_phase_x_choice;
+            state->estimator_phase_y = estimator_phase_y_choice;
+            state->estimator_yaw = estimator_yaw_if_not_unique;
+            state->estimator_amplitude = estimator_amplitude_choice;
         }
         state->estimator_excluded = 0u;
         if (last) {
             const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)unique_scaled;
         } else {
-            const uint32_t estimator_start_number_part = estimator_start_number + hall_position_three_flag(ends);
-            state->estimator_start_number = (uint32_t)hall_position_three_min((float)estimator_start_number_part,
-                23.0f);
+            const uint32_t start_number_plus_ends = estimator_start_number + hall_position_three_flag(ends);
+            state->estimator_start_number = (uint32_t)hall_position_three_min((float)start_number_plus_ends, 23.0f);
         }
-        state->estimator_candidates = (uint32_t)((!last || unique) ? count_estimator_phase_x : 0.0f);
+        state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
         state->estimator_missed = 0u;
     }
     state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, 0.5f);
@@ -1373,9 +1363,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->lost = lost ? 1.0f : 0.0f;
 
     /* metres (continued) */
-    const float X = (0.008085071f * phase_x) + X_part;
+    const float X = (0.008085071f * phase_x) + X_choice;
     out->X = X;
-    const float Y = (0.008085071f * phase_y) + Y_part;
+    const float Y = (0.008085071f * phase_y) + Y_choice;
     out->Y = Y;
     const float deviation_X = 0.008085071f * deviation_phase_x;
     out->deviation_X = deviation_X;

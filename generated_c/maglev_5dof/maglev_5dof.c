@@ -56,6 +56,11 @@ static inline bool maglev_5dof_equal(float a, float b)
 #else
 #define MAGLEV_5DOF_INLINE static inline
 #endif
+#if defined(__OPTIMIZE_SIZE__)
+#define MAGLEV_5DOF_LARGE static inline
+#else
+#define MAGLEV_5DOF_LARGE MAGLEV_5DOF_INLINE
+#endif
 /* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, float *last, uint32_t bit,
     uint32_t *faults)
@@ -167,17 +172,17 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     float d_next = 0.0f;
     float estimate = held;
     float rate = 0.0f;
-    float g_part = 0.0f;
+    float g_change = 0.0f;
     if (ready != 0u) {
         const float q = state->q;
         const float nu = held - q;
         const float d = state->d;
         const float v = state->v;
         if (trusted) {
-            const float d_part = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
-            d_next = d_part;
+            const float d_if_trusted = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
+            d_next = d_if_trusted;
             rate = v + (beta * nu);
-            g_part = learning_step * (a_before * d_part);
+            g_change = learning_step * (a_before * d_if_trusted);
         } else {
             float taken_back = 0.0f;
             if (frozen != 0u) {
@@ -198,8 +203,95 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
         state->gained = 0.0f;
         state->d_at_change = d_next;
     }
-    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, largest_gain), least_gain);
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_change, largest_gain), least_gain);
     return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
+}
+
+typedef struct {
+    uint32_t unchanged;
+    float before_next;
+    bool usual;
+    uint32_t suspect;
+    bool trusted;
+    float held;
+    uint32_t frozen;
+    uint32_t excluded_next;
+    uint32_t doubts_next;
+    uint32_t jumps_next;
+} maglev_5dof_monitor_t;
+
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation
+ *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, float accepted,
+    float expected, bool unanswered, bool in_time, bool sound, uint32_t ready, bool good)
+{
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
+    static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+
+    const float code = state->code;
+    const bool same = maglev_5dof_equal(accepted, code);
+    uint32_t unchanged = 0u;
+    float before_next = expected;
+    if (same) {
+        const uint32_t still = state->still;
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
+        before_next = state->before;
+    }
+    const uint32_t doubts = state->doubts;
+    const bool doubts_below_1 = doubts < 1u;
+    const bool stands = (repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
+        (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered);
+    const float distance = fabsf(expected - accepted);
+    const uint32_t jumps = state->jumps;
+    const bool changed = !same;
+    bool jumping = false;
+    uint32_t doubts_next;
+    if (jump < distance) {
+        const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+            (-travel < code) && (code < travel);
+        jumping = (1u <= jumps) || (believed && changed);
+        doubts_next = (same || believed) ? doubts : doubted_changes;
+    } else if (changed && (gate < distance)) {
+        doubts_next = doubted_changes;
+    } else if (changed && (1u <= doubts)) {
+        doubts_next = doubts - 1u;
+    } else {
+        doubts_next = doubts;
+    }
+    const bool usual = !(stands || jumping) && sound;
+    uint32_t suspect = 0u;
+    bool trusted = true;
+    float held = accepted;
+    uint32_t frozen = 0u;
+    uint32_t excluded_next = 0u;
+    uint32_t jumps_next = 0u;
+    if (!usual) {
+        const uint32_t excluded = state->excluded;
+        const bool usable = good && (excluded == 0u);
+        const uint32_t stopped = (stands && (ready != 0u) && usable) ? 1u : excluded;
+        uint32_t doubted = 1u;
+        if (jumping) {
+            const bool last = excluded_from <= jumps;
+            excluded_next = (last) ? 1u : excluded;
+            jumps_next = (last) ? 0u : (jumps + 1u);
+        } else {
+            doubted = stopped;
+            excluded_next = stopped;
+        }
+        suspect = doubted;
+        const bool measured = usable && (doubted == 0u);
+        trusted = measured;
+        held = (measured) ? accepted : expected;
+        frozen = stopped;
+    }
+    return (maglev_5dof_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
+        .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .excluded_next = excluded_next,
+        .doubts_next = doubts_next, .jumps_next = jumps_next};
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
@@ -318,12 +410,12 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
         .guard_left = 20u,
+        .x_monitor.doubts = 10u,
+        .z_monitor.doubts = 10u,
         .redundancy_code_y1 = 0.0245f,
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
-        .redundancy_doubts_x = 10u,
-        .redundancy_doubts_z = 10u,
         .observer_y_q = 0.0245f,
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
@@ -351,7 +443,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 {
     static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
-    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
     static const float T = 0.001f;                              /* s; sample period */
     static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
@@ -404,92 +495,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const float missed_calls = in->missed_calls;
 
-    /* redundancy: parity, innovations, frozen codes, jumps */
+    /* redundancy: parity, innovations, frozen codes */
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    /* m; end of the travel, where a stop may hold it; of low x, high x, low z, high z */
-    static const float travel = 0.0499f;
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes; of x, z */
-    /* m; from the prediction: no acceleration of the machine explains it; of x, z */
-    static const float jump = 0.00015f;
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    const float residual_0_part = y1_accepted - y2_accepted + y3_accepted;
-    const float residual_0 = residual_0_part - y4_accepted;
+    const float residual_0_without_y4 = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
+    const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
-    const float redundancy_code_x = state->redundancy_code_x;
-    const bool same_x = maglev_5dof_equal(x_accepted, redundancy_code_x);
-    const float observer_x_q = state->observer_x.q;
-    const float distance_x = fabsf(observer_x_q - x_accepted);
-    const bool far_x = jump < distance_x;
-    const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
-    const bool redundancy_doubts_x_below_1 = redundancy_doubts_x < 1u;
-    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
-    const bool believed_x = redundancy_doubts_x_below_1 && in_time && (-travel < observer_x_q) &&
-        (observer_x_q < travel) && (-travel < redundancy_code_x) && (redundancy_code_x < travel);
-    uint32_t x_unchanged = 0u;
-    float before_x = observer_x_q;
-    uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
-    if (same_x) {
-        const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (most_unchanged <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
-        before_x = state->redundancy_before_x;
-    } else {
-        if (far_x) {
-            redundancy_doubts_x_next = (believed_x) ? redundancy_doubts_x : doubted_changes;
-        } else {
-            if (gate < distance_x) {
-                redundancy_doubts_x_next = doubted_changes;
-            } else {
-                if (1u <= redundancy_doubts_x) {
-                    redundancy_doubts_x_next = redundancy_doubts_x - 1u;
-                } else {
-                    redundancy_doubts_x_next = 0u;
-                }
-            }
-        }
-    }
-    const bool frozen_x = (repeated_samples <= x_unchanged) && (-travel < x_accepted) && (x_accepted < travel) &&
-        (((gate < fabsf(observer_x_q - before_x)) && redundancy_doubts_x_below_1) || x_unanswered);
-    const uint32_t redundancy_jumps_x = state->redundancy_jumps_x;
-    const bool jumps_x = far_x && ((1u <= redundancy_jumps_x) || (believed_x && !same_x));
-    const float redundancy_code_z = state->redundancy_code_z;
-    const bool same_z = maglev_5dof_equal(z_accepted, redundancy_code_z);
-    const float observer_z_q = state->observer_z.q;
-    const float distance_z = fabsf(observer_z_q - z_accepted);
-    const bool far_z = jump < distance_z;
-    const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
-    const bool redundancy_doubts_z_below_1 = redundancy_doubts_z < 1u;
-    const bool believed_z = redundancy_doubts_z_below_1 && in_time && (-travel < observer_z_q) &&
-        (observer_z_q < travel) && (-travel < redundancy_code_z) && (redundancy_code_z < travel);
-    uint32_t z_unchanged = 0u;
-    float before_z = observer_z_q;
-    uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
-    if (same_z) {
-        const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (most_unchanged <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
-        before_z = state->redundancy_before_z;
-    } else {
-        if (far_z) {
-            redundancy_doubts_z_next = (believed_z) ? redundancy_doubts_z : doubted_changes;
-        } else {
-            if (gate < distance_z) {
-                redundancy_doubts_z_next = doubted_changes;
-            } else {
-                if (1u <= redundancy_doubts_z) {
-                    redundancy_doubts_z_next = redundancy_doubts_z - 1u;
-                } else {
-                    redundancy_doubts_z_next = 0u;
-                }
-            }
-        }
-    }
-    const bool frozen_z = (repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) &&
-        (((gate < fabsf(observer_z_q - before_z)) && redundancy_doubts_z_below_1) || z_unanswered);
-    const uint32_t redundancy_jumps_z = state->redundancy_jumps_z;
-    const bool jumps_z = far_z && ((1u <= redundancy_jumps_z) || (believed_z && !same_z));
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -514,6 +528,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
+    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
+    const maglev_5dof_monitor_t x_monitor = maglev_5dof_monitor(&state->x_monitor, x_accepted, state->observer_x.q,
+        x_unanswered, in_time, sound, guard_ready, (faults & 0x00000010u) == 0u);
+    const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, z_accepted, state->observer_z.q,
+        z_unanswered, in_time, sound, guard_ready, (faults & 0x00000020u) == 0u);
+    const bool lost_x = !x_monitor.trusted;
+    const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;
     const float observer_y_q = state->observer_y_q;
     const float observer_theta_q = state->observer_theta_q;
@@ -521,21 +542,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
     const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
-    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
-    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     bool gaps_sufficient = true;
-    bool x_trusted = true;
-    bool z_trusted = true;
     float y1_held = y1_accepted;
     float y2_held = y2_accepted;
     float y3_held = y3_accepted;
     float y4_held = y4_accepted;
-    float x_held = x_accepted;
-    float z_held = z_accepted;
-    uint32_t x_frozen = 0u;
-    uint32_t z_frozen = 0u;
     bool regular = true;
     bool theta_measured = true;
     uint32_t degraded = 0u;
@@ -543,16 +556,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
     uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
-    uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
-    uint32_t redundancy_jumps_x_next = redundancy_jumps_x;
-    uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
-    uint32_t redundancy_jumps_z_next = redundancy_jumps_z;
     uint32_t redundancy_contradictions_0_next = 0u;
     uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !jumps_x &&
-            !frozen_z && !jumps_z)) {
+    if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
@@ -563,15 +571,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y3_expected = observer_y_q + r_phi;
         const float y4_expected = observer_y_q - r_theta;
 
-        /* redundancy: parity, innovations, frozen codes, jumps (continued)
+        /* redundancy: parity, innovations, frozen codes (continued)
          *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
          *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
-         *     x_unchanged = (still_x if most_unchanged <= still_x, else still_x + 1) if x_accepted == code_x, else
-         *         0; likewise z_unchanged
+         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
+         *         likewise suspect_z, degraded
+         *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
+         *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
+         *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
+         *         determined)
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
+        static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
         static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
@@ -601,20 +614,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = redundancy_undecided_0 == 0u;
             if (agreement || (guard_ready == 0u)) {
-                const bool suspect_y1_test = redundancy_undecided_0 != 0u;
-                suspect_y1 = suspect_y1_test;
-                suspect_y2 = suspect_y1_test;
-                suspect_y3 = suspect_y1_test;
-                suspect_y4 = suspect_y1_test;
+                const bool undecided_0_positive = redundancy_undecided_0 != 0u;
+                suspect_y1 = undecided_0_positive;
+                suspect_y2 = undecided_0_positive;
+                suspect_y3 = undecided_0_positive;
+                suspect_y4 = undecided_0_positive;
                 determined = agreeing;
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
-                const float direction_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y3 * (y1_accepted - y1_expected);
-                const float direction_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y4 * (y2_accepted - y2_expected);
-                const float E_y3 = direction_y3 * (y3_accepted - y3_expected);
-                const float E_y4 = direction_y4 * (y4_accepted - y4_expected);
+                const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+                const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
+                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
+                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
                 const bool repeats_y1 = repeated_samples <= still_y1;
                 const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
@@ -698,10 +711,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
                 redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
                 redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
+                const uint32_t redundancy_stuck_0_sum = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
                     maglev_5dof_flag(repeats_y2 && contradictory_y2) + maglev_5dof_flag(repeats_y3 &&
                     contradictory_y3) + maglev_5dof_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0;
-                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_part != 0u);
+                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_sum != 0u);
                 determined = waited == 0u;
                 redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
                     redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
@@ -723,7 +736,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
-            float predicted_y4 = residual_0_part;
+            float predicted_y4 = residual_0_without_y4;
             if (missing_at_most_1) {
                 predicted_y1 = y1_accepted - residual_0;
                 predicted_y2 = y2_accepted + residual_0;
@@ -738,42 +751,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_undecided_0_next = doubted;
         }
+        regular = z_monitor.trusted && x_monitor.trusted && determined;
         theta_measured = determined;
-        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const uint32_t stopped_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
-        uint32_t suspect_x = 1u;
-        if (jumps_x) {
-            const bool last_x = excluded_from <= redundancy_jumps_x;
-            redundancy_excluded_x_next = (last_x) ? 1u : redundancy_excluded_x;
-            redundancy_jumps_x_next = (last_x) ? 0u : (redundancy_jumps_x + 1u);
-        } else {
-            suspect_x = stopped_x;
-            redundancy_excluded_x_next = stopped_x;
-            redundancy_jumps_x_next = 0u;
-        }
-        const bool unusual_x_trusted = usable_x && (suspect_x == 0u);
-        x_trusted = unusual_x_trusted;
-        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
-        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const uint32_t stopped_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
-        uint32_t suspect_z = 1u;
-        if (jumps_z) {
-            const bool last_z = excluded_from <= redundancy_jumps_z;
-            redundancy_excluded_z_next = (last_z) ? 1u : redundancy_excluded_z;
-            redundancy_jumps_z_next = (last_z) ? 0u : (redundancy_jumps_z + 1u);
-        } else {
-            suspect_z = stopped_z;
-            redundancy_excluded_z_next = stopped_z;
-            redundancy_jumps_z_next = 0u;
-        }
-        const bool unusual_z_trusted = usable_z && (suspect_z == 0u);
-        z_trusted = unusual_z_trusted;
-        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
-        regular = unusual_z_trusted && unusual_x_trusted && determined;
-        redundancy_degraded_next = ((suspect_z != 0u) || (suspect_x != 0u) || suspect_y4 || suspect_y3 || suspect_y2 ||
-            suspect_y1) ? 1u : redundancy_degraded;
-        x_frozen = stopped_x;
-        z_frozen = stopped_z;
+        redundancy_degraded_next = ((z_monitor.suspect != 0u) || (x_monitor.suspect != 0u) || suspect_y4 ||
+            suspect_y3 || suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -788,15 +769,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (suspect_y4) {
             faults |= 0x00004000u;
         }
-        if (suspect_x != 0u) {
+        if (x_monitor.suspect != 0u) {
             faults |= 0x00008000u;
         }
         degraded = guard_ready;
-        if (suspect_z != 0u) {
+        if (z_monitor.suspect != 0u) {
             faults |= 0x00010000u;
         }
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->x_suspect = (float)x_monitor.suspect;
+            diagnostics->z_suspect = (float)z_monitor.suspect;
             diagnostics->y1_expected = y1_expected;
             diagnostics->y2_expected = y2_expected;
             diagnostics->y3_expected = y3_expected;
@@ -805,15 +788,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
             diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
             diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
-            diagnostics->suspect_x = (float)suspect_x;
-            diagnostics->suspect_z = (float)suspect_z;
         }
 #endif
     }
-    const bool lost_x_faded_transfer = !x_trusted;
-    const bool lost_z_faded_transfer = !z_trusted;
 
-    /* landing: ramps and state feedback */
+    /* landing: ramps and state feedback
+     * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
@@ -844,7 +824,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (guard_ready != 0u) {
         /* sufficiency: it can land, is probed
          *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
-        const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+        const bool sufficient = gaps_sufficient && (x_monitor.trusted || z_monitor.trusted);
         enough = sufficient;
 
         /* observer_theta: predictive observer, alpha-beta-gamma
@@ -853,13 +833,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_theta_alpha = 0.30232367f;  /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_theta_beta = 36.192043f;    /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_theta_gamma = 1445.947f;    /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
+        const float nu = theta - observer_theta_q;
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu),
             observer_theta_largest_disturbance);
-        theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
-        const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
-        theta_rate = theta_rate_part;
-        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_part);
+        theta_estimate = observer_theta_q + (observer_theta_alpha * nu);
+        const float theta_rate_if_ready = state->observer_theta_v + (observer_theta_beta * nu);
+        theta_rate = theta_rate_if_ready;
+        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
          *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
@@ -872,11 +852,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_y_disturbance = y - observer_y_q;
-        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance),
+        const float nu_2 = y - observer_y_q;
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_2),
             observer_y_largest_disturbance);
-        y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
-        y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+        y_estimate = observer_y_q + (observer_y_alpha * nu_2);
+        y_rate = state->observer_y_v + (observer_y_beta * nu_2);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
          *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
@@ -889,10 +869,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_gamma = 1445.947f;      /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_phi_estimate = phi - observer_phi_q;
-        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
-        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
-        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate),
+        const float nu_3 = phi - observer_phi_q;
+        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_3);
+        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_3);
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_3),
             observer_phi_largest_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -909,12 +889,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (guard_left < latch_samples) {
             state->guard_left = guard_left + 1u;
         }
+    } else if (guard_left <= good_per_bad) {
+        gave_up = 1u;
     } else {
-        if (guard_left <= good_per_bad) {
-            gave_up = 1u;
-        } else {
-            state->guard_left = guard_left - good_per_bad;
-        }
+        state->guard_left = guard_left - good_per_bad;
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
     if (degraded != 0u) {
@@ -926,9 +904,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* angles: positions for the commutation
      *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
     static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    const float x_commutation = ((latched != 0u) && lost_x_faded_transfer) ? not_known : x_held;
+    const float x_commutation = ((latched != 0u) && lost_x) ? not_known : x_monitor.held;
     out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && lost_z_faded_transfer) ? not_known : z_held;
+    const float z_commutation = ((latched != 0u) && lost_z) ? not_known : z_monitor.held;
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
@@ -973,18 +951,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_code_y4 = y4_accepted;
         state->redundancy_still_y4 = still_y4;
         state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
-        state->redundancy_code_x = x_accepted;
-        state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_next;
-        state->redundancy_doubts_x = redundancy_doubts_x_next;
-        state->redundancy_before_x = before_x;
-        state->redundancy_jumps_x = redundancy_jumps_x_next;
-        state->redundancy_code_z = z_accepted;
-        state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_next;
-        state->redundancy_doubts_z = redundancy_doubts_z_next;
-        state->redundancy_before_z = before_z;
-        state->redundancy_jumps_z = redundancy_jumps_z_next;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
@@ -997,22 +963,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
-        const float e_x = x_held - x_ref_held;
-        const float e_z = z_held - z_ref_held;
+        const float e_x = x_monitor.held - x_ref_held;
+        const float e_z = z_monitor.held - z_ref_held;
         const float e_phi = phi - phi_ref_held;
         const float e_theta = theta - theta_ref_held;
 
-        /* functions above: observer, filter, regulator */
+        /* functions above: filter, regulator */
         static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
             .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
         static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
             .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
         static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
             .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
-            x_held, x_frozen, state->delay_a_x_last, x_unchanged);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
-            z_held, z_frozen, state->delay_a_z_last, z_unchanged);
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
         const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
             filter_y_r_next);
@@ -1028,27 +990,45 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
         static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        const float rate_ahead_observer_phi_q = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead_observer_phi_q)),
+        const float rate_ahead = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead)),
             observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_limit(rate_ahead_observer_phi_q, observer_phi_largest_rate);
+        state->observer_phi_v = maglev_5dof_limit(rate_ahead, observer_phi_largest_rate);
 
         /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
         static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float rate_ahead_observer_theta_q = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate +
-            (half_T * (theta_rate + rate_ahead_observer_theta_q)), observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_limit(rate_ahead_observer_theta_q, observer_theta_largest_rate);
+        const float rate_ahead_2 = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + rate_ahead_2)),
+            observer_theta_largest_position);
+        state->observer_theta_v = maglev_5dof_limit(rate_ahead_2, observer_theta_largest_rate);
 
         /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_y_largest_position = 0.0345f; /* m; bound of the prediction */
         static const float least_position = 0.0145f;            /* m; bound of the prediction */
         static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float rate_ahead_observer_y_q = y_rate + (T * (state->delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate +
-            (half_T * (y_rate + rate_ahead_observer_y_q)), observer_y_largest_position), least_position);
-        state->observer_y_v = maglev_5dof_limit(rate_ahead_observer_y_q, observer_y_largest_rate);
+        const float rate_ahead_3 = y_rate + (T * (state->delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + rate_ahead_3)),
+            observer_y_largest_position), least_position);
+        state->observer_y_v = maglev_5dof_limit(rate_ahead_3, observer_y_largest_rate);
+
+        /* functions above: observer */
+        state->x_monitor.code = x_accepted;
+        state->x_monitor.still = x_monitor.unchanged;
+        state->x_monitor.excluded = x_monitor.excluded_next;
+        state->x_monitor.doubts = x_monitor.doubts_next;
+        state->x_monitor.before = x_monitor.before_next;
+        state->x_monitor.jumps = x_monitor.jumps_next;
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready,
+            x_monitor.trusted, x_monitor.held, x_monitor.frozen, state->delay_a_x_last, x_monitor.unchanged);
+        state->z_monitor.code = z_accepted;
+        state->z_monitor.still = z_monitor.unchanged;
+        state->z_monitor.excluded = z_monitor.excluded_next;
+        state->z_monitor.doubts = z_monitor.doubts_next;
+        state->z_monitor.before = z_monitor.before_next;
+        state->z_monitor.jumps = z_monitor.jumps_next;
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready,
+            z_monitor.trusted, z_monitor.held, z_monitor.frozen, state->delay_a_z_last, z_monitor.unchanged);
 
         /* landing: ramps and state feedback (continued)
          *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
@@ -1096,15 +1076,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
-        const bool landing_left_at_most_4 = landing_left <= good_per_bad;
+        const bool left_at_most_4 = landing_left <= good_per_bad;
         uint32_t landing = 1u;
-        if (waiting && landing_left_at_most_4) {
+        if (waiting && left_at_most_4) {
             state->landing_landing = 1u;
         } else {
             landing = landing_landing;
         }
         if (waiting) {
-            if (!landing_left_at_most_4) {
+            if (!left_at_most_4) {
                 state->landing_left = landing_left - good_per_bad;
             }
         } else {
@@ -1119,7 +1099,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_y;
         float w_x_unprobed;
         float w_z_unprobed;
-        float landing_r_y_part = landing_r_y;
+        float landing_r_y_unlimited = landing_r_y;
         if (landing != 0u) {
             fault_word = faults_before | 0x40000000u;
             float ramp_y = landing_r_y;
@@ -1149,7 +1129,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            landing_r_y_part = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
+            landing_r_y_unlimited = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
                 (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate;
             const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
             state->landing_dr_y = ramp_rate_next_y;
@@ -1189,7 +1169,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         }
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, ramp_end);
+        state->landing_r_y = maglev_5dof_min(landing_r_y_unlimited, ramp_end);
 
         /* probe_x: probe at rest
          *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
@@ -1200,22 +1180,21 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
          *         sample or quiet_samples <= x_unchanged, else towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 1u <= probe_x_sample;
+        const bool runs = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;
-        if (runs_w_x || (quiet_samples <= x_unchanged)) {
-            if (runs_w_x) {
-                const uint32_t one_more_w_x = probe_x_attempt + 1u;
-                float pulse_w_x = 0.0f;
+        if (runs || (quiet_samples <= x_monitor.unchanged)) {
+            if (runs) {
+                const uint32_t one_more = probe_x_attempt + 1u;
+                float pulse = 0.0f;
                 if (probe_x_sample <= last_push_end) {
-                    const float push_w_x = state->probe_x_towards * (float)one_more_w_x;
-                    pulse_w_x = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ?
-                        -push_w_x : push_w_x;
+                    const float push = state->probe_x_towards * (float)one_more;
+                    pulse = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ? -push : push;
                 }
-                w_x = maglev_5dof_limit(w_x_unprobed + pulse_w_x, largest_demand);
+                w_x = maglev_5dof_limit(w_x_unprobed + pulse, largest_demand);
                 if (pair_samples <= probe_x_sample) {
                     state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (pair_samples <= x_unchanged) ?
-                        ((x_unanswered) ? probe_x_attempt : one_more_w_x) : 0u;
+                    state->probe_x_attempt = (pair_samples <= x_monitor.unchanged) ?
+                        ((x_unanswered) ? probe_x_attempt : one_more) : 0u;
                 } else {
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
@@ -1231,22 +1210,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest
          *     as probe_x, with z in place of x */
         const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 1u <= probe_z_sample;
+        const bool runs_2 = 1u <= probe_z_sample;
         float w_z = w_z_unprobed;
-        if (runs_w_z || (quiet_samples <= z_unchanged)) {
-            if (runs_w_z) {
-                const uint32_t one_more_w_z = probe_z_attempt + 1u;
-                float pulse_w_z = 0.0f;
+        if (runs_2 || (quiet_samples <= z_monitor.unchanged)) {
+            if (runs_2) {
+                const uint32_t one_more_2 = probe_z_attempt + 1u;
+                float pulse_2 = 0.0f;
                 if (probe_z_sample <= last_push_end) {
-                    const float push_w_z = state->probe_z_towards * (float)one_more_w_z;
-                    pulse_w_z = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ?
-                        -push_w_z : push_w_z;
+                    const float push_2 = state->probe_z_towards * (float)one_more_2;
+                    pulse_2 = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ? -push_2 :
+                        push_2;
                 }
-                w_z = maglev_5dof_limit(w_z_unprobed + pulse_w_z, largest_demand);
+                w_z = maglev_5dof_limit(w_z_unprobed + pulse_2, largest_demand);
                 if (pair_samples <= probe_z_sample) {
                     state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (pair_samples <= z_unchanged) ?
-                        ((z_unanswered) ? probe_z_attempt : one_more_w_z) : 0u;
+                    state->probe_z_attempt = (pair_samples <= z_monitor.unchanged) ?
+                        ((z_unanswered) ? probe_z_attempt : one_more_2) : 0u;
                 } else {
                     state->probe_z_sample = probe_z_sample + 1u;
                 }
@@ -1271,8 +1250,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         half_c_2, half_c_3, half_c_4
          *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
          *         half_load_2, half_load_3, half_load_4
-         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + 16 * (half_a_1 * half_c_1)); likewise inverse_b_2,
-         *         inverse_b_3, inverse_b_4
+         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + discriminant_factor * (half_a_1 * half_c_1));
+         *         likewise inverse_b_2, inverse_b_3, inverse_b_4
          *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
          *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
          *         likewise half_force_theta
@@ -1285,6 +1264,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
         /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
         static const float half_c_over_h2 = 0.0007232277f;
+        static const float discriminant_factor = 16.0f;         /* 1; 4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c */
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -1303,10 +1283,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
-        const float safe_output_last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
+        const float last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
         const float half_load_1 = half_a_1 +
-            (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
-        const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (16.0f * (half_a_1 * half_c_1)));
+            (half_c_1 * (last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
+        const float inverse_b_1 = 1.0f /
+            sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
         const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
         const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
@@ -1314,10 +1295,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
         const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
-        const float safe_output_last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
+        const float last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
         const float half_load_2 = half_a_2 +
-            (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
-        const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
+            (half_c_2 * (last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
+        const float inverse_b_2 = 1.0f /
+            sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
         const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
         const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
         const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
@@ -1326,8 +1308,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_load_3 = half_a_3 +
-            (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
-        const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
+            (half_c_3 * (last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
+        const float inverse_b_3 = 1.0f /
+            sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
         const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
         const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
         const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
@@ -1336,17 +1319,19 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
         const float half_load_4 = half_a_4 +
-            (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
-        const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
+            (half_c_4 * (last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
+        const float inverse_b_4 = 1.0f /
+            sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
         const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
         const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) +
             (half_load_3 - half_load_1);
         const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
             (half_load_2 - half_load_4);
         const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
-        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) +
+        const float half_force_1_3_numerator = (inverse_b_2_plus_inverse_b_4 * half_force) +
             ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
-        const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
+        const float half_force_1_3 = half_force_1_3_numerator /
+            (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
         const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
@@ -1392,6 +1377,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_theta_last = w_theta;
 
         /* handover: direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once
+         * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an
+         * angle that is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the
+         * motors along that axis, and is cut where i_q leaves no room.
+         * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut
+         * at once, at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
          *     faded_transfer = max(min(transfer if not x_trusted and not z_trusted, else ((0 if z_trusted is set,
          *         else -1) if x_trusted is set, else 1), transfer + fade_step), transfer - fade_step)
          *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
@@ -1402,10 +1392,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
         static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
-        if (lost_x_faded_transfer || lost_z_faded_transfer || (0.0f < (handover_transfer * handover_transfer))) {
-            const float faded_transfer = maglev_5dof_slew(handover_transfer,
-                (lost_x_faded_transfer && lost_z_faded_transfer) ? handover_transfer :
-                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
+        if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
+            const float faded_transfer = maglev_5dof_slew(handover_transfer, (lost_x && lost_z) ? handover_transfer :
+                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
             const bool of_x = 0.0f < faded_transfer;
             const float part = fabsf(faded_transfer);
             const float part_x = (of_x) ? part : 0.0f;
@@ -1444,6 +1433,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->e_z = e_z;
             diagnostics->e_phi = e_phi;
             diagnostics->e_theta = e_theta;
+            diagnostics->x_frozen = (float)x_monitor.frozen;
+            diagnostics->x_unchanged = (float)x_monitor.unchanged;
+            diagnostics->z_frozen = (float)z_monitor.frozen;
+            diagnostics->z_unchanged = (float)z_monitor.unchanged;
             diagnostics->w_phi = w_phi;
             diagnostics->w_theta = w_theta;
             diagnostics->w_y = w_y;
@@ -1472,17 +1465,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
-        diagnostics->x_unchanged = (float)x_unchanged;
-        diagnostics->z_unchanged = (float)z_unchanged;
+        diagnostics->sound = sound ? 1.0f : 0.0f;
+        diagnostics->x_usual = x_monitor.usual ? 1.0f : 0.0f;
+        diagnostics->x_trusted = x_monitor.trusted ? 1.0f : 0.0f;
+        diagnostics->z_usual = z_monitor.usual ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_monitor.trusted ? 1.0f : 0.0f;
         diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
-        diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
-        diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
         diagnostics->y1_held = y1_held;
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
-        diagnostics->x_frozen = (float)x_frozen;
-        diagnostics->z_frozen = (float)z_frozen;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
         diagnostics->degraded = (float)degraded;

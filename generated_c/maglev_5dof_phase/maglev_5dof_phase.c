@@ -121,22 +121,22 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *         likewise left_z_next */
     static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
     const uint32_t advance_left_x = state->advance_left_x;
-    float advance_last_x_part = x_held;
-    uint32_t advance_left_x_part = 0u;
+    float advance_last_x_choice = x_held;
+    uint32_t advance_left_x_choice = 0u;
     if (1u <= advance_left_x) {
-        advance_last_x_part = state->advance_last_x;
-        advance_left_x_part = advance_left_x - 1u;
+        advance_last_x_choice = state->advance_last_x;
+        advance_left_x_choice = advance_left_x - 1u;
     }
-    const float advance_last_x_next = maglev_5dof_phase_slew(advance_last_x_part, x_held, 0.001f);
-    const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_part));
+    const float advance_last_x_next = maglev_5dof_phase_slew(advance_last_x_choice, x_held, 0.001f);
+    const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_choice));
     const bool good_x = (faults & 0x00000100u) == 0u;
     const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
     const uint32_t advance_left_z = state->advance_left_z;
     float last = z_held;
-    uint32_t advance_left_z_part = 0u;
+    uint32_t advance_left_z_choice = 0u;
     if (1u <= advance_left_z) {
         last = state->advance_last_z;
-        advance_left_z_part = advance_left_z - 1u;
+        advance_left_z_choice = advance_left_z - 1u;
     }
     const float position = maglev_5dof_phase_slew(last, z_held, 0.001f);
     const float z_acting = position + (1.5f * (position - last));
@@ -144,17 +144,17 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
     state->advance_last_z = position;
-    state->advance_left_x = (good_x) ? advance_patience : advance_left_x_part;
-    state->advance_left_z = (good_z) ? advance_patience : advance_left_z_part;
+    state->advance_left_x = (good_x) ? advance_patience : advance_left_x_choice;
+    state->advance_left_z = (good_z) ? advance_patience : advance_left_z_choice;
     const uint32_t faults_before = (lost_x) ? (faults | 0x00000400u) : faults;
 
     /* commutation, guard */
-    float i_a1_part = -1.0f;
+    float i_a1_if_not_lost_x = -1.0f;
     uint32_t fault_word = faults_before;
     if (lost_z) {
         fault_word = faults_before | 0x00000800u;
     } else {
-        i_a1_part = 0.0f;
+        i_a1_if_not_lost_x = 0.0f;
     }
 
     /* commutation: phase currents, inverse Park
@@ -169,13 +169,13 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    const float distance_x_part = (8.748906f * x_acting) + 4.5f;
-    const float n_x = (float)(uint32_t)distance_x_part - 4.0f;
+    const float distance_x_sum = (8.748906f * x_acting) + 4.5f;
+    const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
-    const float distance_z_part = (8.748906f * z_acting) + 4.5f;
-    const float n_z = (float)(uint32_t)distance_z_part - 4.0f;
+    const float distance_z_sum = (8.748906f * z_acting) + 4.5f;
+    const float n_z = (float)(uint32_t)distance_z_sum - 4.0f;
     const float distance_z = z_acting - (0.11428833f * n_z) - (1.1669922e-05f * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
@@ -203,7 +203,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
             const uint32_t commutation_unknown = state->commutation_unknown;
             unknown = (gone_samples <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
         } else {
-            target = (lost_x) ? 1.0f : i_a1_part;
+            target = (lost_x) ? 1.0f : i_a1_if_not_lost_x;
         }
         const float transfer = maglev_5dof_phase_slew(commutation_transfer, target, 0.04f);
         const bool of_x = 0.0f < transfer;
@@ -257,24 +257,25 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a3 = cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
     out->i_a3 = i_a3;
-    const float i_b3_part = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
+    const float i_b3_product = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
     const float half_cosine_z_i_a3_2 = 0.5f * cosine_z_i_a3_2;
-    const float i_b3 = i_b3_part - half_cosine_z_i_a3_2;
+    const float i_b3 = i_b3_product - half_cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
     out->i_b3 = i_b3;
-    const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_part);
+    const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_product);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
     out->i_c3 = i_c3;
     const float current_cosine = (cosine_x_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
     const float i_a4 = current_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
     out->i_a4 = i_a4;
-    const float i_b4_part = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a4 * waves_x_sine_i_a2_2));
+    const float i_b4_product = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) +
+        (cosine_x_i_a4 * waves_x_sine_i_a2_2));
     const float half_current_cosine = 0.5f * current_cosine;
-    const float i_b4 = i_b4_part - half_current_cosine;
+    const float i_b4 = i_b4_product - half_current_cosine;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
     out->i_b4 = i_b4;
-    const float i_c4 = -(half_current_cosine + i_b4_part);
+    const float i_c4 = -(half_current_cosine + i_b4_product);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
     out->i_c4 = i_c4;
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)

@@ -157,6 +157,11 @@
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
+ * Named constants that follow from parameters of the plant, by parameter: G: G; M_x: M_x; M_z: M_z; k_s_phi:
+ * compensated_k_s_phi; k_s_theta: compensated_k_s_theta; mu_rec: gap_offset; h_m: gap_offset, half_c_over_h2,
+ * slot_pull; b0, t1: gap_offset, slot_pull; I_x, I_z: half_I_over_r; r: half_I_over_r, r; M_y: half_M_y; H_c, L_A, W,
+ * mu0, p, p_m, tau, tau_p, w_c, z1: half_c_over_h2, slot_pull. Gains, polynomials and bounds may follow from them too.
+ *
  * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
@@ -191,6 +196,15 @@ typedef struct {
     float q3;                           /* m or rad: internal model */
     float r;                            /* m or rad: set-point one sample ago */
 } maglev_5dof_precise_servo_fast_state_t;
+
+typedef struct {
+    float code;                         /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t still;                     /* 1, 0 .. 40: samples without a change */
+    uint32_t excluded;                  /* 1, 0 .. 1: wrong until init */
+    uint32_t doubts;                    /* 1, 0 .. 10: changes until its prediction is believed */
+    float before;                       /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t jumps;                     /* 1, 0 .. 2: samples in a row far from its prediction */
+} maglev_5dof_precise_monitor_state_t;
 
 typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
@@ -244,6 +258,8 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches times 4 */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    maglev_5dof_precise_monitor_state_t x_monitor;
+    maglev_5dof_precise_monitor_state_t z_monitor;
     float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
     uint32_t redundancy_still_y1;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y1;    /* 1, 0 .. 1: wrong until init */
@@ -256,18 +272,6 @@ typedef struct {
     float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
-    float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
-    uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_doubts_x;       /* 1, 0 .. 10: changes until its prediction is believed */
-    float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
-    uint32_t redundancy_jumps_x;        /* 1, 0 .. 2: samples in a row far from its prediction */
-    float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
-    uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_doubts_z;       /* 1, 0 .. 10: changes until its prediction is believed */
-    float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
-    uint32_t redundancy_jumps_z;        /* 1, 0 .. 2: samples in a row far from its prediction */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
@@ -372,31 +376,34 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
  * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
  * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
 typedef struct {
+    float sound;                        /* 1: all readings are good, and no sensor was ever a suspect */
     float x_unanswered;                 /* 1: no pair of the probe was answered */
+    float x_usual;                      /* 1: sound, and nothing is wrong with this one */
     float y1_expected;                  /* m: gap of motor 1 */
     float y2_expected;                  /* m: gap of motor 2 */
     float y3_expected;                  /* m: gap of motor 3 */
     float y4_expected;                  /* m: gap of motor 4 */
     float z_unanswered;                 /* 1: no pair of the probe was answered */
+    float z_usual;                      /* 1: sound, and nothing is wrong with this one */
     float suspect_y1;                   /* 1: wrong, or may be: contradicts the others or is frozen */
     float suspect_y2;                   /* 1: wrong, or may be: contradicts the others or is frozen */
     float suspect_y3;                   /* 1: wrong, or may be: contradicts the others or is frozen */
     float suspect_y4;                   /* 1: wrong, or may be: contradicts the others or is frozen */
-    float suspect_x;                    /* 1: wrong, or may be: contradicts the others or is frozen */
-    float suspect_z;                    /* 1: wrong, or may be: contradicts the others or is frozen */
+    float x_suspect;                    /* 1: wrong, or may be: is frozen or jumps */
+    float z_suspect;                    /* 1: wrong, or may be: is frozen or jumps */
     float landed;                       /* 1: the ramp is at its end, wherever the body is */
     float gaps_sufficient;              /* 1: the machine can be controlled */
     float x_trusted;                    /* 1: measured, not predicted */
     float z_trusted;                    /* 1: measured, not predicted */
     float sufficient;                   /* 1: it can be controlled */
+    float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
+    float x_unchanged;                  /* 1: samples without a change of the code */
+    float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
+    float z_unchanged;                  /* 1: samples without a change of the code */
     float y1_held;                      /* m: gap of motor 1 */
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */
     float y4_held;                      /* m: gap of motor 4 */
-    float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
-    float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
-    float x_unchanged;                  /* 1: samples without a change of the code */
-    float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
     float theta_measured;               /* 1: every coordinate of the groups is measured */
     float degraded;                     /* 1: a reading is refused, replaced or contradicted, or a sensor was a suspect */

@@ -236,10 +236,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
-        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
-        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
-        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
+        const float first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < first_r_2_size;
+        const float first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < first_r_1_size;
         bool indicated_x_V_ax;
         bool indicated_y_V_ay;
         bool indicated_x_V_bx = m_exceeds_x;
@@ -265,8 +265,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             indicated_x_V_cx = any_r_exceeds;
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
-        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) &&
+        const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) &&
+            (first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
         const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
             (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
@@ -358,9 +358,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-        const float front_z = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (front_z + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - front_z);
+        const float front = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
         const float reckoning_x_position = state->reckoning_x_position;
         const float sensing_offset_x = state->sensing_offset_x;
@@ -408,34 +408,34 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (complete) {
             const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
-            const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-            const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
-            const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
+            const float phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - phi_raw_times_V_ay);
+            const float X_c = sensing_scale * (phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
             const float X_s_squared = X_s * X_s;
             const float X_c_squared = X_c * X_c;
             const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
-            const float Y_s = sensing_scale * (V_ay_held + sensing_phi_raw_times_V_ax);
-            const float ratio_y_part = sensing_scale * (V_cy_held + sensing_phi_raw_times_V_ax);
-            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + phi_raw_times_V_ax);
+            const float ratio_y_product = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
+            const float Y_s_times_ratio_y_product = Y_s * ratio_y_product;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float ratio_y = -(Y_s_times_ratio_y_part /
-                (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
+            const float ratio_y_product_squared = ratio_y_product * ratio_y_product;
+            const float ratio_y = -(Y_s_times_ratio_y_product /
+                (planar_6dof_leadlag_max(Y_s_squared, ratio_y_product_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared -
                 (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared -
+            const float product_m_y = Y_s_times_ratio_y_product * Y_s_times_ratio_y_product;
+            const float m_y = Y_s_squared + ratio_y_product_squared -
                 (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s -
-                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+                (ratio_y_product * ratio_y_product_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
-                (Y_s - ratio_y_part);
+                (Y_s - ratio_y_product);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
@@ -468,13 +468,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             }
             const float accepted_x = within_x_2 + offset_x;
-            const float innovation_x_measured = accepted_x - reckoning_x_position;
+            const float innovation_x = accepted_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
-            if (Y_s_squared <= ratio_y_part_squared) {
-                if (-ratio_y_part < 0.0f) {
+            if (Y_s_squared <= ratio_y_product_squared) {
+                if (-ratio_y_product < 0.0f) {
                     if (0.0f < f_y) {
                         position = f_y - half_pitch;
                     } else {
@@ -500,16 +500,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             }
             const float accepted_y = position + offset_y;
-            const float innovation_y_measured = accepted_y - reckoning_y_position;
-            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float innovation_y = accepted_y - reckoning_y_position;
+            const float h3 = (X_s * (Y_s + ratio_y_product)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float accepted_measured = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
             const float yaw_innovation = accepted_measured - reckoning_phi_position;
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((innovation_x_measured * innovation_x_measured) + (innovation_y_measured *
-                innovation_y_measured))) + (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
+                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
+                (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -537,9 +537,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_scale_part = sensing_scale -
+                const float sensing_scale_sum = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
-                state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_part, 0.18f);
+                state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_sum, 0.18f);
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -583,22 +583,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_x_k_h = 9.431981e-05f;
         const float filter_x_p = state->filter_x_p;
-        const float e_prediction_p = x_raw - filter_x_p;
-        const float a_prediction_p = state->filter_x_h + (filter_x_k_h * e_prediction_p);
-        const float prediction_p_part = state->filter_x_s + (filter_x_k_s * e_prediction_p) + a_prediction_p;
+        const float e_2 = x_raw - filter_x_p;
+        const float a = state->filter_x_h + (filter_x_k_h * e_2);
+        const float prediction_p_sum = state->filter_x_s + (filter_x_k_s * e_2) + a;
         float x = x_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_part) + fabsf(a_prediction_p)) <= filter_x_fastest)) {
-            const float now_prediction_p = filter_x_p + (filter_x_k_p * e_prediction_p);
-            const float prediction_p = now_prediction_p + prediction_p_part;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum) + fabsf(a)) <= filter_x_fastest)) {
+            const float now = filter_x_p + (filter_x_k_p * e_2);
+            const float prediction_p = now + prediction_p_sum;
             /*@ admit -0.2f <= prediction_p <= 0.2f; */
-            const float prediction_s = prediction_p_part + a_prediction_p;
+            const float prediction_s = prediction_p_sum + a;
             /*@ admit -0.00400004f <= prediction_s <= 0.00400004f; */
-            const float prediction_h = a_prediction_p;
+            const float prediction_h = a;
             /*@ admit -0.00400004f <= prediction_h <= 0.00400004f; */
             state->filter_x_p = prediction_p;
             state->filter_x_s = prediction_s;
             state->filter_x_h = prediction_h;
-            x = now_prediction_p;
+            x = now;
         } else {
             state->filter_x_p = x_raw;
             state->filter_x_s = 0.0f;
@@ -615,22 +615,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_y_k_h = 9.431981e-05f;
         const float filter_y_p = state->filter_y_p;
-        const float e_prediction_p_2 = y_raw - filter_y_p;
-        const float a_prediction_p_2 = state->filter_y_h + (filter_y_k_h * e_prediction_p_2);
-        const float prediction_p_part_2 = state->filter_y_s + (filter_y_k_s * e_prediction_p_2) + a_prediction_p_2;
+        const float e_3 = y_raw - filter_y_p;
+        const float a_2 = state->filter_y_h + (filter_y_k_h * e_3);
+        const float prediction_p_sum_2 = state->filter_y_s + (filter_y_k_s * e_3) + a_2;
         float y = y_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_part_2) + fabsf(a_prediction_p_2)) <= filter_y_fastest)) {
-            const float now_prediction_p_2 = filter_y_p + (filter_y_k_p * e_prediction_p_2);
-            const float prediction_p_2 = now_prediction_p_2 + prediction_p_part_2;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_2) + fabsf(a_2)) <= filter_y_fastest)) {
+            const float now_2 = filter_y_p + (filter_y_k_p * e_3);
+            const float prediction_p_2 = now_2 + prediction_p_sum_2;
             /*@ admit -0.2f <= prediction_p_2 <= 0.2f; */
-            const float prediction_s_2 = prediction_p_part_2 + a_prediction_p_2;
+            const float prediction_s_2 = prediction_p_sum_2 + a_2;
             /*@ admit -0.00400004f <= prediction_s_2 <= 0.00400004f; */
-            const float prediction_h_2 = a_prediction_p_2;
+            const float prediction_h_2 = a_2;
             /*@ admit -0.00400004f <= prediction_h_2 <= 0.00400004f; */
             state->filter_y_p = prediction_p_2;
             state->filter_y_s = prediction_s_2;
             state->filter_y_h = prediction_h_2;
-            y = now_prediction_p_2;
+            y = now_2;
         } else {
             state->filter_y_p = y_raw;
             state->filter_y_s = 0.0f;
@@ -657,22 +657,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_phi_k_h = 0.0026284785f;
         const float filter_phi_p = state->filter_phi_p;
-        const float e_prediction_p_3 = phi_raw - filter_phi_p;
-        const float a_prediction_p_3 = state->filter_phi_h + (filter_phi_k_h * e_prediction_p_3);
-        const float prediction_p_part_3 = state->filter_phi_s + (filter_phi_k_s * e_prediction_p_3) + a_prediction_p_3;
+        const float e_4 = phi_raw - filter_phi_p;
+        const float a_3 = state->filter_phi_h + (filter_phi_k_h * e_4);
+        const float prediction_p_sum_3 = state->filter_phi_s + (filter_phi_k_s * e_4) + a_3;
         float phi = phi_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_part_3) + fabsf(a_prediction_p_3)) <= filter_phi_fastest)) {
-            const float now_prediction_p_3 = filter_phi_p + (filter_phi_k_p * e_prediction_p_3);
-            const float prediction_p_3 = now_prediction_p_3 + prediction_p_part_3;
+        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_3) + fabsf(a_3)) <= filter_phi_fastest)) {
+            const float now_3 = filter_phi_p + (filter_phi_k_p * e_4);
+            const float prediction_p_3 = now_3 + prediction_p_sum_3;
             /*@ admit -0.05f <= prediction_p_3 <= 0.05f; */
-            const float prediction_s_3 = prediction_p_part_3 + a_prediction_p_3;
+            const float prediction_s_3 = prediction_p_sum_3 + a_3;
             /*@ admit -0.00700007f <= prediction_s_3 <= 0.00700007f; */
-            const float prediction_h_3 = a_prediction_p_3;
+            const float prediction_h_3 = a_3;
             /*@ admit -0.00700007f <= prediction_h_3 <= 0.00700007f; */
             state->filter_phi_p = prediction_p_3;
             state->filter_phi_s = prediction_s_3;
             state->filter_phi_h = prediction_h_3;
-            phi = now_prediction_p_3;
+            phi = now_3;
         } else {
             state->filter_phi_p = phi_raw;
             state->filter_phi_s = 0.0f;
@@ -701,12 +701,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float corrected_phi = phi_raw;
         float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
-            const float innovation_x_x_next = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_x_next);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_x_next);
-            const float innovation_y_y_next = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_y_next);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_y_next);
+            const float innovation_x_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
+            const float innovation_y_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
             const float innovation_phi = phi_raw - reckoning_phi_position;
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
@@ -807,23 +807,23 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float allocation_rear_share = 0.33333334f; /* 1; Table 3: c/(2 (b + c)) */
         static const float allocation_front_share = 0.16666667f; /* 1; Table 3: b/(2 (b + c)) */
         const float cos_phi_argument = phi * phi;
-        const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
-        const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
-        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y),
+        const float cos_2 = cos_phi_polynomial(cos_phi_argument);
+        const float sin_2 = phi * sin_phi_polynomial(cos_phi_argument);
+        const float i_CQ = planar_6dof_leadlag_limit((cos_2 * d_x) + (sin_2 * d_y),
             planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
         const float yaw = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit -
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_2 * d_y) - (sin_2 * d_x)), quadrature_limit -
             fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
-        const float front_i_AD = loop_z_output.value_2 - loop_theta_output.value_2;
-        const float i_AD = planar_6dof_leadlag_limit(front_i_AD + loop_psi_output.value_2, direct_limit);
-        const float i_BD = planar_6dof_leadlag_limit(front_i_AD - loop_psi_output.value_2, direct_limit);
+        const float front_2 = loop_z_output.value_2 - loop_theta_output.value_2;
+        const float i_AD = planar_6dof_leadlag_limit(front_2 + loop_psi_output.value_2, direct_limit);
+        const float i_BD = planar_6dof_leadlag_limit(front_2 - loop_psi_output.value_2, direct_limit);
         const float i_CD = planar_6dof_leadlag_limit(loop_z_output.value_2 + (2.0f * loop_theta_output.value_2),
             direct_limit);
         const float both = allocation_two * half;
-        const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
-        const float achieved_y = (sin_i_CQ * i_CQ) + (cos_i_CQ * both);
+        const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
+        const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
@@ -867,9 +867,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
         static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
         static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
-        const float distance_rear = within_x - (c * sin_i_CQ);
+        const float distance_rear = within_x - (c * sin_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
+        const float distance_front = within_y - ((b * cos_2) - quarter_pitch);
         const float quarter_sine_front = distance_front *
             quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
@@ -877,23 +877,23 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
         const float cy = f5_polynomial(cos_phi_argument);
         const float cc = front_1 * cy;
-        const float i_AA_computed_part = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
+        const float i_AA_computed_sum = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
         const float sy = phi * f6_polynomial(cos_phi_argument);
-        const float i_AA_computed_part_times_sy = i_AA_computed_part * sy;
-        const float angles_A_1 = cc - i_AA_computed_part_times_sy;
-        const float i_AA_computed_part_times_cy = i_AA_computed_part * cy;
+        const float i_AA_computed_sum_times_sy = i_AA_computed_sum * sy;
+        const float angles_A_1 = cc - i_AA_computed_sum_times_sy;
+        const float i_AA_computed_sum_times_cy = i_AA_computed_sum * cy;
         const float cs = front_1 * sy;
-        const float i_AA_computed_part_2 = i_AA_computed_part_times_cy + cs;
-        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
+        const float i_AA_computed_sum_2 = i_AA_computed_sum_times_cy + cs;
+        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_sum_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         const float middle_A = commutation_minus_half * i_AA_computed;
-        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_sum_2 * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        const float angles_B_1 = cc + i_AA_computed_part_times_sy;
-        const float angles_B_2 = cs - i_AA_computed_part_times_cy;
+        const float angles_B_1 = cc + i_AA_computed_sum_times_sy;
+        const float angles_B_2 = cs - i_AA_computed_sum_times_cy;
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         const float middle_B = commutation_minus_half * i_BA_computed;
@@ -904,12 +904,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
         const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
-        const float cos_i_CA_computed = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
+        const float cos_3 = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
         const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
-        const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
+        const float i_CA_computed = (cos_3 * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         const float middle_C = commutation_minus_half * i_CA_computed;
-        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
+        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_3 * i_CD));
         const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         const float i_CC_computed = middle_C - beta_C;

@@ -203,10 +203,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
-        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
-        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
-        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
+        const float first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < first_r_2_size;
+        const float first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < first_r_1_size;
         bool indicated_x_V_ax;
         bool indicated_y_V_ay;
         bool indicated_x_V_bx = m_exceeds_x;
@@ -232,8 +232,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             indicated_x_V_cx = any_r_exceeds;
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
-        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) &&
-            (sensing_first_r_2_size <= significant_r) &&
+        const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) &&
+            (first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
         const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
             (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
@@ -327,9 +327,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-        const float front_z = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (front_z + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - front_z);
+        const float front = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
         const float reckoning_x_position = state->reckoning_x_position;
         const float sensing_offset_x = state->sensing_offset_x;
@@ -377,34 +377,34 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (complete) {
             const float sensing_scale = state->sensing_scale;
             const float sensing_phi_raw = state->sensing_phi_raw;
-            const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-            const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
-            const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
+            const float phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - phi_raw_times_V_ay);
+            const float X_c = sensing_scale * (phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
             const float X_s_squared = X_s * X_s;
             const float X_c_squared = X_c * X_c;
             const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
-            const float Y_s = sensing_scale * (V_ay_held + sensing_phi_raw_times_V_ax);
-            const float ratio_y_part = sensing_scale * (V_cy_held + sensing_phi_raw_times_V_ax);
-            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + phi_raw_times_V_ax);
+            const float ratio_y_product = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
+            const float Y_s_times_ratio_y_product = Y_s * ratio_y_product;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float ratio_y = -(Y_s_times_ratio_y_part /
-                (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
+            const float ratio_y_product_squared = ratio_y_product * ratio_y_product;
+            const float ratio_y = -(Y_s_times_ratio_y_product /
+                (planar_6dof_lqg_max(Y_s_squared, ratio_y_product_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared -
                 (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared -
+            const float product_m_y = Y_s_times_ratio_y_product * Y_s_times_ratio_y_product;
+            const float m_y = Y_s_squared + ratio_y_product_squared -
                 (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s -
-                (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+                (ratio_y_product * ratio_y_product_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
-                (Y_s - ratio_y_part);
+                (Y_s - ratio_y_product);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
@@ -437,13 +437,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float accepted_x = within_x_2 + offset_x;
-            const float innovation_x_measured = accepted_x - reckoning_x_position;
+            const float innovation_x = accepted_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
-            if (Y_s_squared <= ratio_y_part_squared) {
-                if (-ratio_y_part < 0.0f) {
+            if (Y_s_squared <= ratio_y_product_squared) {
+                if (-ratio_y_product < 0.0f) {
                     if (0.0f < f_y) {
                         position = f_y - half_pitch;
                     } else {
@@ -469,16 +469,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float accepted_y = position + offset_y;
-            const float innovation_y_measured = accepted_y - reckoning_y_position;
-            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float innovation_y = accepted_y - reckoning_y_position;
+            const float h3 = (X_s * (Y_s + ratio_y_product)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float accepted_measured = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
             const float yaw_innovation = accepted_measured - reckoning_phi_position;
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((innovation_x_measured * innovation_x_measured) + (innovation_y_measured *
-                innovation_y_measured))) + (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
+                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
+                (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -506,9 +506,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_scale_part = sensing_scale -
+                const float sensing_scale_sum = sensing_scale -
                     (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
-                state->sensing_scale = 1.02f + planar_6dof_lqg_limit(sensing_scale_part, 0.18f);
+                state->sensing_scale = 1.02f + planar_6dof_lqg_limit(sensing_scale_sum, 0.18f);
             }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -555,12 +555,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float corrected_phi = phi_raw;
         float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
-            const float innovation_x_x_next = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_x_next);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_x_next);
-            const float innovation_y_y_next = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_y_next);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_y_next);
+            const float innovation_x_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
+            const float innovation_y_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
             const float innovation_phi = phi_raw - reckoning_phi_position;
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
@@ -597,23 +597,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         static const float lqg_x_integral_decay = 0.9430741f;   /* 1; (49): 1 - k3 T / (k1 + k3 T) */
         static const float lqg_x_L = 5126.1787f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-        const float seen_law_x = lqg_x_L * x_raw;
+        const float seen = lqg_x_L * x_raw;
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool is_small = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float decayed_lqg_x_integral = lqg_x_integral_decay * lqg_x_integral;
+        const float decayed = lqg_x_integral_decay * lqg_x_integral;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
          *     as lqg_x, with y in place of x */
         static const float lqg_y_integral_decay = 0.953085f;    /* 1; (49): 1 - k3 T / (k1 + k3 T) */
         static const float lqg_y_L = 3558.6274f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
         static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
-        const float seen_law_y = lqg_y_L * y_raw;
+        const float seen_2 = lqg_y_L * y_raw;
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const bool is_small_close = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
-        const float decayed_lqg_y_integral = lqg_y_integral_decay * lqg_y_integral;
-        const float seen_law_phi = lqg_phi_L * phi_raw;
+        const float decayed_2 = lqg_y_integral_decay * lqg_y_integral;
+        const float seen_3 = lqg_phi_L * phi_raw;
         const float lqg_phi_integral = state->lqg_phi_integral;
 
         /* lqg_x, lqg_y, lqg_phi: reduced-order LQG, (28)-(35), (49) */
@@ -625,22 +625,22 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
         static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
         static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        float now_law_x;
-        float now_law_y;
-        float now_law_phi;
+        float now;
+        float now_2;
+        float now_3;
         if (guard_ready != 0u) {
-            now_law_x = state->lqg_x_x3;
-            now_law_y = state->lqg_y_x3;
-            now_law_phi = state->lqg_phi_x3;
+            now = state->lqg_x_x3;
+            now_2 = state->lqg_y_x3;
+            now_3 = state->lqg_phi_x3;
         } else {
-            now_law_x = -seen_law_x;
-            now_law_y = -seen_law_y;
-            now_law_phi = -seen_law_phi;
+            now = -seen;
+            now_2 = -seen_2;
+            now_3 = -seen_3;
         }
-        state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-        const float estimated_law_x = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
-        state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-        const float estimated_law_y = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        state->lqg_x_x3 = (lqg_x_F * now) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+        const float estimated = now + seen + (lqg_x_achieved_gain * lqg_x_achieved);
+        state->lqg_y_x3 = (lqg_y_F * now_2) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+        const float estimated_2 = now_2 + seen_2 + (lqg_y_achieved_gain * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
@@ -655,8 +655,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
         static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
         static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-        const float estimated_law_phi = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        state->lqg_phi_x3 = (lqg_phi_F * now_3) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float estimated_3 = now_3 + seen_3 + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
         float d_x;
         float d_y;
@@ -673,16 +673,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_y = braking_y_gain * y_advance;
         } else {
             const float law_x = (lqg_x_error_gain * ((is_small) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
-                -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated_law_x);
+                -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
             d_x = law_x;
-            const float law_y = (lqg_y_error_gain * ((is_close) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
-                -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_law_y);
+            const float law_y = (lqg_y_error_gain * ((is_small_close) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
+                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_2);
             d_y = law_y;
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) +
-                (lqg_phi_integral - estimated_law_phi);
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - estimated_3);
             d_phi = law_phi;
             value = !is_small;
-            runs = !is_close;
+            runs = !is_small_close;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->law_x = law_x;
@@ -707,28 +706,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     d_z = gain * (z_ref_held - z) + lead + integral */
         static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
         static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
-        const float error_d_z = z_ref_held - z;
+        const float error = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
-        state->loop_z_lead = loop_z_lead_input * error_d_z;
+        const float d_z = (loop_z_gain * error) + state->loop_z_lead + loop_z_integral;
+        state->loop_z_lead = loop_z_lead_input * error;
 
         /* loop_theta: lead-lag, (24)
          *     as loop_z, with theta in place of z */
         static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
         static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
-        const float error_d_theta = theta_ref_held - theta;
+        const float error_2 = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
-        state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
+        const float d_theta = (loop_theta_gain * error_2) + state->loop_theta_lead + loop_theta_integral;
+        state->loop_theta_lead = loop_theta_lead_input * error_2;
 
         /* loop_psi: lead-lag, (25)
          *     as loop_z, with psi in place of z */
         static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
         static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
-        const float error_d_psi = psi_ref_held - psi;
+        const float error_3 = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
-        state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
+        const float d_psi = (loop_psi_gain * error_3) + state->loop_psi_lead + loop_psi_integral;
+        state->loop_psi_lead = loop_psi_lead_input * error_3;
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -761,22 +760,21 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* 1; (25): 1 - integral_decay; times allocation_half */
         static const float loop_psi_integral_input_times_allocation_half = 0.0062111802f;
         const float cos_phi_raw_argument = phi_raw * phi_raw;
-        const float cos_i_CQ = cos_phi_raw_polynomial(cos_phi_raw_argument);
-        const float sin_i_CQ = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
-        const float i_CQ = planar_6dof_lqg_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y),
+        const float cos_2 = cos_phi_raw_polynomial(cos_phi_raw_argument);
+        const float sin_2 = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
+        const float i_CQ = planar_6dof_lqg_limit((cos_2 * d_x) + (sin_2 * d_y),
             planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
         const float yaw = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
-        const float half = planar_6dof_lqg_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit -
-            fabsf(yaw));
+        const float half = planar_6dof_lqg_limit(0.5f * ((cos_2 * d_y) - (sin_2 * d_x)), quadrature_limit - fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
-        const float front_i_AD = d_z - d_theta;
-        const float i_AD = planar_6dof_lqg_limit(front_i_AD + d_psi, direct_limit);
-        const float i_BD = planar_6dof_lqg_limit(front_i_AD - d_psi, direct_limit);
+        const float front_2 = d_z - d_theta;
+        const float i_AD = planar_6dof_lqg_limit(front_2 + d_psi, direct_limit);
+        const float i_BD = planar_6dof_lqg_limit(front_2 - d_psi, direct_limit);
         const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
         const float both = allocation_two * half;
-        const float achieved_x = (cos_i_CQ * i_CQ) - (sin_i_CQ * both);
-        const float achieved_y = (sin_i_CQ * i_CQ) + (cos_i_CQ * both);
+        const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
+        const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
@@ -787,13 +785,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) +
             (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
-            (lqg_phi_integral_input * (achieved_phi + estimated_law_phi));
+            (lqg_phi_integral_input * (achieved_phi + estimated_3));
         state->lqg_phi_achieved = achieved_phi;
-        state->lqg_x_integral = (is_small) ?
-            (decayed_lqg_x_integral + (lqg_x_integral_input * (achieved_x + estimated_law_x))) : decayed_lqg_x_integral;
+        state->lqg_x_integral = (is_small) ? (decayed + (lqg_x_integral_input * (achieved_x + estimated))) : decayed;
         state->lqg_x_achieved = achieved_x;
-        state->lqg_y_integral = (is_close) ?
-            (decayed_lqg_y_integral + (lqg_y_integral_input * (achieved_y + estimated_law_y))) : decayed_lqg_y_integral;
+        state->lqg_y_integral = (is_small_close) ? (decayed_2 + (lqg_y_integral_input * (achieved_y + estimated_2))) :
+            decayed_2;
         state->lqg_y_achieved = achieved_y;
 
         /* commutation: phase currents, (17) inverted
@@ -809,9 +806,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
         static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
         static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
-        const float distance_rear = within_x - (c * sin_i_CQ);
+        const float distance_rear = within_x - (c * sin_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
+        const float distance_front = within_y - ((b * cos_2) - quarter_pitch);
         const float quarter_sine_front = distance_front *
             quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
@@ -819,23 +816,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
         const float cy = f5_polynomial(cos_phi_raw_argument);
         const float cc = front_1 * cy;
-        const float i_AA_computed_part = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
+        const float i_AA_computed_sum = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
         const float sy = phi_raw * f6_polynomial(cos_phi_raw_argument);
-        const float i_AA_computed_part_times_sy = i_AA_computed_part * sy;
-        const float angles_A_1 = cc - i_AA_computed_part_times_sy;
-        const float i_AA_computed_part_times_cy = i_AA_computed_part * cy;
+        const float i_AA_computed_sum_times_sy = i_AA_computed_sum * sy;
+        const float angles_A_1 = cc - i_AA_computed_sum_times_sy;
+        const float i_AA_computed_sum_times_cy = i_AA_computed_sum * cy;
         const float cs = front_1 * sy;
-        const float i_AA_computed_part_2 = i_AA_computed_part_times_cy + cs;
-        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
+        const float i_AA_computed_sum_2 = i_AA_computed_sum_times_cy + cs;
+        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_sum_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         const float middle_A = commutation_minus_half * i_AA_computed;
-        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_sum_2 * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        const float angles_B_1 = cc + i_AA_computed_part_times_sy;
-        const float angles_B_2 = cs - i_AA_computed_part_times_cy;
+        const float angles_B_1 = cc + i_AA_computed_sum_times_sy;
+        const float angles_B_2 = cs - i_AA_computed_sum_times_cy;
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         const float middle_B = commutation_minus_half * i_BA_computed;
@@ -846,12 +843,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
         const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
-        const float cos_i_CA_computed = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
+        const float cos_3 = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
         const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
-        const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
+        const float i_CA_computed = (cos_3 * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         const float middle_C = commutation_minus_half * i_CA_computed;
-        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
+        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_3 * i_CD));
         const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         const float i_CC_computed = middle_C - beta_C;

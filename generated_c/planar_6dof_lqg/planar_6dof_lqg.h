@@ -61,6 +61,9 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
+ * Named constants that follow from parameters of the plant, by parameter: b: b; c: c; laser_arm: half_over_laser_arm.
+ * Gains, polynomials and bounds may follow from them too.
+ *
  * The gains and numbers in planar_6dof_lqg.c hold for one plant and one period: for other masses, geometry or magnets,
  * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *

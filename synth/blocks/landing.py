@@ -31,7 +31,6 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop; only init ends that")
-
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
 
@@ -148,6 +147,7 @@ def block(
             next,
             named,
             numbers=[*_numbers(time, patience, good_samples), *(n for c in courses for n in _of_course(c, T))],
+            notes=["No integrator takes part, so nothing winds up: the disturbance of the observer does its work."],
         )
 
     states = [

@@ -15,7 +15,7 @@ from dataclasses import replace
 import casadi as ca
 
 from synth import arguments
-from synth.block import LATCH_BIT, Block, Exprs, Fault, Step, build
+from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Step, build
 from synth.errors import SignalError
 from synth.failure import Failure
 from synth.signals import Signal
@@ -47,11 +47,12 @@ def block(time: Discrete, count: Signal, bit: int) -> Block:
     """
     if not 0 <= bit < LATCH_BIT:
         raise SignalError(f"the bit of missed calls is {bit}: give one from 0 to {LATCH_BIT - 1} that is free")
+    most = Constant("most_missed_calls", count.high, "1", "calls that may be missing before the next one")
     flag = Signal(f"fault_{count.name}", "1", 0, 1, "too many calls are missing")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         tolerated = ca.logic_and(u[count.name] >= count.low, u[count.name] <= count.high)
-        return Step({flag.name: ca.logic_not(tolerated)})
+        return Step({flag.name: ca.logic_not(tolerated)}, numbers=[most])
 
     made = build(MISSED_CALLS, time, law, inputs=[count], outputs=[flag], tag="missed calls")
     about = f"more than {count.high:g} calls missed, or a count that is negative or NaN"

@@ -38,18 +38,58 @@ class Decision:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
         return max(self.at_rest if single else 0, STILL)
 
+    def require(self, name: str) -> None:
+        """Raise SignalError unless a sensor without a relation has a gate and a travel, and jumps from its gate on."""
+        if not self.gate.get(name, 0) > 0 or name not in self.travel:
+            raise SignalError(f"sensor '{name}' is in no relation and has no gate or travel: give both")
+        if self.jump.get(name, self.gate[name]) < self.gate[name]:
+            jump, gate = self.jump[name], self.gate[name]
+            raise SignalError(f"a jump of '{name}' is above {jump}, its gate {gate}: give no less")
+
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
-        """Return the numbers that the C names."""
+        """Return the numbers of the groups that the C names."""
         units = (signals[next(iter(r.weights))].unit for r in relations)
         numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
-        for n, ends in self.travel.items():
-            unit, at = signals[n].unit, "end of the travel, where a stop may hold it"
-            if n in self.jump:
-                about = "from the prediction: no acceleration of the machine explains it"
-                numbers.append(Constant(f"jump_{n}", self.jump[n], unit, about))
-            numbers += [Constant(f"gate_{n}", self.gate[n], unit, "predicted motion in which a working code changes")]
-            numbers += [Constant(f"travel_{of}_{n}", v, unit, at) for of, v in zip(("low", "high"), ends, strict=True)]
-        return [*numbers, *_counts(relations, self)]
+        groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
+        others = (Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group", ("moving",)) for n in groups)
+        return [
+            *numbers, *self._counts(),
+            Constant("undecided_from", self.undecided - 1, "1", "contradictions before all are suspects",
+                     ("contradictions",)),
+            Constant("most_contradictions", self.undecided, "1", "contradictions that are counted",
+                     ("contradictions",)),
+            Constant("tolerated_missing", self.tolerated, "1", "readings of a group that may be missing", ("missing",)),
+            *others,
+        ]  # fmt: skip
+
+    def numbers_of_monitor(self, sensor: Signal) -> list[Constant]:
+        """Return the numbers of the monitor of a sensor that the C names."""
+        n, unit, at = sensor.name, sensor.unit, "end of the travel, where a stop may hold it"
+        far = "from the prediction: no acceleration of the machine explains it"
+        numbers = [Constant("gate", self.gate[n], unit, "predicted motion in which a working code changes")]
+        numbers += [Constant("jump", self.jump[n], unit, far)] if n in self.jump else []
+        ends = zip(("low", "high"), self.travel[n], strict=True)
+        return [
+            *numbers, *(Constant(f"travel_{of}", v, unit, at) for of, v in ends), *self._counts(),
+            Constant("most_unchanged", self.longest(True), "1", "samples without a change that are counted",
+                     ("still", "unchanged")),
+            Constant("doubted_changes", DOUBTS, "1", "changes of the code until its prediction is believed",
+                     ("doubts",)),
+        ]  # fmt: skip
+
+    def _counts(self) -> list[Constant]:
+        still, wrong, before = (
+            ("still", "unchanged"),
+            ("contradictions", "jumps"),
+            "contradictions or jumps before the last",
+        )
+        return [
+            Constant(
+                "repeated_samples", FRESH, "1", "samples without a change of the code: fewer, and it moves", still
+            ),
+            Constant("still_samples", STILL, "1", "samples without a change of the code: it stands still", still),
+            Constant("excluded_from", self.persistent - 1, "1", before, wrong),
+        ]
 
 
 @arguments.checked
@@ -67,26 +107,3 @@ def jump_gate(gate: float, acceleration: float, resolution: float, period: float
         if not 0 <= value < inf:
             raise SignalError(f"gate of jumps: the {name} is {value}: give a finite number of at least 0")
     return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
-
-
-def _counts(relations: Sequence[Relation], decision: Decision) -> list[Constant]:
-    """Return the numbers of samples and of sensors; a `still` is the count of samples without a change of a code."""
-    still, longest = ("still", "unchanged"), decision.longest(True)
-    counts = {
-        "repeated_samples": (FRESH, "samples without a change of the code: fewer, and it moves", still),
-        "still_samples": (STILL, "samples without a change of the code: it stands still", still),
-        "most_unchanged": (longest, "samples without a change that are counted", still),
-        "doubted_changes": (DOUBTS, "changes of the code until its prediction is believed", ("doubts",)),
-        "excluded_from": (
-            decision.persistent - 1,
-            "contradictions or jumps before the last",
-            ("contradictions", "jumps"),
-        ),
-        "undecided_from": (decision.undecided - 1, "contradictions before all are suspects", ("contradictions",)),
-        "most_contradictions": (decision.undecided, "contradictions that are counted", ("contradictions",)),
-        "tolerated_missing": (decision.tolerated, "readings of a group that may be missing", ("missing",)),
-    }
-    numbers = [Constant(name, value, "1", about, of) for name, (value, about, of) in counts.items()]
-    groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
-    others = (Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group", ("moving",)) for n in groups)
-    return [*numbers, *others]

@@ -36,8 +36,9 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
-    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
+    *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
+    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "SOUND", "SUSPECTED", "frozen", "guard", "safe_output"),
+    "without_latch",
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
@@ -45,7 +46,9 @@ BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch f
 BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
 BRAKES = "brakes in the {} samples from the next one on, then latches; set until init"
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
+MONITOR = "monitor"  # end of the name of a Block that replaces the readings of one sensor
 JUDGING = Signal("judging", "1", 0, 1, "readings are compared with predictions, which stand still once latched")
+SOUND = Signal("sound", "1", 0, 1, "all readings are good, and no sensor was ever a suspect")
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
@@ -246,7 +249,8 @@ def without_latch(block: Block) -> Block:
     if left not in states or latched not in states:
         raise SignalError(f"block '{block.name}' has no latch: compose it with a guard of measurements")
     detecting = tuple(f"{REDUNDANCY}_{of}_" for of in ("still", "excluded", "contradictions"))
-    off = [latched, *(n for n in states if n.startswith(detecting))]
+    monitored = tuple(f"_{MONITOR}_{of}" for of in ("still", "excluded"))
+    off = [latched, *(n for n in states if n.startswith(detecting) or n.endswith(monitored))]
     waiting = [n for n in (left, f"{LANDING}_left") if n in states]
     never = dict.fromkeys(off, ca.SX(0)) | {n: ca.SX(states[n].signal.high) for n in waiting}
     return replace(block, next={**block.next, **never})

@@ -14,6 +14,7 @@ import casadi as ca
 from synth.block import Block, ComputedSignal
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.operations import BINARY, LOOKUP, UNARY
+from synth.emit.passes import words
 from synth.errors import EmitError
 from synth.fault import Fault
 
@@ -44,7 +45,8 @@ class Program:
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
     `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
-    lines of its equations. `labels` are names of nodes from the variables of the laws, for the locals of the C.
+    lines of its equations, `notes` to sentences about it. `labels` are names of nodes from the variables of the laws,
+    for the locals of the C.
     """
 
     nodes: tuple[Node, ...]
@@ -64,6 +66,7 @@ class Program:
     paths: Mapping[str, str] = field(default_factory=dict)
     by_value: bool = False
     labels: Mapping[int, str] = field(default_factory=dict)
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
@@ -128,9 +131,11 @@ def program(block: Block) -> Program:
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.computed_signals}
     integers = frozenset([s.name for s in block.states if s.integer])
     labels = _labels(block, loads, nodes)
+    notes = {name: tuple(text for n, text in block.notes if n == name) for name, _ in block.notes}
     return _without_dead_nodes(
-        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables, labels=labels)
-    )
+        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables, labels=labels,
+                notes=notes)
+    )  # fmt: skip
 
 
 def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
@@ -145,8 +150,11 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
     for node in values:
         args = [index[a] for a in node.args]
         index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
-    pairs = zip(results, (name for name, _ in block.intermediates), strict=True)
-    return {k: name for value, name in pairs if (k := index[value]) is not None}
+    names: dict[int, dict[str, None]] = {}
+    for value, (name, _) in zip(results, block.intermediates, strict=True):
+        if (k := index[value]) is not None:
+            names.setdefault(k, {})[name] = None
+    return {k: words.combine([*several]) for k, several in names.items()}
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:

@@ -49,9 +49,10 @@ def emit(
     """
     rounded = block.rounded(scalar)
     made = pipeline.c_source(rounded, scalar, libm, error)
+    notes = [*header_notes, *header.by_parameter(made.numbers)]
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
-        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning, latency),
+        f"{block.name}.h": header.header(rounded, made.memory, made.program, notes, warning, latency),
     }
     observed = diagnostics.manifest_entry(rounded, made.program)
     document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)

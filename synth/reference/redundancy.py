@@ -1,4 +1,6 @@
-"""Readings replaced by parity and prediction, and sensors excluded, in NumPy: reference of `blocks.redundancy`.
+"""Readings replaced by parity and prediction, and sensors excluded, in NumPy.
+
+It is the reference of `blocks.redundancy` and, for the `others`, of `blocks.innovation_monitor`.
 
 parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
              or more follow from the predictions
@@ -46,6 +48,10 @@ class Sensors:
         """All sensors."""
         return (*self.signs, *self.others)
 
+    def states(self, what: str) -> list[str]:
+        """Return the names of a state of all sensors."""
+        return [f"redundancy_{what}_{n}" for n in self.signs] + [f"{n}_monitor_{what}" for n in self.others]
+
     def parity(self, y: Array) -> Array:
         """Return the parity of some readings; its rows are those of the relation."""
         return np.asarray(np.sum(self.column(y) * y, axis=0))
@@ -63,11 +69,11 @@ def readings(
     `expected` are the predicted readings; `attempts` of the probe without an answer exclude one of the others. A jump
     is not looked for in a sample before which calls were `missed`.
     """
-    g, names = len(of.signs), of.sensors
-    same = y == rows(state, [f"redundancy_code_{n}" for n in names])
-    excluded = rows(state, [f"redundancy_excluded_{n}" for n in names]) > 0
+    g = len(of.signs)
+    same = y == rows(state, of.states("code"))
+    excluded = rows(state, of.states("excluded")) > 0
     usable, longest = good & ~excluded, by_row([STILL] * g + [of.longest] * len(of.others), y)
-    count = rows(state, [f"redundancy_still_{n}" for n in names])
+    count = rows(state, of.states("still"))
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
@@ -75,13 +81,13 @@ def readings(
     changed = (~same[:g] & excluded[:g] & good[:g]).any(axis=0)
     undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & changed)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
-    before = np.where(same[g:], rows(state, [f"redundancy_before_{n}" for n in of.others]), expected[g:])
+    before = np.where(same[g:], rows(state, of.states("before")[g:]), expected[g:])
     unanswered = rows(state, [f"probe_{n}_attempt" for n in of.others]) >= attempts
-    doubts = rows(state, [f"redundancy_doubts_{n}" for n in of.others])
-    distance, counted = np.abs(expected[g:] - y[g:]), rows(state, [f"redundancy_jumps_{n}" for n in of.others])
+    doubts = rows(state, of.states("doubts")[g:])
+    distance, counted = np.abs(expected[g:] - y[g:]), rows(state, of.states("jumps")[g:])
     with np.errstate(invalid="ignore"):
         believed = judging & (doubts == 0) & (np.asarray(missed) == 0)
-    last = rows(state, [f"redundancy_code_{n}" for n in of.others])
+    last = rows(state, of.states("code")[g:])
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
     doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
@@ -89,27 +95,29 @@ def readings(
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     freezes = ready & stands & usable[g:]
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
-    frozen = freezes | jumps | excluded[g:]
-    out = np.where(jumps, counted >= PERSISTENT - 1, freezes) | excluded[g:]
-    trusted = usable[g:] & ~frozen
+    degraded = np.asarray(state["redundancy_degraded"]) > 0
+    sound = ready & good.all(axis=0) & ~degraded
+    usual = sound & ~stands & ~jumps
+    stopped = ~usual & (freezes | excluded[g:])
+    wrong = stopped | (~usual & jumps)
+    out = ~usual & (np.where(jumps, counted >= PERSISTENT - 1, freezes) | excluded[g:])
+    trusted = usual | (usable[g:] & ~wrong)
     value = np.concatenate([related, np.where(trusted, y[g:], expected[g:])])
     low, high = by_row(of.low, y), by_row(of.high, y)
-    suspects = np.concatenate([named | excluded[:g] | undecided, frozen])
-    next: dict[str, Any] = {f"redundancy_code_{n}": v for n, v in zip(names, y, strict=True)}
-    next |= {f"redundancy_still_{n}": v for n, v in zip(names, still, strict=True)}
-    next |= {f"redundancy_before_{n}": v for n, v in zip(of.others, before, strict=True)}
+    suspects = np.concatenate([named | excluded[:g] | undecided, wrong])
+    next: dict[str, Any] = dict(zip(of.states("code"), y, strict=True))
+    next |= dict(zip(of.states("still"), still, strict=True))
+    next |= dict(zip(of.states("before")[g:], before, strict=True))
     kept_doubts = np.where(same[g:], doubts, doubted)
-    next |= {f"redundancy_doubts_{n}": v for n, v in zip(of.others, kept_doubts, strict=True)}
-    leave_out = np.concatenate([excluded[:g] | after["excluded"], out])
-    degraded = np.asarray(state["redundancy_degraded"]) > 0
-    calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
-    calm &= (np.abs(of.parity(y[:g])) <= of.threshold) & ~jumps.any(axis=0)
-    count_of_jumps = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
-    jump_counts = np.where(calm, counted, count_of_jumps)
-    next |= {f"redundancy_jumps_{n}": v for n, v in zip(of.others, jump_counts, strict=True)}
-    decisions = {f"redundancy_excluded_{n}": v for n, v in zip(names, leave_out, strict=True)}
+    next |= dict(zip(of.states("doubts")[g:], kept_doubts, strict=True))
+    calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= of.threshold)
+    jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
+    next |= dict(zip(of.states("jumps")[g:], jump_counts, strict=True))
+    next |= dict(zip(of.states("excluded")[g:], out, strict=True))
+    leave_out = excluded[:g] | after["excluded"]
+    decisions = dict(zip(of.states("excluded")[:g], leave_out, strict=True))
     decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
-    decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0)
+    decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0) | out.any(axis=0)
     next |= {n: np.where(calm, np.asarray(state[n]) > 0, v) for n, v in decisions.items()}
     next["redundancy_contradictions_0"] = np.where(calm, 0, after["count"])
     missing = np.sum(~usable[:g], axis=0)
@@ -118,9 +126,9 @@ def readings(
         "determined": calm | determined,
         "regular": calm | (determined & trusted.all(axis=0)),
         "sufficient": calm | (missing <= 2),
-        "trusted": calm | trusted,
+        "trusted": trusted,
         "degraded": ~calm & ready,
-        "frozen": ~calm & (freezes | excluded[g:]),
+        "frozen": stopped,
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, flags, next
 

@@ -50,6 +50,9 @@ uint32_t input_{k}_{kind}({state} *state, const {input} *in, {output} *out)
 """
 _BODY = re.compile(r"^define [^\n]*@input_(\d+)_(\w+)\([^\n]*\n(.*?)^}", re.DOTALL | re.MULTILINE)
 
+# A scope of aliasing, of a struct that an inlined function returns: each inlined copy has a number of its own.
+_SCOPE = re.compile(r"(!noalias |!alias\.scope |noalias\.scope\.decl\(metadata )!(\d+)")
+
 
 @dataclass(frozen=True)
 class Equivalence:
@@ -74,10 +77,16 @@ def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Equivalenc
     Raises CompileError when clang is missing or refuses the C, and DesignError when the manifest is incomplete.
     """
     inputs = [m for m in contract.members(manifest, "input") if m.is_real]
-    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialise(files, manifest, inputs))}
+    bodies = {(int(k), kind): _numbered(b) for k, kind, b in _BODY.findall(_specialise(files, manifest, inputs))}
     special = [(k, kind) for k, m in enumerate(inputs) for kind in _VALUES[m.ctype] if kind != "largest"]
     different = [f"{inputs[k].path} = {kind}" for k, kind in special if bodies[k, kind] != bodies[k, "largest"]]
     return Equivalence(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
+
+
+def _numbered(body: str) -> str:
+    """Return a function whose scopes of aliasing are numbered in the order in which they appear."""
+    numbers: dict[str, int] = {}
+    return _SCOPE.sub(lambda m: f"{m[1]}!{numbers.setdefault(m[2], len(numbers))}", body)
 
 
 def _specialise(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:

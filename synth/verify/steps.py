@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from synth.blocks import safety
 from synth.errors import SignalError
 from synth.execute import host, recording
 
@@ -115,8 +116,8 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
     """Return steps in which some readings differ from the others, are those before, or NaN.
 
     For most refused readings the code before it serves. Some predictions have moved since their code changed. The
-    whole-number states of `blocks.redundancy`, of the landing and of the probe are resampled. The result is empty for a
-    controller that replaces no readings.
+    whole-number states of redundancy, monitors, landing and probe are resampled. The result is empty for a controller
+    that replaces no readings.
     """
     measurements = ((controller.manifest["safety"] or {}).get("judgement") or {}).get("measurements", [])
     rng, n = np.random.default_rng(SEED + 4), len(steps) if measurements else 0
@@ -125,9 +126,9 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
         size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** (-4 * rng.uniform(0, 1, n) ** 0.6)
         wrong = np.where(rng.uniform(size=n) < 0.25, size, 0)
         inputs[f["name"]] = np.clip(inputs[f["name"]] + wrong, f["low"], f["high"])
-        stands, code = rng.uniform(size=n) < 0.5, f"redundancy_code_{f['name']}"
+        stands, code = rng.uniform(size=n) < 0.5, _code(states, f["name"])
         states[code] = np.where(stands, inputs[f["name"]], _uniform(rng, f, n))
-        if (doubts := f"redundancy_doubts_{f['name']}") in (states.dtype.names or ()):
+        if (doubts := f"{f['name']}_{safety.MONITOR}_doubts") in (states.dtype.names or ()):
             believed = rng.uniform(size=n) < 0.5
             states[doubts] = np.where(believed, 0, states[doubts])
     share = rng.choice((0.05, 0.5), n)
@@ -135,7 +136,7 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
         if f["ctype"] in _INTEGERS and not f["name"].startswith("guard_"):
             values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
             states[f["name"]] = np.where(rng.uniform(size=n) < share, values, states[f["name"]])
-    for f in (f for f in _fields(controller, "state") if f["name"].startswith("redundancy_before_")):
+    for f in (f for f in _fields(controller, "state") if f["name"].endswith(f"_{safety.MONITOR}_before")):
         size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** rng.uniform(-4, 0, n)
         moved = np.clip(states[f["name"]] + size, f["low"], f["high"])
         states[f["name"]] = np.where(rng.uniform(size=n) < 0.5, moved, states[f["name"]])
@@ -145,10 +146,16 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
         as_before = refused & (rng.uniform(size=n) < 0.7)
         states[f"guard_last_{name}"] = np.where(
             as_before,
-            states[f"redundancy_code_{name}"],
+            states[_code(states, name)],
             np.where(refused, _uniform(rng, f, n), states[f"guard_last_{name}"]),
         )
     return Steps("contradictions", states, inputs)
+
+
+def _code(states: NDArray[np.void], name: str) -> str:
+    """Return the state that holds the accepted reading of a sensor one sample ago."""
+    alone = f"{name}_{safety.MONITOR}_code"
+    return alone if alone in (states.dtype.names or ()) else f"redundancy_code_{name}"
 
 
 def edge_steps(controller: host.Controller, steps: Steps) -> Steps:

@@ -9,8 +9,9 @@ import pytest
 
 from synth.analyse.parity import Relation
 from synth.block import Block
-from synth.blocks import landing, predictor, probe, redundancy
+from synth.blocks import innovation_monitor, landing, predictor, probe, redundancy
 from synth.blocks.redundancy_decision import jump_gate
+from synth.composition import compose
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT
 from synth.signals import Signal, signal_names
@@ -21,7 +22,20 @@ TIME = Discrete(T)
 SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
 SUM = Relation({"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3)
 DECISION = redundancy.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, persistent=3, undecided=10, at_rest=50)
-BLOCK = redundancy.block(TIME, SENSORS, [SUM], DECISION)
+
+
+def whole(decision: redundancy.Decision, missed_calls: Signal | None = None) -> Block:
+    """Return the redundancy of the group with the monitor of x."""
+    blocks = [
+        innovation_monitor.block(TIME, SENSORS[-1], decision, missed_calls),
+        redundancy.block(TIME, SENSORS, [SUM], decision),
+    ]
+    made = {s.name for b in blocks for s in b.outputs}
+    read = dict.fromkeys(s.name for b in blocks for s in b.inputs if s.name not in made)
+    return compose("whole", blocks, inputs=[*read], outputs=[s.name for b in blocks for s in b.outputs])
+
+
+BLOCK = whole(DECISION)
 
 
 class Runner:
@@ -70,7 +84,7 @@ def test_a_frozen_sensor_of_a_group_is_named_and_excluded_in_motion(name: str) -
         if k >= 13:
             assert [n for n in "abc" if out[f"suspect_{n}"]] == [name]
             assert out[f"{name}_held"] == pytest.approx(true[name]) and out["regular"] == 1
-    assert runner.state[[s.name for s in BLOCK.states].index(f"excluded_{name}")] == 1
+    assert runner.state[[s.name for s in BLOCK.states].index(f"redundancy_excluded_{name}")] == 1
 
 
 def test_a_contradiction_that_nothing_explains_makes_all_suspects_and_keeps_all_in_use() -> None:
@@ -121,7 +135,7 @@ def jump(
     decision: Any = JUMPING,
 ) -> tuple[list[float], list[float], list[float]]:
     """Return suspects, values less predictions, and frozen flags, of a reading that jumps after 30 good samples."""
-    runner = Runner(redundancy.block(TIME, SENSORS, [SUM], decision, MISSED))
+    runner = Runner(whole(decision, MISSED))
     suspects, differences, frozen = [], [], []
     for k in range(40):
         true = moving(k) | {"x": x + 1e-4 * k}

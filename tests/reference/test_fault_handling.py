@@ -9,6 +9,7 @@ import pytest
 
 from synth.analyse.parity import Relation
 from synth.block import Block
+from synth.blocks import innovation_monitor
 from synth.blocks import landing as landing_block
 from synth.blocks import predictor as predictor_block
 from synth.blocks import probe as probe_block
@@ -27,9 +28,11 @@ W = Signal("w_x", "m/s^2", -1e4, 1e4)
 TOLERANCE = 1e-12  # of a range
 
 
-def whole(block: Block) -> Block:
-    """Return the Block as a controller, whose states have its name in front."""
-    return compose("whole", [block], inputs=signal_names(block.inputs), outputs=signal_names(block.outputs))
+def whole(*blocks: Block) -> Block:
+    """Return the Blocks as a controller, whose states have their names in front."""
+    made = [name for b in blocks for name in signal_names(b.outputs)]
+    read = dict.fromkeys(name for b in blocks for name in signal_names(b.inputs) if name not in made)
+    return compose("whole", blocks, inputs=[*read], outputs=made)
 
 
 def draw(block: Block, seed: int = 0) -> tuple[Columns, Columns]:
@@ -60,16 +63,19 @@ OF = redundancy.Sensors(
 
 
 def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
-    block = whole(redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION, MISSED))
+    block = whole(
+        innovation_monitor.block(TIME, SENSORS[-1], DECISION, MISSED),
+        redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION),
+    )
     x, u = draw(block)
     rng = np.random.default_rng(1)
     u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, -1.0, np.nan), N)
-    x["redundancy_doubts_x"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["redundancy_doubts_x"])
+    x["x_monitor_doubts"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["x_monitor_doubts"])
     u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 0.01), N), -1, 1)
-    for s in SENSORS:
+    for s, code in zip(SENSORS, of.states("code"), strict=True):
         off = rng.choice((0.0, 5e-4, 0.02), N) * rng.choice((-1, 1), N)
         u[f"{s.name}_expected"] = np.clip(u[f"{s.name}_accepted"] + off, -1, 1)
-        x[f"redundancy_code_{s.name}"] = np.where(rng.uniform(size=N) < 0.7, u[f"{s.name}_accepted"], 0.0)
+        x[code] = np.where(rng.uniform(size=N) < 0.7, u[f"{s.name}_accepted"], 0.0)
         u[f"fault_{s.name}"] = (rng.uniform(size=N) < 0.1).astype(float)
     u["complete"] = (np.sum([u[f"fault_{s.name}"] for s in SENSORS], axis=0) == 0).astype(float)
     latched = (rng.uniform(size=N) < 0.2).astype(float)

@@ -34,3 +34,13 @@ def test_differing_inputs_are_named(
     same = nonfinite.compare(planted(old, new), manifest)
     assert same.different == different
     assert all(check.passed for check in same.checks()) == (not different)
+
+
+SCOPES = "load a, !noalias !{0}\ncall @llvm.experimental.noalias.scope.decl(metadata !{1})\nload b, !alias.scope !{0}\n"
+
+
+def test_scopes_of_aliasing_differ_in_their_numbers_alone() -> None:
+    """Each inlined copy of a function that returns a struct has its own; which accesses share one must be the same."""
+    first, second, other = (nonfinite._numbered(SCOPES.format(*pair)) for pair in ((156, 160), (162, 157), (9, 9)))
+    assert first == second != other
+    assert nonfinite._numbered("load a, !tbaa !64") == "load a, !tbaa !64"

@@ -45,7 +45,7 @@ def source(
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     parts += _equal(block.name, layout) if compares else []
-    parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
+    parts += _inline(block, program) if program.calls or any(n.op == "guard" for n in program.nodes) else []
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
@@ -96,13 +96,18 @@ def _equal(name: str, layout: Layout) -> list[str]:
     return [head, "{", "    return (a <= b) && !(a < b);", "}", ""]
 
 
-def _inline(block: Block) -> list[str]:
-    """Return the macro by which gcc and clang inline at every level: most functions work on a few numbers."""
-    inline = routines.inline(block)
-    return [
-        *("#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"),
-        *("#else", f"#define {inline} static inline", "#endif"),
-    ]
+def _inline(block: Block, program: Program) -> list[str]:
+    """Return the macros by which gcc and clang inline: most functions work on a few numbers.
+
+    Where the size of the code counts, a large function is left to the compiler.
+    """
+    inline, large = routines.inline(block), routines.large(block)
+    rows = ["#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"]
+    rows += ["#else", f"#define {inline} static inline", "#endif"]
+    if any(call.routine.is_large for call in program.calls.values()):
+        rows += ["#if defined(__OPTIMIZE_SIZE__)", f"#define {large} static inline"]
+        rows += ["#else", f"#define {large} {inline}", "#endif"]
+    return rows
 
 
 def _guards(block: Block, program: Program, layout: Layout) -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
-from synth.block import Block, Fault
+from synth.block import Block, Constant, Fault
 from synth.blocks import bad_samples, missed_calls
 from synth.blocks import safety as guards
 from synth.emit.c import diagnostics, failure_table, routines
@@ -43,6 +43,20 @@ def header(
             *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
         ]
     )
+
+
+def by_parameter(numbers: Sequence[Constant]) -> list[str]:
+    """Return which named constants follow from which parameter of the plant, as a note."""
+    names: dict[str, list[str]] = {}
+    for number in numbers:
+        for parameter in number.parameters:
+            names.setdefault(parameter, []).append(number.name)
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for parameter, constants in names.items():
+        groups.setdefault(tuple(sorted(constants)), []).append(parameter)
+    said = "; ".join(f"{', '.join(sorted(of))}: {', '.join(constants)}" for constants, of in sorted(groups.items()))
+    about = "Named constants that follow from parameters of the plant, by parameter"
+    return [f"{about}: {said}. Gains, polynomials and bounds may follow from them too."] if said else []
 
 
 def init_head(name: str) -> str:

@@ -31,6 +31,21 @@ def wrapped(lines: Iterable[Line]) -> Iterator[Line]:
             yield from (replace(line, text=row) for row in rows(line.text))
 
 
+def alternative(lines: Sequence[Line], depth: int, tag: str) -> list[Line]:
+    """Return the lines from `} else {` to the last brace; an `if` alone that ends in an `else` follows in its line."""
+    indent = "    " * depth
+    inside = [line.text.removeprefix(f"{indent}    ") for line in lines]
+    braces = [text for text in inside if text.startswith("}")]
+    level = [text for text in inside if text[:1] not in (" ", "}", "#")]
+    alone = len(level) == 1 and lines[0].tag == tag and inside[0].startswith("if (") and "} else {" in braces
+    if not alone or any(len(text) == len(line.text) for text, line in zip(inside, lines, strict=True)):
+        return [Line(f"{indent}}} else {{", tag), *lines, Line(f"{indent}}}", tag)]
+    return [
+        replace(line, text=f"{indent}{'} else ' if line is lines[0] else ''}{text}")
+        for line, text in zip(lines, inside, strict=True)
+    ]
+
+
 def rows(text: str) -> list[str]:
     """Return a line of code in the fewest rows of at most WIDTH columns, broken where the fewest parentheses are open.
 
@@ -79,9 +94,11 @@ def comment(text: str, indent: str = "") -> list[str]:
     return [row.replace("\0", " ") for row in lines]
 
 
-def opening(title: Sequence[str], equations: Sequence[str]) -> list[str]:
-    """Return the comment that opens a section: the lines of its title, and its equations."""
-    rows = [*title, *(f"    {prose(row)}" for row in equations)]
+def opening(title: Sequence[str], equations: Sequence[str], notes: Sequence[str] = (), indent: int = 0) -> list[str]:
+    """Return the comment that opens a section behind an indentation: lines of its title, notes, and equations."""
+    width = WIDTH - indent - len(" *  */")
+    said = [row for note in notes for row in wrap(prose(note), width, break_on_hyphens=False)]
+    rows = [*title, *said, *(f"    {prose(row)}" for row in equations)]
     return [f"{'/*' if row is rows[0] else ' *'} {row}" for row in rows[:-1]] + [
         f"{' *' if rows[1:] else '/*'} {rows[-1]} */"
     ]

@@ -8,8 +8,14 @@ comparison with a constant              above_limit, below_limit
 comparison with a whole number          left_at_least_3, left_above_3, left_positive
 choices that change a state             left_next
 fault word on its way              faults_before
-value of a variable of the law          its name; with the signal that it serves where several values have this name
-a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
+value of a variable of the law          its name; with the signal that it serves where several of its Block have it
+
+A value with a longer name, on the way to the signal `r_1`, has a name from what becomes of it, else from what it is:
+
+r_1 on one side of a condition          r_1_if_ready
+operand of a sum that is r_1            r_1_without_y4, r_1_change where it is added to a state
+operand of a limit, a quotient, a root  r_1_unlimited, r_1_numerator, r_1_radicand
+any other                               r_1_sum, r_1_product, r_1_test and so on
 """
 
 import re
@@ -19,6 +25,7 @@ from collections.abc import Iterator, Mapping
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
 from synth.emit.operations import LOGICAL
+from synth.emit.passes import owners
 
 LONGEST = 28
 _POLYNOMIAL = "_polynomial"
@@ -26,6 +33,9 @@ _BETWEEN = {"add": "plus", "sub": "minus", "mul": "times", "div": "over", "lt": 
 _BETWEEN |= {"or": "or", "min": "min", "max": "max"}
 _AFTER = {"sq": "squared", "clamp": "limited", "fabs": "size", "sqrt": "root", "neg": "negated", "floor": "whole"}
 _FACTORS = {0.5: "half", 2.0: "twice", 0.25: "quarter"}
+_OPERATIONS = {"add": "sum", "sub": "sum", "mul": "product", "choose": "choice", "div": "quotient", "inv": "inverse"}
+_OPERATIONS |= {"clamp": "limited", "sq": "square", "min": "limited", "max": "limited", "slew": "limited"}
+_LIMITS, _SUMS = ("min", "max", "clamp"), ("add", "sub")
 
 
 class Naming:
@@ -40,7 +50,8 @@ class Naming:
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
         self.signals = {k: mark.signal.name for mark, k in reversed(p.marks)}
-        self.labels = Counter(p.labels.values())
+        self.owner = owners.by_node(p)
+        self.labels = Counter((self.owner[k], label) for k, label in p.labels.items())
         self.users = p.users()
 
     def name(self, k: int) -> str:
@@ -50,9 +61,33 @@ class Naming:
         made = next((label for c in sharing if (label := self._label(c))), "")
         made = made or (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
-            truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
-            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else self._last_resort(node)
+            made = self._by_signal(k) if self.served[k] else self._last_resort(node)
         return made
+
+    def _by_signal(self, k: int) -> str:
+        """Return a name from the signal that a value serves and what becomes of it, else from what it is."""
+        node, signal = self.p.nodes[k], self.served[k]
+        roles = (f"{signal}_{role}" for u in self.users[k] if (role := self._role(k, u)))
+        fitting = next((name for name in roles if len(name) <= LONGEST), "")
+        truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
+        return fitting or f"{signal}_{'test' if truth else _OPERATIONS.get(node.op, 'part')}"
+
+    def _role(self, k: int, user: int) -> str:
+        """Return what a node is to the named value of one that reads it, "" for nothing that a word says."""
+        reader, named = self.p.nodes[user], user in self.named or user in self.signals
+        if reader.op == "choose" and reader.args[0] != k:
+            condition = self._operand(reader.args[0])
+            return f"if_{'' if reader.args[1] == k else 'not_'}{condition}" if condition else ""
+        if reader.op in ("sqrt", "div"):
+            return {"sqrt": "radicand"}.get(reader.op, "numerator" if reader.args[0] == k else "denominator")
+        if reader.op == "add" and reader.args[1] == k and self.p.nodes[reader.args[0]].op == "state":
+            return "change"
+        if named and reader.op in _LIMITS and reader.args[0] == k:
+            return "unlimited"
+        if named and reader.op in _SUMS and reader.args[0] == k != reader.args[1]:
+            other = self._operand(reader.args[1])
+            return f"without_{other}" if other else ""
+        return ""
 
     def _last_resort(self, node: Node) -> str:
         bits = any(self.p.nodes[a].op == "bit" for a in node.args)
@@ -60,7 +95,7 @@ class Naming:
 
     def _label(self, k: int) -> str:
         label = self.p.labels.get(k, "")
-        several = self.labels[label] > 1 and self.served[k] and not label.startswith(self.served[k])
+        several = self.labels[self.owner[k], label] > 1 and self.served[k] and not label.startswith(self.served[k])
         return f"{label}_{self.served[k]}" if label and several else label
 
     def width(self, text: str) -> int:
@@ -118,11 +153,11 @@ class Naming:
 
     def _operand(self, k: int) -> str:
         node = self.p.nodes[k]
-        if k in self.named:
-            return self.named[k].removesuffix("_held").removesuffix("_next")
         if node.op in LOADS:
             owner = self.p.owner(node.name)
             return node.name.removeprefix(f"{owner}_") if owner else node.name
+        if k in self.named:
+            return self.named[k].removesuffix("_held").removesuffix("_next").removesuffix("_accepted")
         return node.name.split(".")[-1] if node.op in ("argument", "result", "constant", "parameter") else ""
 
 

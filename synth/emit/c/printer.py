@@ -14,7 +14,7 @@ from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
 from synth.emit.c.expressions import Expressions, Text, admission, mask
 from synth.emit.c.kinds import kinds
-from synth.emit.c.lines import Line, prose
+from synth.emit.c.lines import Line, alternative, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.c.sections import Headings, Sections
 from synth.emit.lower import Node, Program
@@ -197,9 +197,9 @@ class _Printer:
             self._put(f"if ({negation.c}) {{", depth)
             self.printed += other
         if then and other:
-            self._put("} else {", depth)
-            self.printed += other
-        self._put("}", depth)
+            self.printed += alternative(other, depth, self.tag)
+        else:
+            self._put("}", depth)
         self.joint = joint
 
     def _store(self, s: Store, depth: int) -> None:

@@ -27,6 +27,11 @@ def inline(block: Block) -> str:
     return f"{block.name.upper()}_INLINE"
 
 
+def large(block: Block) -> str:
+    """Return the macro that begins a large function."""
+    return f"{block.name.upper()}_LARGE"
+
+
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     types: dict[str, str] = {}
@@ -75,9 +80,9 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
         about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
-        equations = p.equations.get(used[0].block, ()) if used[0].block not in explained else ()
+        first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
-        lines += [Line(row) for row in opening(about, equations)]
+        lines += [Line(row) for row in opening(about, p.equations.get(first, ()), p.notes.get(first, ()))]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
@@ -134,7 +139,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
-    head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
+    head = f"{large(block) if routine.is_large else inline(block)} {returned} {block.name}_{routine.name}({arguments})"
     return [head]
 
 

@@ -61,6 +61,7 @@ class Headings:
 
     def __init__(self, name: str, p: Program, lines: Sequence[Line]) -> None:
         self.lines, self.equations = lines, {prose(p.titles[part]): rows for part, rows in p.equations.items()}
+        self.notes = {prose(p.titles[part]): texts for part, texts in p.notes.items() if part in p.titles}
         called = {prose(p.titles[call.block]) for call in p.calls.values()}
         self.headings = [CALLS if line.tag in called else line.joint or line.tag for line in lines]
         self.functions = {f"{name}_{c.routine.name}": c.routine.name for c in p.calls.values()}
@@ -108,11 +109,12 @@ class Headings:
             run = self.opens.get(k)
             if run:
                 title = self._title(run, opened)
+                notes = () if run.heading in opened else self.notes.get(run.heading, ())
                 opened.add(run.heading)
                 before, indent = printed[-1].text if printed else "", line.text[: -len(line.text.lstrip())]
                 printed += [] if before == "" or before.endswith("{") else [Line("")]
                 equations = self.equations.get(run.heading, ()) if run in self.most else ()
-                printed += [Line(indent + row, line.tag) for row in opening([title], equations)]
+                printed += [Line(indent + row, line.tag) for row in opening([title], equations, notes, len(indent))]
             printed.append(line)
         return printed
 

@@ -164,7 +164,9 @@ def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
         common = words.common([n.name for n in equal])
         name = equal[0].name if not common or common in used else common
         value = equal[0].value if len({n.value for n in equal}) == 1 else abs(equal[0].value)
-        merged.append(replace(equal[0], name=name, value=value, source=equal[0].source + _of_others(name, equal)))
+        parameters = tuple(dict.fromkeys(p for number in equal for p in number.parameters))
+        source = equal[0].source + _of_others(name, equal)
+        merged.append(replace(equal[0], name=name, value=value, source=source, parameters=parameters))
     return merged
 
 

@@ -3,18 +3,19 @@
 Two Blocks are the same when the expressions of their signals and next states have one canonical form, in which the
 values from elsewhere, the states, the constants and the numbers are counted in the order in which they are met. A Block
 whose next states depend on what others make of its signals, such as a regulator with anti-windup, becomes two
-functions: one for its signals and one for its next states. So does one of whose signals some come before the rest.
+functions: one for its signals and one for its next states. So does one of whose signals some come before the rest. One
+whose signals decide whether it keeps its states returns the next ones, and its caller stores them.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
 
-LEAVES = ("input", "state", "constant", "literal")
-NOT_OUTLINED = ("table", "within", "guard", "guarded", "accepted")
+LEAVES = ("input", "state", "constant", "literal", "accepted")
+NOT_OUTLINED = ("table", "within", "guard", "guarded")
 FEWEST = 4  # operations of a function that is worth its name
 
 
@@ -144,13 +145,24 @@ def split(p: Program, part: Part) -> list[Part]:
     The first one has its signals, or else what others need for the values that the Part reads.
     """
     if not _depends_on_itself(p, part.region):
-        return [part]
+        return [_without_stores(p, part) if _decides_its_hold(p, part) else part]
     marks = {k for _, k in p.marks} & part.region
     for ends in (marks, _sources_of_inputs(p, part.region)):
         halves = _halves(p, part, frozenset(_ancestors(p, ends, part.region)))
         if all(h.region and not _depends_on_itself(p, h.region) for h in halves):
             return halves
     return []
+
+
+def _decides_its_hold(p: Program, part: Part) -> bool:
+    """Tell whether the condition that holds the states of a Part depends on its signals."""
+    return part.held is not None and bool(_ancestors(p, {part.held[0]}, set(range(len(p.nodes)))) & part.region)
+
+
+def _without_stores(p: Program, part: Part) -> Part:
+    """Return a Part whose caller stores the next states: they are results like its signals."""
+    following = part.region & {*part.next.values()}
+    return replace(part, next={}, results=tuple(sorted({*part.results, *following})), held=None)
 
 
 def _halves(p: Program, part: Part, first: frozenset[int]) -> list[Part]:
@@ -174,7 +186,7 @@ def _sources_of_inputs(p: Program, region: frozenset[int]) -> set[int]:
     return {a for k in leading for a in p.nodes[k].args if a in region}
 
 
-def _ancestors(p: Program, roots: set[int], region: frozenset[int]) -> set[int]:
+def _ancestors(p: Program, roots: set[int], region: Collection[int]) -> set[int]:
     seen, stack = set(), list(roots)
     while stack:
         k = stack.pop()
@@ -232,14 +244,16 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
     """Return the Parts with one canonical form, where there are at least two of them with some operations.
 
-    Blocks with integer states are left out: behind a call Eva does not relate a flag to the count that it is from.
+    Blocks with integer states that become two functions are left out: behind a call Eva does not relate a flag, which
+    the first one returns, to the count that it is from.
     """
     by_form: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     kind = kinds(p)
     for whole in parts(p):
-        if not whole.local.keys().isdisjoint(p.integers):
+        pieces = split(p, whole)
+        if len(pieces) > 1 and not whole.local.keys().isdisjoint(p.integers):
             continue
-        for part in split(p, whole):
+        for part in pieces:
             if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):
                 made = form(p, part, kind)
                 by_form[(part.phase, *made.shape)].append((part, made))

@@ -14,6 +14,8 @@ from synth.emit.passes.outline import Form, Part
 
 Group = list[tuple[Part, Form]]
 BY_VALUE = 3  # numbers that need no struct
+LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
+LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
 TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
 
 
@@ -44,6 +46,11 @@ class Routine:
     def by_value(self) -> bool:
         """Whether the parameters are passed as numbers: so few need no struct."""
         return len(self.parameters) <= BY_VALUE
+
+    @property
+    def is_large(self) -> bool:
+        """Whether a compiler that optimises for size need not inline it."""
+        return sum(n.op not in LOADS for n in self.program.nodes) >= LARGE
 
 
 @dataclass(frozen=True)
@@ -145,6 +152,7 @@ class _Builder:
             marks,
             {},
             next,
+            frozenset(local for state, local in part.local.items() if state in p.integers),
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},
@@ -186,7 +194,7 @@ class _Builder:
         return Argument(self.names.free(self._common(column) or words.common(labels) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
-        return words.common([name(self.p, k) for k in column])
+        return words.common([name(self.p, k) for k in column]).removeprefix(f"{self.part_name}_")
 
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""

@@ -29,7 +29,7 @@ def test_numbers_are_those_of_the_decision() -> None:
     sensors = [names[n] for n in fault_handling.SENSORS]
     for persistent in (3, 5):
         decision = replace(fault_handling.DECISION, persistent=persistent)
-        made = redundancy.block(platen.TIME, sensors, relations, decision, fault_handling.INTERFACE_OF_ALL.missed_calls)
+        made = redundancy.block(platen.TIME, sensors, relations, decision)
         row = next(f for f in made.failures if f.key == "one_wrong")
         assert f"{relations[0].threshold:g} m in {persistent} samples in a row" in row.noticed
         assert row.suspects == ("y1", "y2", "y3", "y4")

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from synth.block import Constant
+from synth.emit.c import header
 from synth.emit.write import emit
 from synth.errors import CompileError
 from synth.execute import compile as compiler
@@ -175,3 +177,21 @@ def test_the_header_says_when_braking_begins_and_ends() -> None:
     assert "bit 30 brakes in the 23 samples from the next one on, then latches; set until init" in text.replace(
         "* ", ""
     )
+
+
+def test_the_header_says_which_constants_follow_from_which_parameter() -> None:
+    numbers = [
+        Constant("half_M_y", 3.45, "kg", "M_y / 2", parameters=("M_y",)),
+        Constant("M_x", 10.6, "kg", "Table I", parameters=("M_x",)),
+        Constant("inverse_M_x", 1 / 10.6, "1/kg", "1 / M_x", parameters=("M_x",)),
+        Constant("half_I", 0.5, "kg m", "I_x / 2; of x, z", parameters=("I_x", "I_z")),
+        Constant("limit", 7.0, "A", "no parameter of the plant"),
+    ]
+    (note,) = header.by_parameter(numbers)
+    assert "by parameter: M_x: M_x, inverse_M_x; I_x, I_z: half_I; M_y: half_M_y. " in note and "limit" not in note
+    assert header.by_parameter(numbers[-1:]) == []
+
+
+def test_a_constant_of_a_plant_knows_its_parameters_and_so_does_one_for_several() -> None:
+    text = (GENERATED / "maglev_5dof" / "maglev_5dof.h").read_text().replace("\n *", "")
+    assert "M_x: M_x, inverse_M_x" in text and "I_x, I_z: half_I_over_r" in text

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from synth.emit.c.lines import WIDTH, Line, rows, wrapped
+from synth.emit.c.lines import WIDTH, Line, alternative, opening, rows, wrapped
 
 SUM = "    const float sum = " + " + ".join(f"(gain_{n} * error_{n})" for n in range(12)) + ";"
 
@@ -54,3 +54,39 @@ def test_no_name_is_cut_where_nested_calls_have_no_blank() -> None:
     )
     broken = rows("    " + nested)
     assert len(broken) > 1 and sum(row.count(f"{name}(") for row in broken) == 5
+
+
+def joined(*texts: str, tag: str = "a") -> list[str]:
+    return [line.text for line in alternative([Line(text, tag) for text in texts], 1, "a")]
+
+
+LADDER = ("        if (far) {", "            x = 1;", "        } else {", "            x = 2;", "        }")
+
+
+def test_an_if_alone_in_an_else_follows_in_its_line() -> None:
+    assert joined(*LADDER) == ["    } else if (far) {", "        x = 1;", "    } else {", "        x = 2;", "    }"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("        y = 1;", *LADDER),
+        (*LADDER, "        y = 1;"),
+        (*LADDER, *LADDER),
+        LADDER[:2] + LADDER[-1:],  # MISRA C:2012, rule 15.7: a ladder ends in an else
+        (*LADDER[:2], "#if defined(DIAGNOSTICS)", *LADDER[2:]),
+        ("        x = 1;",),
+    ],
+)
+def test_any_other_else_has_a_block(lines: tuple[str, ...]) -> None:
+    assert joined(*lines) == ["    } else {", *lines, "    }"]
+
+
+def test_an_if_of_another_section_has_a_block() -> None:
+    assert joined(*LADDER, tag="b")[0] == "    } else {"
+
+
+def test_notes_stand_between_title_and_equations_within_the_width() -> None:
+    rows = opening(["handover: currents"], ["y = x"], ["word " * 40], indent=8)
+    assert rows[0] == "/* handover: currents" and rows[-1] == " *     y = x */" and len(rows) == 4
+    assert all(len(row) + 8 <= WIDTH for row in rows)

@@ -38,4 +38,25 @@ def test_choices_in_one_variable_have_the_name_of_the_last_that_has_one() -> Non
     less, first, second = Node("lt", (0, 1)), Node("choose", (4, 1, 3)), Node("choose", (4, 2, 5))
     p = Program((*COUNT, less, first, second), (), {"y": 6}, {}, labels={6: "direction"})
     assert Naming(p, {}, {6: 5}).name(5) == "direction"
-    assert Naming(p, {}, {}).name(5) == "y_part"
+    assert Naming(p, {}, {}).name(5) == "y_choice"
+
+
+ARMS = (Node("state", name="ready"), Node("state", name="v"), Node("literal", value=0.5), Node("literal"))
+
+
+@pytest.mark.parametrize(
+    ("nodes", "expected"),
+    [
+        ((Node("mul", (1, 1)), Node("mul", (4, 1)), Node("choose", (0, 5, 3))), "y_if_ready"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("sub", (5, 1))), "y_without_v"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("sqrt", (5,))), "y_radicand"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("div", (5, 1))), "y_numerator"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("div", (1, 5))), "y_denominator"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("min", (5, 1))), "y_unlimited"),
+        ((Node("mul", (1, 1)), Node("add", (4, 2)), Node("add", (1, 5))), "y_change"),
+        ((Node("mul", (1, 1)), Node("mul", (2, 4)), Node("mul", (1, 5))), "y_product"),
+    ],
+)
+def test_a_value_on_the_way_to_a_signal_says_what_becomes_of_it(nodes: tuple[Node, ...], expected: str) -> None:
+    p = Program((*ARMS, *nodes), (), {"y": 6}, {})
+    assert Naming(p, {6: "y"}, {}).name(5) == expected

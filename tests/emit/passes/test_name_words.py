@@ -17,3 +17,16 @@ from synth.emit.passes import words
 )
 def test_names_have_words_in_common(names: list[str], common: str) -> None:
     assert words.common(names) == common
+
+
+@pytest.mark.parametrize(
+    ("names", "one"),
+    [
+        (["sign_y1", "sign_y3"], "sign_y1_y3"),
+        (["sign_y1"], "sign_y1"),
+        (["distance", "far"], "far"),
+        (["gradient_of_a_solution_1", "gradient_of_a_solution_2"], "gradient_of_a_solution_2"),
+    ],
+)
+def test_a_value_with_several_names_has_the_ends_of_all(names: list[str], one: str) -> None:
+    assert words.combine(names) == one

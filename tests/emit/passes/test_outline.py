@@ -10,7 +10,7 @@ import pytest
 from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit import pipeline
-from synth.emit.passes import calls, outline
+from synth.emit.passes import calls, outline, routine
 from synth.emit.passes.outline import Form, Part
 from synth.emit.write import emit
 from synth.execute import host
@@ -88,9 +88,61 @@ def test_blocks_that_differ_are_two_functions(other: Law) -> None:
     assert groups(composed({"x": plain, "y": other})) == []
 
 
-def test_blocks_with_integer_states_stay_as_they_are() -> None:
-    """Behind a call Eva does not relate a flag to the count that it is computed from."""
-    assert groups(composed(dict.fromkeys(AXES, plain), integer=True)) == []
+def test_blocks_with_counts_are_one_function_whose_counts_are_whole_numbers() -> None:
+    assert [len(g) for g in groups(composed(dict.fromkeys(AXES, plain), integer=True))] == [len(AXES)]
+    text = emit(composed(dict.fromkeys(AXES, plain), integer=True), F32).files["axes.c"]
+    assert "const uint32_t n = state->n;" in text or "(state->n + 1u)" in text
+
+
+def monitor(n: str) -> Block:
+    """Return a monitor that counts bad readings; its signal decides whether the states of all Blocks are held."""
+
+    def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        bad = ca.fabs(u[f"e_{n}"] - x["last"]) > 0.5
+        count = ca.if_else(bad, ca.if_else(x["count"] >= 5, x["count"], x["count"] + 1), 0)
+        last = ca.if_else(bad, x["last"], 0.5 * (u[f"e_{n}"] + x["last"]))
+        return Step({f"bad_{n}": count >= 5, f"held_{n}": last + 0.25 * u[f"e_{n}"]}, {"last": last, "count": count})
+
+    outputs = [Signal(f"bad_{n}", "1", 0, 1), Signal(f"held_{n}", "1", -4, 4)]
+    states = [State(Signal("last", "1", -2, 2), 0), State(Signal("count", "1", 0, 5), 0, True)]
+    return build(f"{n}_monitor", TIME, law, inputs=[Signal(f"e_{n}", "1", -1, 1)], outputs=outputs, states=states)
+
+
+def latching() -> Block:
+    names = ("x", "y", "z", "u", "v", "w")
+    both = build(
+        "both", TIME, lambda u, x, k: Step({"bad": sum((u[f"bad_{n}"] for n in names), start=ca.SX(0)) > 0}),
+        inputs=[Signal(f"bad_{n}", "1", 0, 1) for n in names], outputs=[Signal("bad", "1", 0, 1)],
+    )  # fmt: skip
+    held = [f"held_{n}" for n in names]
+    made = compose("axes", [*map(monitor, names), both], inputs=[f"e_{n}" for n in names], outputs=[*held, "bad"])
+    bad = made.output["bad"]
+    return replace(made, next={s: ca.if_else(bad, made.symbol[s], v) for s, v in made.next.items()})
+
+
+def test_a_block_whose_signal_holds_its_states_returns_the_next_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    outlined = emit(latching(), F32)
+    text = outlined.files["axes.c"]
+    assert "axes_monitor(const axes_monitor_state_t *state" in text and "state->x_monitor.count = x_monitor." in text
+    part = next(part for group in groups(latching()) for part, _ in group if part.block == "x_monitor")
+    assert not part.next  # the planted defect would store them whether they are held or not
+    monkeypatch.setattr(outline, "alike", lambda p: [])
+    flat = emit(latching(), F32)
+    rng = np.random.default_rng(4)
+    u = {f"e_{n}": np.where(rng.uniform(size=400) < 0.1, rng.uniform(-1, 1, 400), 0).astype(F32) for n in "xyzuvw"}
+    u["e_x"][150:157] = 1.0
+    ours, theirs = (host.load(e.files, e.manifest).replay(u) for e in (outlined, flat))
+    assert ours.outputs["bad"].max() == 1 and ours.outputs["bad"].min() == 0
+    for name in ours.outputs:
+        np.testing.assert_array_equal(ours.outputs[name], theirs.outputs[name])
+
+
+def test_a_large_function_is_left_to_a_compiler_that_optimises_for_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = emit(latching(), F32).files["axes.c"]
+    assert "AXES_LARGE" not in text
+    monkeypatch.setattr(routine, "LARGE", 5)
+    text = emit(replace(latching(), name="sizes"), F32).files["sizes.c"]
+    assert "#if defined(__OPTIMIZE_SIZE__)\n#define SIZES_LARGE static inline\n" in text and "\nSIZES_LARGE " in text
 
 
 def test_a_form_is_the_same_in_another_order_of_results() -> None:

@@ -1,0 +1,119 @@
+"""Innovation monitor of one sensor: it is refused, frozen, or jumps away from its prediction (fault detection, FDI).
+
+    accepted reading y, expected reading y^ (prediction of an observer)  -->  reading to use, whether it is trusted
+
+    refused   the guard refuses it: the prediction replaces it
+    frozen    its code does not change for FRESH samples or more while its prediction, which agreed with it at the last
+              DOUBTS changes, moves by more than `gate`; or a `probe` says that its code did not answer
+    jump      its innovation y - y^ is larger than `jump`, and y^ agreed with it at the last DOUBTS changes. The
+              prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the
+              body has moved on, nor where the prediction or the code before it is outside `travel`
+
+A frozen sensor is excluded until init at once, one that jumps after `persistent` samples in a row. Once latched,
+predictions stand still, and no jump is looked for any more.
+
+Source: Isermann, *Fault-Diagnosis Systems*, chapter 11 (observers).
+"""
+
+import casadi as ca
+
+from synth import arguments
+from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import redundancy_signals, safety
+from synth.blocks.isolation import FRESH
+from synth.blocks.redundancy_decision import DOUBTS, Decision
+from synth.signals import Signal
+from synth.timing import Discrete
+
+__all__ = ["block"]
+
+
+@arguments.checked
+def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Signal | None = None) -> Block:
+    """Return the Block of a sensor without a relation, between the guard and `redundancy`.
+
+    For the sensor s it reads ``<s>_accepted``, ``fault_<s>``, ``ready`` and ``judging`` of the guard, ``sound`` of
+    `redundancy`, and ``<s>_expected``; with a probe, ``<s>_unanswered``. Its outputs are ``<s>_held``, ``<s>_trusted``,
+    ``<s>_frozen``, ``<s>_suspect`` and ``<s>_usual`` for `redundancy`, and ``<s>_unchanged``. `missed_calls` is the
+    input that counts missing calls, if there is one.
+
+    Raises SignalError for a sensor without a gate or a travel, or with a gate of jumps below its gate.
+    """
+    n = sensor.name
+    decision.require(n)
+    gate, travel = decision.gate[n], decision.travel[n]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
+        same = y == x["code"]
+        unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
+        before = ca.if_else(same, x["before"], expected)
+        distance = ca.fabs(expected - y)
+        far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
+        believed = _is_jump_possible(travel, (expected, x["code"]), doubts, _is_in_time(u, missed_calls))
+        if n in decision.jump:
+            far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
+            jumping = ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same)))
+            jumping = ca.if_else(far, jumping, 0)
+        changed = ca.logic_not(same)
+        agreeing = ca.if_else(ca.logic_and(changed, doubts >= 1), doubts - 1, doubts)
+        near = ca.if_else(ca.logic_and(changed, distance > gate), DOUBTS, agreeing)
+        unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
+        moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
+        suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
+        stands = _is_frozen(travel, y, unchanged, suspicious)
+        usual = ca.logic_and(ca.logic_not(ca.logic_or(stands, jumping)), u[safety.SOUND.name])
+        usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
+        stopped = ca.if_else(ca.logic_and(ca.logic_and(stands, u["ready"]), usable), 1, excluded)
+        doubted = ca.if_else(jumping, 1, stopped)
+        measured = ca.logic_and(usable, ca.logic_not(doubted))
+        replaced = ca.if_else(measured, y, clip(expected, sensor))
+        no, yes = ca.SX(0), ca.SX(1)
+        outputs = {"held": (y, replaced), "trusted": (yes, measured)}
+        outputs |= {"frozen": (no, stopped), "suspect": (no, doubted)}
+        output = {f"{n}_{of}": ca.if_else(usual, first, other) for of, (first, other) in outputs.items()}
+        output |= {f"{n}_usual": usual, f"{n}_unchanged": unchanged}
+        after_jump = ca.if_else(jumping, ca.if_else(last, 1, excluded), stopped)
+        next = {"code": y, "still": unchanged, "before": before}
+        next["doubts"] = ca.if_else(far, unexplained, near)
+        next["excluded"] = ca.if_else(usual, 0, after_jump)
+        if n in decision.jump:
+            count = ca.if_else(jumping, ca.if_else(last, 0, x["jumps"] + 1), 0)
+            next["jumps"] = ca.if_else(usual, 0, count)
+        return Step(output, next, numbers=decision.numbers_of_monitor(sensor))
+
+    return build(
+        f"{n}_{safety.MONITOR}", time, law,
+        inputs=redundancy_signals.inputs_of_monitor(sensor, decision.at_rest > 0, missed_calls),
+        outputs=redundancy_signals.outputs_of_monitor(sensor),
+        states=redundancy_signals.states_of_monitor(sensor, decision),
+        tag="frozen codes, jumps of the innovation",
+    )  # fmt: skip
+
+
+def _is_in_time(u: Exprs, missed_calls: Signal | None) -> ca.SX:
+    """Return whether a jump may be looked for: not once latched, and not after missing calls."""
+    in_time = u[safety.JUDGING.name]
+    if missed_calls:  # a count below 0 is as bad as one that is NaN
+        counted = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
+        in_time = ca.logic_and(in_time, counted)
+    return in_time
+
+
+def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:
+    """Return whether the code stands still although it ought to move."""
+    low, high = travel
+    return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
+
+
+def _is_jump_possible(
+    travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX
+) -> ca.SX:
+    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump.
+
+    The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
+    """
+    (low, high), believed = travel, ca.logic_and(doubts < 1, in_time)
+    for position in positions:
+        believed = ca.logic_and(believed, ca.logic_and(position > low, position < high))
+    return believed
