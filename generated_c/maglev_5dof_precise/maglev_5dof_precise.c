@@ -228,72 +228,80 @@ typedef struct {
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
-    maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, float accepted, float expected,
-    bool unanswered, bool in_time, bool sound, uint32_t ready, bool good)
+    maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
+    bool in_time, bool unanswered, bool sound, uint32_t ready, bool good)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
+    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
 
     const float code = state->code;
     const bool same = maglev_5dof_precise_equal(accepted, code);
+    const uint32_t doubts = state->doubts;
+    const float distance = fabsf(expected - accepted);
+    const bool far = jump < distance;
+    const bool doubts_below_1 = doubts < 1u;
+    const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+        (-travel < code) && (code < travel);
     uint32_t unchanged = 0u;
     float before_next = expected;
+    uint32_t doubts_next = doubts;
     if (same) {
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
         before_next = state->before;
-    }
-    const uint32_t doubts = state->doubts;
-    const bool doubts_below_1 = doubts < 1u;
-    const bool stands = (repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-        (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered);
-    const float distance = fabsf(expected - accepted);
-    const uint32_t jumps = state->jumps;
-    const bool changed = !same;
-    bool jumping = false;
-    uint32_t doubts_next;
-    if (jump < distance) {
-        const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
-            (-travel < code) && (code < travel);
-        jumping = (1u <= jumps) || (believed && changed);
-        doubts_next = (same || believed) ? doubts : doubted_changes;
-    } else if (changed && (gate < distance)) {
+    } else if (far) {
+        doubts_next = (believed) ? doubts : doubted_changes;
+    } else if (gate < distance) {
         doubts_next = doubted_changes;
-    } else if (changed && (1u <= doubts)) {
+    } else if (1u <= doubts) {
         doubts_next = doubts - 1u;
     } else {
-        doubts_next = doubts;
+        doubts_next = 0u;
     }
-    const bool usual = !(stands || jumping) && sound;
-    uint32_t suspect = 0u;
-    bool trusted = true;
-    float held = accepted;
-    uint32_t frozen = 0u;
-    uint32_t excluded_next = 0u;
+    const uint32_t jumps = state->jumps;
+    const uint32_t excluded = state->excluded;
+    bool usual = false;
+    uint32_t suspect = 1u;
+    bool trusted = false;
+    float held = expected;
+    uint32_t frozen = excluded;
+    uint32_t excluded_next;
     uint32_t jumps_next = 0u;
-    if (!usual) {
-        const uint32_t excluded = state->excluded;
+    if (far && ((1u <= jumps) || (believed && !same))) {
+        const bool last = excluded_from <= jumps;
+        excluded_next = (last) ? 1u : excluded;
+        jumps_next = (last) ? 0u : (jumps + 1u);
+    } else {
         const bool usable = good && (excluded == 0u);
-        const uint32_t stopped = (stands && (ready != 0u) && usable) ? 1u : excluded;
-        uint32_t doubted = 1u;
-        if (jumping) {
-            const bool last = excluded_from <= jumps;
-            excluded_next = (last) ? 1u : excluded;
-            jumps_next = (last) ? 0u : (jumps + 1u);
-        } else {
-            doubted = stopped;
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
+                (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered)) {
+            const uint32_t stopped = ((ready != 0u) && usable) ? 1u : excluded;
+            suspect = stopped;
+            frozen = stopped;
             excluded_next = stopped;
+            const bool measured = (ready != 0u) ? false : usable;
+            trusted = measured;
+            held = (measured) ? accepted : expected;
+        } else {
+            usual = sound;
+            if (sound) {
+                suspect = 0u;
+                frozen = 0u;
+                excluded_next = 0u;
+                trusted = true;
+                held = accepted;
+            } else {
+                suspect = excluded;
+                excluded_next = excluded;
+                trusted = usable;
+                held = (usable) ? accepted : expected;
+            }
         }
-        suspect = doubted;
-        const bool measured = usable && (doubted == 0u);
-        trusted = measured;
-        held = (measured) ? accepted : expected;
-        frozen = stopped;
     }
     return (maglev_5dof_precise_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
         .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .excluded_next = excluded_next,
@@ -569,10 +577,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
-    const maglev_5dof_precise_monitor_t x_monitor = maglev_5dof_precise_monitor(&state->x_monitor, x_accepted,
-        state->observer_x.q, x_unanswered, in_time, sound, guard_ready, (faults & 0x00000010u) == 0u);
-    const maglev_5dof_precise_monitor_t z_monitor = maglev_5dof_precise_monitor(&state->z_monitor, z_accepted,
-        state->observer_z.q, z_unanswered, in_time, sound, guard_ready, (faults & 0x00000020u) == 0u);
+    const maglev_5dof_precise_monitor_t x_monitor = maglev_5dof_precise_monitor(&state->x_monitor, state->observer_x.q,
+        x_accepted, in_time, x_unanswered, sound, guard_ready, (faults & 0x00000010u) == 0u);
+    const maglev_5dof_precise_monitor_t z_monitor = maglev_5dof_precise_monitor(&state->z_monitor, state->observer_z.q,
+        z_accepted, in_time, z_unanswered, sound, guard_ready, (faults & 0x00000020u) == 0u);
     const bool lost_x = !x_monitor.trusted;
     const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;

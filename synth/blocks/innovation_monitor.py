@@ -7,7 +7,8 @@
               DOUBTS changes, moves by more than `gate`; or a `probe` says that its code did not answer
     jump      its innovation y - y^ is larger than `jump`, and y^ agreed with it at the last DOUBTS changes. The
               prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the
-              body has moved on, nor where the prediction or the code before it is outside `travel`
+              body has moved on, nor where the prediction or the code before it is outside `travel`; a sensor that
+              jumps is not frozen in the same sample
 
 A frozen sensor is excluded until init at once, one that jumps after `persistent` samples in a row. Once latched,
 predictions stand still, and no jump is looked for any more.
@@ -26,6 +27,8 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = ["block"]
+
+Value = ca.SX | int
 
 
 @arguments.checked
@@ -53,33 +56,32 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         believed = _is_jump_possible(travel, (expected, x["code"]), doubts, _is_in_time(u, missed_calls))
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
-            jumping = ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same)))
-            jumping = ca.if_else(far, jumping, 0)
-        changed = ca.logic_not(same)
-        agreeing = ca.if_else(ca.logic_and(changed, doubts >= 1), doubts - 1, doubts)
-        near = ca.if_else(ca.logic_and(changed, distance > gate), DOUBTS, agreeing)
-        unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
+            jumping = ca.logic_and(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))))
+        near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
+        changed = ca.if_else(far, ca.if_else(believed, doubts, DOUBTS), near)
         moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
-        usual = ca.logic_and(ca.logic_not(ca.logic_or(stands, jumping)), u[safety.SOUND.name])
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
-        stopped = ca.if_else(ca.logic_and(ca.logic_and(stands, u["ready"]), usable), 1, excluded)
-        doubted = ca.if_else(jumping, 1, stopped)
-        measured = ca.logic_and(usable, ca.logic_not(doubted))
-        replaced = ca.if_else(measured, y, clip(expected, sensor))
-        no, yes = ca.SX(0), ca.SX(1)
-        outputs = {"held": (y, replaced), "trusted": (yes, measured)}
-        outputs |= {"frozen": (no, stopped), "suspect": (no, doubted)}
-        output = {f"{n}_{of}": ca.if_else(usual, first, other) for of, (first, other) in outputs.items()}
-        output |= {f"{n}_usual": usual, f"{n}_unchanged": unchanged}
-        after_jump = ca.if_else(jumping, ca.if_else(last, 1, excluded), stopped)
-        next = {"code": y, "still": unchanged, "before": before}
-        next["doubts"] = ca.if_else(far, unexplained, near)
-        next["excluded"] = ca.if_else(usual, 0, after_jump)
+        stopped = ca.if_else(ca.logic_and(u["ready"], usable), 1, excluded)
+        predicted, sound = clip(expected, sensor), u[safety.SOUND.name]
+
+        def by_case(jumps: Value, stops: Value, unsound: Value, usual: Value) -> ca.SX:
+            return ca.if_else(jumping, jumps, ca.if_else(stands, stops, ca.if_else(sound, usual, unsound)))
+
+        measured = ca.if_else(u["ready"], 0, usable)
+        output = {
+            f"{n}_held": by_case(predicted, ca.if_else(measured, y, predicted), ca.if_else(usable, y, predicted), y),
+            f"{n}_trusted": by_case(0, measured, usable, 1),
+            f"{n}_frozen": by_case(excluded, stopped, excluded, 0),
+            f"{n}_suspect": by_case(1, stopped, excluded, 0),
+            f"{n}_usual": by_case(0, 0, 0, 1),
+            f"{n}_unchanged": unchanged,
+        }
+        next = {"code": y, "still": unchanged, "before": before, "doubts": ca.if_else(same, doubts, changed)}
+        next["excluded"] = by_case(ca.if_else(last, 1, excluded), stopped, excluded, 0)
         if n in decision.jump:
-            count = ca.if_else(jumping, ca.if_else(last, 0, x["jumps"] + 1), 0)
-            next["jumps"] = ca.if_else(usual, 0, count)
+            next["jumps"] = by_case(ca.if_else(last, 0, x["jumps"] + 1), 0, 0, 0)
         return Step(output, next, numbers=decision.numbers_of_monitor(sensor))
 
     return build(

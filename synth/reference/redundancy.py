@@ -93,8 +93,8 @@ def readings(
     doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
-    freezes = ready & stands & usable[g:]
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
+    freezes = ready & stands & ~jumps & usable[g:]
     degraded = np.asarray(state["redundancy_degraded"]) > 0
     sound = ready & good.all(axis=0) & ~degraded
     usual = sound & ~stands & ~jumps
