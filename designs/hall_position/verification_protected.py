@@ -130,7 +130,8 @@ def _variance(name: str) -> float:
 def steps_along(of: Witnesses, bodies: int) -> Steps:
     """Return the consecutive steps of the C in double precision from init."""
     inputs = stimuli.inputs(bodies, name=of.block.name)
-    return Steps(f"{of.block.name}, motions", *ensemble.consecutive_steps(of.c64, inputs))
+    members, columns = ensemble.consecutive_steps(of.c64, inputs)
+    return Steps(f"{of.block.name}, motions", {s.name: members[s.name] for s in of.block.states}, columns)
 
 
 def perturbed_steps(of: Witnesses, along: Steps) -> Steps:

@@ -226,38 +226,46 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
     float accepted, bool in_time, bool unanswered, bool sound, uint32_t ready, bool good)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
 
     const float code = state->code;
     const bool same = maglev_5dof_equal(accepted, code);
     const uint32_t doubts = state->doubts;
-    const float distance = fabsf(expected - accepted);
-    const bool far = jump < distance;
-    const bool doubts_below_1 = doubts < 1u;
-    const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
-        (-travel < code) && (code < travel);
     uint32_t unchanged = 0u;
     float before_next = expected;
+    uint32_t doubts_next_choice = doubts;
     uint32_t doubts_next = doubts;
     if (same) {
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
         before_next = state->before;
-    } else if (far) {
-        doubts_next = (believed) ? doubts : doubted_changes;
-    } else if (gate < distance) {
-        doubts_next = doubted_changes;
-    } else if (1u <= doubts) {
-        doubts_next = doubts - 1u;
     } else {
-        doubts_next = 0u;
+        doubts_next_choice = doubted_changes;
+        if (1u <= doubts) {
+            doubts_next = doubts - 1u;
+        } else {
+            doubts_next = 0u;
+        }
     }
+    const float distance = fabsf(expected - accepted);
     const uint32_t jumps = state->jumps;
+    const bool doubts_below_1 = doubts < 1u;
+    bool jumping = false;
+    if (gate < distance) {
+        if (jump < distance) {
+            const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+                (-travel < code) && (code < travel);
+            jumping = (1u <= jumps) || (believed && !same);
+            doubts_next = (same || believed) ? doubts : doubted_changes;
+        } else {
+            doubts_next = doubts_next_choice;
+        }
+    }
     const uint32_t excluded = state->excluded;
     bool usual = false;
     uint32_t suspect = 1u;
@@ -266,7 +274,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
     uint32_t frozen = excluded;
     uint32_t excluded_next;
     uint32_t jumps_next = 0u;
-    if (far && ((1u <= jumps) || (believed && !same))) {
+    if (jumping) {
         const bool last = excluded_from <= jumps;
         excluded_next = (last) ? 1u : excluded;
         jumps_next = (last) ? 0u : (jumps + 1u);

@@ -56,9 +56,11 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         believed = _is_jump_possible(travel, (expected, x["code"]), doubts, _is_in_time(u, missed_calls))
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
-            jumping = ca.logic_and(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))))
-        near = ca.if_else(distance > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
-        changed = ca.if_else(far, ca.if_else(believed, doubts, DOUBTS), near)
+            jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
+            jumping = ca.if_else(distance > gate, jumping, 0)
+        unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
+        disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
+        agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
         moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
@@ -78,7 +80,12 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
             f"{n}_usual": by_case(0, 0, 0, 1),
             f"{n}_unchanged": unchanged,
         }
-        next = {"code": y, "still": unchanged, "before": before, "doubts": ca.if_else(same, doubts, changed)}
+        next = {
+            "code": y,
+            "still": unchanged,
+            "before": before,
+            "doubts": ca.if_else(distance > gate, disagreeing, agreeing),
+        }
         next["excluded"] = by_case(ca.if_else(last, 1, excluded), stopped, excluded, 0)
         if n in decision.jump:
             next["jumps"] = by_case(ca.if_else(last, 0, x["jumps"] + 1), 0, 0, 0)

@@ -37,7 +37,10 @@ def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]
 def consecutive_steps(
     controller: host.Controller, inputs: Columns
 ) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
-    """Return the states and the inputs (samples N,) of the steps of N copies from `init` on inputs (samples, N)."""
+    """Return the members of the state and the inputs (samples N,) of the steps of N copies from `init`.
+
+    The inputs are (samples, N).
+    """
     batches = list(replay(controller, inputs))
     first = initial_states(controller, len(batches[0].states))
     before = np.concatenate([first, *(batch.states for batch in batches[:-1])])
