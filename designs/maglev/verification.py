@@ -16,6 +16,7 @@ from designs.maglev import motions, platen, reference_faults, reference_stage
 from synth.block import Block
 from synth.check import Check
 from synth.declaration import Reference, Stage
+from synth.fault import LATCH_BIT
 from synth.simulate import rig as simulation
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
@@ -77,14 +78,16 @@ def _unit(floor: float) -> str:
 def random_steps(block: Block, reference: Reference, law_states: LawStates, n: int) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) over the domain; the platen is near its set-points, and few motors saturate.
 
+    A step that latches is left to the edge steps.
+
     The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
     current close below its limit, where the limit of i_q falls steeply, are left to the edge steps.
     """
     states, inputs = _in_operation(block, law_states, n + n // 4)
-    outputs = reference(states, inputs)[1]
+    _, outputs, faults = reference(states, inputs)
     size = np.abs([outputs[f"i_d{j}"] for j in platen.MOTORS])
     near_limit = np.any((size > CORNER * platen.DIRECT) & (size < platen.DIRECT), axis=0)
-    chosen = np.flatnonzero(~near_limit)[:n]
+    chosen = np.flatnonzero(~near_limit & (faults >> LATCH_BIT == 0))[:n]
     return {s: v[chosen] for s, v in states.items()}, {s: v[chosen] for s, v in inputs.items()}
 
 

@@ -93,7 +93,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
         ("fade * state->r", "fade * -state->r"),
         ("latch_samples = 20u", "latch_samples = 19u"),
         ("guard_left <= good_per_bad", "guard_left <= (good_per_bad + 1u)"),
-        ("half_c_2 * (safe_output_last_u_x_squared", "half_c_2 * (safe_output_last_u_z_squared"),
+        ("half_c_2 * (last_u_x_squared", "half_c_2 * (last_u_z_squared"),
         ("state->safe_output_last_u_x = ", "state->safe_output_last_u_x = -"),
     ],
 )

@@ -128,6 +128,6 @@ def test_a_plant_gives_the_numbers_of_its_parameters() -> None:
         [Parameter("m", 4.0, "kg", 0.1, "weighed"), Parameter("r", 0.25, "m", 0.1, "drawing")],
         lambda x, u, p: ({"v": u["f"] / p["m"]}, {"v": x["v"]}),
     )
-    assert plant.constant("m") == Constant("m", 4.0, "kg", "weighed")
+    assert plant.constant("m") == Constant("m", 4.0, "kg", "weighed", parameters=("m",))
     ratio = plant.constant("half_m_over_r", "kg/m", lambda p: p["m"] / (2 * p["r"]))
-    assert ratio == Constant("half_m_over_r", 8.0, "kg/m", "m / (2 r), m = 4 kg, r = 0.25 m")
+    assert ratio == Constant("half_m_over_r", 8.0, "kg/m", "m / (2 r), m = 4 kg, r = 0.25 m", parameters=("m", "r"))
