@@ -107,7 +107,7 @@ def _in_operation(block: Block, law_states: LawStates, n: int) -> tuple[Columns,
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     states |= _fault_handling(rng, n, inputs, {s.signal.name: round(s.signal.high) for s in block.states if s.integer})
     inputs["missed_calls"] = np.where(rng.uniform(size=n) < 0.5, inputs["missed_calls"], 0.0)
-    for name in ("y1", "x"):
+    for name in ("y1", "x", "z"):
         inputs[name] = inputs[name] + np.where(rng.uniform(size=n) < RARE, rng.uniform(-1e-3, 1e-3, n), 0.0)
     for s in platen.CURRENTS:
         held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
