@@ -36,7 +36,7 @@ def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: py
         parts = fault_jobs.parts(design, 2)
         outcomes = jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)), processes)
         documents.append(fault_jobs.result(design, parts, outcomes).document())
-    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 101 * 2
+    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 107 * 2
     assert "faults of sensor z" in lines and "faults of actuator i2" in lines
 
 

@@ -134,7 +134,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert all(3.1 < ratios[of] < 4.05 for of in ("nodes", "calls")), ratios
+    assert 3.1 < ratios["nodes"] < 4.05 and 3.1 < ratios["calls"] < 3.85, ratios
     assert 1 < ratios["lines"] < 4.05, ratios  # what the axes share is printed once
 
 
@@ -149,12 +149,12 @@ def test_a_search_through_all_nodes_for_each_axis_is_detected(monkeypatch: pytes
         return plain(program, users, node_ranges, f)
 
     monkeypatch.setattr(surrogates, "_candidate_variables", searched)
-    assert growth()["calls"] > 4.05
+    assert growth()["calls"] > 3.85
 
 
 def test_axes_share_their_function_and_their_branch() -> None:
     text = emit(axes(5), np.float32, error=1e-3).files["axes.c"]
-    assert text.count("_polynomial(float t)") == 1 and text.count("_polynomial(") == 6
+    assert text.count("_polynomial(float t)") == 1 and text.count("_polynomial(") == 2
     assert text.count("if (!axes_equal(live, 0.0f))") == 1
 
 
