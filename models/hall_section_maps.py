@@ -147,6 +147,7 @@ def watch(
     pose = start + block.time.period_s * instants[:, None, None] * velocity
     seen = voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]})
     u = {name: np.broadcast_to(v.reshape(-1, n), (samples, n)) for name, v in seen.items()}
+    pose = np.broadcast_to(pose, (samples, *start.shape))
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
     flags = {flag.name: np.ones(n) for flag in FLAGS}
     axes = [axis if axis in signal_names(block.outputs) else f"{axis}_raw" for axis in sensing.RAW]
@@ -154,7 +155,7 @@ def watch(
     for k in range(samples):
         stepped = step(state, {f"{name}_held": v[k] for name, v in u.items()} | flags)
         state, y = stepped.states, stepped.outputs
-        off = np.abs(np.array([y[axis] for axis in axes]) - np.array([*pose[k % len(pose)], np.zeros(n)]))
+        off = np.abs(np.array([y[axis] for axis in axes]) - np.array([*pose[k], np.zeros(n)]))
         error = np.where(noticed < 0, np.maximum(error, off), error)
         fresh = (y[sensing.SUSPECTED.name] > 0) & (noticed < 0)
         named = np.where(fresh, np.array([y[s.name] for s in sensing.SUSPECTS]) > 0, named)

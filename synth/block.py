@@ -243,8 +243,9 @@ def build(
     numbers, notes = tuple((name, n) for n in step.numbers), tuple((name, n) for n in step.notes)
     values = tuple((n, e) for n, e in values if not laws.foreign_symbols(e, symbol.values()))
     return Block(
-        name, tag, time, *declared, symbol, output, next, tuple(computed), (), None, numbers, values, (), notes
-    )
+        name, tag, time, *declared, symbol, output, next, tuple(computed),
+        numbers=numbers, intermediates=values, notes=notes,
+    )  # fmt: skip
 
 
 @arguments.checked

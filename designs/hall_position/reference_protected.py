@@ -215,7 +215,7 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     pose[:, :2] = wrap(pose[:, :2])[0]
     low, high, _ = ranges(setup)
     pose[:, 2:] = np.clip(pose[:, 2:], low[2:], high[2:])
-    complete = (excluded == 0) | (not setup.start_with_all)
+    complete = (excluded == 0) | (not setup.all_sensors)
     sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, best)
     after, tracking, lost = reference_track.advance(setup, x, sample)
     valid = fitted.converged & accepted & within & tracking & ~lost

@@ -57,6 +57,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
+            # A jump is beyond the gate anyway; said twice, a step in agreement with its prediction skips all of it.
             jumping = ca.if_else(distance > gate, jumping, 0)
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
@@ -85,8 +86,8 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
             "still": unchanged,
             "before": before,
             "doubts": ca.if_else(distance > gate, disagreeing, agreeing),
+            "excluded": by_case(ca.if_else(last, 1, excluded), stopped, excluded, 0),
         }
-        next["excluded"] = by_case(ca.if_else(last, 1, excluded), stopped, excluded, 0)
         if n in decision.jump:
             next["jumps"] = by_case(ca.if_else(last, 0, x["jumps"] + 1), 0, 0, 0)
         return Step(output, next, numbers=decision.numbers_of_monitor(sensor))

@@ -31,6 +31,7 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop; only init ends that")
+
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
 

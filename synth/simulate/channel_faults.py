@@ -3,7 +3,7 @@
     y_faulty(k) = g(y(k), kept, k)    k samples since the failure, kept: what a converter goes on showing
 
 A group are channels that fail together, such as the two of a sensor head. What is stuck shows the values of another
-place, what is frozen the last ones before it failed: `Failure.kept` holds either.
+place, what is frozen the last ones before it failed: `GroupFailure.kept` holds either.
 """
 
 from collections.abc import Callable, Mapping
@@ -56,7 +56,7 @@ def _of_first(value: Callable[[Values, Values, int | Values], Values | float]) -
 
 
 @dataclass(frozen=True, eq=False)
-class Failure:
+class GroupFailure:
     """A fault of a group of each body (N,), or of its `channel`; `kept` (N, channels) are values of the group."""
 
     fault: Fault

@@ -155,7 +155,10 @@ def _signals_to_record(plant: Plant) -> dict[str, Sequence[Signal]]:
 
 
 def _restore(loop: _Loop, prefix: Prefix) -> None:
-    """Write the samples of a prefix into the arrays of a loop; readings in doubles are those that the Blocks got."""
+    """Write the samples of a prefix into the arrays of a loop.
+
+    What a lagging sensor shows of them is what the controller got: a reading in double rounds to the same value again.
+    """
     for name, rows in prefix.rows.items():
         loop.arrays[name][: prefix.samples] = rows
     for name, value in prefix.present.items():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synth.simulate import channel_faults
-from synth.simulate.channel_faults import Failure
+from synth.simulate.channel_faults import GroupFailure
 
 N, GROUPS, CHANNELS = 6, 3, 2
 FAULTS = channel_faults.faults(offset=0.5, drift=0.1, end=9.0)
@@ -15,7 +15,7 @@ GROUP, CHANNEL = np.arange(N) % GROUPS, np.arange(N) % CHANNELS
 
 def corrupted(name: str, since: int = 4) -> np.ndarray:
     y = Y.copy()
-    Failure(FAULTS[name], GROUP, CHANNEL, KEPT).corrupt(y, since)
+    GroupFailure(FAULTS[name], GROUP, CHANNEL, KEPT).corrupt(y, since)
     return y
 
 

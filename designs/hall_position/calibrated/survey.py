@@ -112,18 +112,19 @@ def checks(progress: Callable[[str], None]) -> list[Check]:
         made.append(Check(f"{what}: samples not valid without a fault", 1 - least, 1 - valid, "1"))
         made.append(Check(f"{what}: samples valid and wrong after a fault", most, wrong, "1", fault))
         made += _deviation_checks(what, none)
-        started = {f: cold_start(case, BODIES, f) for f in STARTED}
-        fault = max(STARTED, key=lambda f: started[f].misled)
-        made += _start_checks(what, list(started.values()))
+        by_start = {f: cold_start(case, BODIES, f) for f in STARTED}
+        fault = max(STARTED, key=lambda f: by_start[f].misled)
+        made += _start_checks(what, list(by_start.values()), valid)
         made.append(
-            Check(f"{what}: valid samples of cold starts that are wrong", started[fault].misled, wrong, "1", fault)
+            Check(f"{what}: valid samples of cold starts that are wrong", by_start[fault].misled, wrong, "1", fault)
         )
     for name, case in UNITS.items():
         what = f"{config.NAME}, {name}, not calibrated"
         progress(what)
         outcomes = [trust.run(config.USUAL, case.field, "none", UNCALIBRATED, speed).outcome() for speed in SPEEDS]
         made += _deviation_checks(what, outcomes)
-        made += _start_checks(what, [cold_starts.run(config.USUAL, case.field, UNCALIBRATED)])
+        started = cold_starts.run(config.USUAL, case.field, UNCALIBRATED, COLD_SAMPLES)
+        made += _start_checks(what, [started], BARS[config.NAME][1])
     return made
 
 
@@ -138,12 +139,13 @@ def _deviation_checks(what: str, without_fault: Sequence[Outcome]) -> list[Check
     ]
 
 
-def _start_checks(what: str, started: Sequence[ColdStart]) -> list[Check]:
-    """Check cold starts, of which the first ones have no fault."""
-    wrong, longest = max(s.wrong for s in started), started[0].longest
+def _start_checks(what: str, started: Sequence[ColdStart], valid: float) -> list[Check]:
+    """Check cold starts, of which the first ones have no fault: of these, a share of `valid` becomes so, in time."""
+    wrong, healthy = max(s.wrong for s in started), started[0]
     return [
         Check(f"{what}: cold starts a pitch off", wrong, 0, "1"),
-        Check(f"{what}: samples from init until valid", longest, cold_starts.SAMPLES, "1"),
+        Check(f"{what}: cold starts that are never valid", 1 - healthy.valid, 1 - valid, "1"),
+        Check(f"{what}: samples from init until valid", healthy.longest, cold_starts.SAMPLES, "1"),
     ]
 
 

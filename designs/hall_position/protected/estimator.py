@@ -99,7 +99,7 @@ def integrity(array: PlanarArray, tuning: Tuning) -> Integrity:
 def search(tuning: Tuning) -> Search:
     """Return the search over the pitch and the yaws."""
     agreement = {"phase_x": tuning.agreement, "phase_y": tuning.agreement, "yaw": tuning.yaw_agreement}
-    return Search(tuning.starts, agreement, tuning.patience, tuning.dwell, tuning.start_with_all)
+    return Search(tuning.starts, agreement, tuning.patience, tuning.dwell, tuning.all_sensors)
 
 
 def phase_unknowns(largest: float, step: float, velocity_gain: float) -> list[Unknown]:

@@ -35,7 +35,7 @@ class Tuning:
     excluded_limits: float = between(0, 1.0, 1)  # factor on both limits while a sensor is excluded
     starts: int = between(1, 24, 1000)  # of a sweep
     dwell: int = between(1, 4, 1000)  # samples of a start
-    start_with_all: bool = False  # a sweep accepts no solution with a sensor excluded
+    all_sensors: bool = False  # a sweep accepts no solution with a sensor excluded
     agreement: float = between(0, 0.15, 3)  # of two solutions that count as one
     yaw_agreement: float = between(0, 0.05, 3)
     patience: int = between(1, 8, 1000)  # samples without an accepted solution until the track is lost

@@ -26,7 +26,7 @@ from models.hall_motions import Numbers, Pose
 from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import channel_faults
-from synth.simulate.channel_faults import Failure
+from synth.simulate.channel_faults import GroupFailure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
@@ -191,7 +191,7 @@ def simulate(
     heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(of.sensors, size=bodies)
     start, other = (draw(REACH, bodies, rng, yaw) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
-    failure = Failure(chosen, sensor, _second(bodies, rng), kept)
+    failure = GroupFailure(chosen, sensor, _second(bodies, rng), kept)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
@@ -209,11 +209,11 @@ def simulate(
     return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
-def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> Failure:
+def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> GroupFailure:
     """Return a failure of a random sensor of each body; one that is stuck keeps its voltages at another place."""
     sensor, other = rng.integers(of.sensors, size=bodies), draw(REACH, bodies, rng)
     kept = of.read(other)[np.arange(bodies), sensor]
-    return Failure(faults.find(fault), sensor, _second(bodies, rng), kept)
+    return GroupFailure(faults.find(fault), sensor, _second(bodies, rng), kept)
 
 
 def _second(bodies: int, rng: np.random.Generator) -> NDArray[np.int_]:

@@ -1,5 +1,6 @@
 """Calibrated units: what each stage leaves, the faults that they then withstand, and planted defects."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,6 +13,7 @@ from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.calibrated.survey import Case
 from designs.hall_position.pages import integrity
 from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected.cold_start import ColdStart
 from designs.hall_position.protected.trust import Samples
 from synth.errors import ModelError
 
@@ -27,6 +29,25 @@ def of(stage: str, seed: int = SEED) -> UnitCalibration:
 @cache
 def samples(fault: str, speed: float = 0.0, bodies: int = BODIES) -> Samples:
     return survey.run(CASE, fault, bodies, speed)
+
+
+@pytest.mark.parametrize(
+    ("changed", "failed"),
+    [
+        ({}, []),
+        ({"valid": 0.0, "longest": 0}, ["never valid"]),
+        ({"longest": 121}, ["samples from init"]),
+        ({"wrong": 1}, ["a pitch off"]),
+    ],
+)
+def test_a_cold_start_that_breaks_a_bar_fails_its_check(changed: dict[str, float], failed: list[str]) -> None:
+    started = replace(ColdStart(tracked=1.0, valid=1.0, median=97.0, longest=98, wrong=0, misled=0.0), **changed)
+    checks = survey._start_checks("unit", [started], 0.99)
+    assert [
+        what
+        for c, what in zip(checks, ("a pitch off", "never valid", "samples from init"), strict=True)
+        if not c.passed
+    ] == failed
 
 
 def test_each_stage_leaves_less() -> None:

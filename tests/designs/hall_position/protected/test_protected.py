@@ -140,7 +140,7 @@ def test_a_sensor_that_fails_before_init_misleads_nobody(name: str, tuning: Tuni
 
 def test_three_sensors_that_start_with_two_mislead() -> None:
     """The planted defect: a sweep that accepts what one redundant voltage allows."""
-    careless = replace(config.CALIBRATED_THREE, start_with_all=False)
+    careless = replace(config.CALIBRATED_THREE, all_sensors=False)
     start = cold_start.run(careless, "calibrated", BODIES, name=config.THREE, fault="dead sensor")
     assert start.valid > 0.1 and start.misled > 5 * WRONG_OF_THREE
 
