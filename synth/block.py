@@ -275,8 +275,12 @@ def table(name: str, values: Sequence[float]) -> ca.Function:
     identifier("table", name)
     if not ca.Function.check_name(name):
         raise SignalError(f"table name '{name}' has a meaning in CasADi, or two underscores in a row: rename it")
+    if len(values) < 2 or not np.isfinite(values).all():
+        raise SignalError(
+            f"table '{name}' has {len(values)} values, too few or not all finite: give two or more numbers"
+        )
     index = ca.MX.sym("index")
-    return ca.Function(name, [index], [ca.MX(ca.DM(_row(name, values)))[index]], {"never_inline": True})
+    return ca.Function(name, [index], [ca.MX(ca.DM(list(values)))[index]], {"never_inline": True})
 
 
 def _signal(names: Mapping[str, str], signal: Signal) -> Signal:
@@ -286,20 +290,6 @@ def _signal(names: Mapping[str, str], signal: Signal) -> Signal:
 def _under(names: Mapping[str, str], of: Mapping[str, Value]) -> dict[str, Value]:
     """Return values under their new names."""
     return {names.get(name, name): value for name, value in of.items()}
-
-
-def _row(name: str, values: Sequence[float]) -> list[float]:
-    try:
-        numbers = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(
-            f"table '{name}' has an entry that is not a number, {error}: give two or more numbers"
-        ) from error
-    if numbers.ndim != 1 or numbers.size < 2 or not np.isfinite(numbers).all():
-        raise SignalError(
-            f"table '{name}' has values {numbers.shape}, not finite, too few or not in a row: give two or more numbers"
-        )
-    return list(map(float, numbers))
 
 
 def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State | Constant]) -> Exprs:

@@ -198,15 +198,8 @@ def report_parts(design: Design) -> dict[str, Task[Any]]:
 
 def build(design: Design) -> Task[Built]:
     """Return the task of the report, from the results of all other tasks."""
-    emit, verify, simulate, study, campaign, rows, cost = (
-        emission(design, design.scalar),
-        verification(design, False),
-        simulations(design),
-        brief_study(design),
-        faults(design),
-        audit(design),
-        brief_cost(design),
-    )
+    emit, verify, simulate = emission(design, design.scalar), verification(design, False), simulations(design)
+    study, campaign, rows, cost = brief_study(design), faults(design), audit(design), brief_cost(design)
     further = report_parts(design)
 
     def compute(say: Progress) -> Built:

@@ -62,6 +62,7 @@ LAYERS += (
     "tune_search",
     "comparison",
     "tables",
+    "stage_interface",
     "stage",
     "testing",
     "new",
@@ -75,6 +76,7 @@ RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
 ASSEMBLED = ("design.py", "__main__.py")
+LONGEST = 300  # lines of a module
 NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
 REFERENCES = ("synth", "reference")  # of the toolkit's Blocks: NumPy and mpmath alone
 
@@ -159,6 +161,19 @@ def folder_violations(texts: Mapping[Path, str]) -> list[str]:
 def sources() -> list[Path]:
     files = [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
     return [*files, *sorted((ROOT / "tests" / "designs").rglob("reference*.py"))]
+
+
+def too_long(files: Iterable[Path]) -> list[str]:
+    """Return the modules above the number of lines that a reader takes in at once."""
+    lengths = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in files}
+    return [f"{file} has {n} lines: split it at {LONGEST}" for file, n in lengths.items() if n > LONGEST]
+
+
+def test_no_module_is_too_long(tmp_path: Path) -> None:
+    assert not too_long(sources())
+    planted = tmp_path / "planted.py"
+    planted.write_text("x = 1\n" * (LONGEST + 1))
+    assert too_long([planted])
 
 
 def test_imports_follow_the_flow_of_data() -> None:

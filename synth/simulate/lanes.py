@@ -18,15 +18,7 @@ from numpy.typing import NDArray
 from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate import (
-    closed_loop,
-    interpolants,
-    lane_blocks,
-    lane_inputs,
-    lane_library,
-    lane_memory,
-    loop_arrays,
-)
+from synth.simulate import closed_loop, interpolants, lane_blocks, lane_inputs, lane_library, lane_memory, loop_arrays
 from synth.simulate.interpolants import Coefficients, FastPlant
 from synth.simulate.lane_blocks import LaneBlock, output_row
 from synth.simulate.lane_memory import Name, Record, Recording
