@@ -72,7 +72,8 @@ REASON = (
 )
 UNTESTED = (
     f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
-    "may hold the platen, these tests are off. A platen that rests is pushed there and back by the probe after each "
+    "may hold the platen, these tests are off; so are they after missed calls, until the prediction agrees again with "
+    "ten changes of the code. A platen that rests is pushed there and back by the probe after each "
     f"{PROBE.quiet} samples without a change of the code of x or z."
 )
 DEGRADED = Fault(
@@ -87,7 +88,8 @@ INTERFACE_OF_ALL = replace(
 
 def courses(plant: Plant) -> list[landing.Course]:
     """Return the course of each axis of a landing; phi is left to the guide spring that the law compensates."""
-    spring = platen.COMPENSATED["k_s_phi"] * plant.parameter("k_s_phi").value
+    part = platen.COMPENSATED["k_s_phi"]
+    spring = plant.constant("spring_phi", "1/s^2", lambda p: part * p["k_s_phi"])
     return [COURSES.get(a.name, landing.Release(a.name, spring)) for a in AXES]
 
 

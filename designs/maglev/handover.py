@@ -6,6 +6,9 @@ only loses the cosine of the error. The handover keeps the sum of the direct cur
 lasts the sum |i_d| + |i_q| of a motor is limited, without a square root, where otherwise sqrt(i_d^2 + i_q^2) is: beside
 a large thrust a direct current is cut in the first sample, at most from 3.5 A to 1.45 A beside 3.5 A.
 
+The direct currents along X also hold theta. Without them its guide spring does, but at small gaps it is weaker than the
+magnets, which pull a tilted platen further. There the handover along X waits until the landing has lowered the platen.
+
     transfer t in -1 .. 1     t > 0: part of the direct currents along X that motors along Z take over, t < 0 vice versa
 """
 
@@ -14,34 +17,37 @@ from dataclasses import replace
 
 import casadi as ca
 
-from designs.maglev.platen import COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
+from designs.maglev.platen import AXES, COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
 from models import maglev_phases
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.signals import Signal
 
 FADE = 25  # samples: 2.5 A at the slew rate of 100 A/s
+HELD_BY_SPRING = 22e-3  # m: at smaller gaps the guide spring of theta is weaker than the magnets
 OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
 TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 DIRECT = [INTERFACE.computed_output(f"i_d{j}") for j in MOTORS]
 NUMBERS = [
     Constant("fade_step", 1 / FADE, "1", f"1 / {FADE}: the handover takes {FADE} samples"),
+    Constant("held_by_spring", HELD_BY_SPRING, "m", "at smaller gaps theta needs the motors along X"),
     Constant("current_limit", CURRENT, "A", "largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too"),
 ]
 NOTES = [
     "Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an angle that "
     "is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the motors along that "
     "axis, and is cut where i_q leaves no room.",
+    "Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is weaker "
+    "than the magnets, so there the handover along X waits for the landing to lower the platen.",
     "The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once, "
     "at most from 3.5 A to 1.45 A beside 3.5 A of thrust.",
 ]
 BALANCED = {s.name: s.name.replace("computed", "balanced") for s in DIRECT}
 
 
-def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX) -> ca.SX:
-    """Return the transfer of this sample from that of the sample before; it stays while both positions are lost."""
-    both = ca.logic_and(x_lost, z_lost)
+def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX, stays: ca.SX) -> ca.SX:
+    """Return the transfer of this sample from that of the sample before, unless it stays."""
     direction = ca.if_else(x_lost, 1, ca.if_else(z_lost, -1, 0))
-    target = ca.if_else(both, transfer, direction)
+    target = ca.if_else(stays, transfer, direction)
     return ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
 
 
@@ -76,11 +82,13 @@ def block() -> Block:
     """Return the Block that hands direct currents over while x or z is predicted; else they pass unchanged."""
     thrust = [INTERFACE.computed_output(f"u_{n}") for n in COMMUTATED]
     trusted = [Signal(f"{n}_trusted", "1", 0, 1) for n in COMMUTATED]
+    height = replace(AXES[0].position, name="y_expected")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         lost = {n: ca.logic_not(u[s.name]) for n, s in zip(COMMUTATED, trusted, strict=True)}
         active = ca.logic_or(ca.logic_or(*lost.values()), x["transfer"] ** 2 > 0)
-        transfer = next_transfer(x["transfer"], *lost.values())
+        stays = ca.logic_and(lost["x"], ca.logic_or(lost["z"], u[height.name] < HELD_BY_SPRING))
+        transfer = next_transfer(x["transfer"], *lost.values(), stays)
         direct = {j: u[BALANCED[s.name]] for j, s in zip(MOTORS, DIRECT, strict=True)}
         quadrature = {j: u[f"u_{n}_computed"] for n, motors in OF_AXIS.items() for j in motors}
         part = parts(transfer)
@@ -97,7 +105,7 @@ def block() -> Block:
         next = {"transfer": ca.if_else(active, transfer, x["transfer"])}
         return Step(output, next, named, numbers=NUMBERS, notes=NOTES)
 
-    inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted]
+    inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted, height]
     states = [State(TRANSFER, 0.0)]
     tag = "direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once"
     return build("handover", TIME, law, inputs=inputs, outputs=DIRECT, states=states, tag=tag)

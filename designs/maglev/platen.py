@@ -15,7 +15,7 @@ import numpy as np
 
 from models import maglev_stage, pmlsm
 from synth import stage
-from synth.block import Block, Exprs, Step, build
+from synth.block import Block, Exprs, Step, build, clip
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.stage import Actuator, Sensor, SetPoint
@@ -42,6 +42,11 @@ BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 LOST = 2 * WIDE  # m, outside the range of x and z
+STOP_MARGIN = 20e-6  # m at a motor: more than the error of an encoder, its zero off by 7 um and half a count
+NOTES = [
+    "A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not vanish, and "
+    "the internal model would push the platen into the stop until the currents are at their limit.",
+]
 INTERFACE = stage.interface(
     maglev_stage.plant(),
     sensors=[
@@ -91,13 +96,16 @@ class Axis:
 
     @property
     def reference(self) -> Signal:
-        """The set-point."""
-        return INTERFACE.held(f"{self.name}_ref")
+        """The set-point, off the stops."""
+        asked = INTERFACE.held(f"{self.name}_ref")
+        margin = STOP_MARGIN * (2 * ARM if asked.unit == "rad" else 1.0)
+        about = f"set-point of {self.name}, off the stops"
+        return Signal(f"{self.name}_set_point", asked.unit, asked.low + margin, asked.high - margin, about)
 
     @property
     def error(self) -> Signal:
         """The tracking error, position less reference."""
-        q, r = self.position, self.reference
+        q, r = self.position, INTERFACE.held(f"{self.name}_ref")
         return Signal(f"e_{self.name}", q.unit, q.low - r.high, q.high - r.low, "tracking error")
 
     @property
@@ -158,6 +166,16 @@ def kinematics(plant: Plant) -> Block:
 
     outputs = [a.position for a in AXES if a.name in POSE]
     return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="pose from the gaps, F(5)")
+
+
+def set_points() -> Block:
+    """Return the Block that keeps the set-points off the stops, for the laws."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({a.reference.name: clip(u[f"{a.name}_ref_held"], a.reference) for a in AXES}, notes=NOTES)
+
+    inputs, outputs = [INTERFACE.held(f"{a.name}_ref") for a in AXES], [a.reference for a in AXES]
+    return build("set_points", TIME, law, inputs=inputs, outputs=outputs, tag="set-points off the stops")
 
 
 def errors() -> Block:

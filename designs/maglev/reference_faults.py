@@ -67,6 +67,7 @@ LANDING = landing.Landing(
 )
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5, T=T)
 LIFTED, LOST = 0.0305, 0.2  # m
+HELD_BY_SPRING = 0.022  # m: below, theta needs the motors along X
 PHI_SPRING = 0.75 * 15_000.0  # 1/s^2, the compensated part
 DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
@@ -93,7 +94,8 @@ def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[
     i_d, (u_x, u_z), lost = computed[:4], computed[4:], ~trusted
     before = np.asarray(state["handover_transfer"], dtype=np.float64)
     active = lost.any(axis=0) | (before != 0)
-    transfer = reference_phase.next_transfer(before, lost[0], lost[1])
+    stays = lost[0] & (lost[1] | (state["observer_y_q"] < HELD_BY_SPRING))
+    transfer = reference_phase.next_transfer(before, lost[0], lost[1], stays)
     values = {f"i_d{j}": i for j, i in enumerate(i_d, 1)} | {"i_q1": u_z, "i_q2": u_x, "i_q3": u_z, "i_q4": u_x}
     direct = reference_phase.direct_currents(values, transfer, active)
     part = {"x": np.maximum(transfer, 0), "z": np.maximum(-transfer, 0)}
@@ -118,8 +120,9 @@ def step(
     q, v, d, after_observers = predictor.observe(
         state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
     )
-    last, e = rows(state, LAST), pose - values[SENSORS:]
-    w, finish = law(state, pose, values[SENSORS:], ready)
+    last, set_points = rows(state, LAST), reference_stage.off_stops(values[SENSORS:])
+    e = pose - set_points
+    w, finish = law(state, pose, set_points, ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])
     free = flag["regular"] & (state["observer_y_q"] < LIFTED)
     w[1:3], after_probe = probe.probe("xz", w[1:3], e[1:3], state, still, free, at_rest)

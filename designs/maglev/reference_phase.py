@@ -43,16 +43,18 @@ def advance(state: Columns, measured: Array, refused: NDArray[np.bool_], axis: s
     return position + ADVANCE * (position - before), after
 
 
-def next_transfer(transfer: Array, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_]) -> Array:
+def next_transfer(
+    transfer: Array, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_], stays: NDArray[np.bool_]
+) -> Array:
     """Return the part that is handed over, one sample later."""
-    target = np.where(lost_x & lost_z, transfer, lost_x.astype(float) - lost_z)
+    target = np.where(stays, transfer, lost_x.astype(float) - lost_z)
     return np.clip(target, transfer - 1 / FADE, transfer + 1 / FADE)
 
 
 def hand_over(state: Columns, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the next part that is handed over, > 0 along X and < 0 along Z, and the next count of both lost."""
     transfer, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("transfer", "unknown"))
-    transfer = next_transfer(transfer, lost_x, lost_z)
+    transfer = next_transfer(transfer, lost_x, lost_z, lost_x & lost_z)
     return transfer, np.where(lost_x & lost_z, np.minimum(count + 1, DESCENT + FADE), 0)
 
 

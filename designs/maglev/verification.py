@@ -100,9 +100,10 @@ def _in_operation(block: Block, law_states: LawStates, n: int) -> tuple[Columns,
     tilt, roll = r * np.sin(pose["phi"]), r * np.sin(pose["theta"])
     inputs |= {"y1": pose["y"] - tilt, "y3": pose["y"] + tilt, "y2": pose["y"] + roll, "y4": pose["y"] - roll}
     inputs |= {"x": pose["x"], "z": pose["z"]}
-    for name, ends in bounds.items():
+    for name in bounds:
         error = rng.uniform(-1, 1, n) * 10.0 ** rng.uniform(-6, -3.3, n)
-        inputs[f"{name}_ref"] = np.clip(pose[name] - error, *ends)
+        asked = platen.INTERFACE.signals[f"{name}_ref"]
+        inputs[f"{name}_ref"] = np.clip(pose[name] - error, asked.low + INSIDE, asked.high - INSIDE)
         states |= law_states(rng, name, pose[name], error)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     states |= _fault_handling(rng, n, inputs, {s.signal.name: round(s.signal.high) for s in block.states if s.integer})

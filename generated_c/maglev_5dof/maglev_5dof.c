@@ -976,13 +976,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
+        /* set_points: set-points off the stops
+         * A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not
+         * vanish, and the internal model would push the platen into the stop until the currents are at their limit.
+         *     y_set_point = max(min(y_ref_held, 0.03098), 0.01802) */
+        const float y_set_point = maglev_5dof_max(maglev_5dof_min(y_ref_held, 0.03098f), 0.01802f);
+        const float x_set_point = maglev_5dof_limit(x_ref_held, 0.04998f);
+        const float z_set_point = maglev_5dof_limit(z_ref_held, 0.04998f);
+        const float phi_set_point = maglev_5dof_limit(phi_ref_held, 0.0029496222f);
+        const float theta_set_point = maglev_5dof_limit(theta_ref_held, 0.013949622f);
+
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
-        const float e_y = y - y_ref_held;
-        const float e_x = x_monitor.held - x_ref_held;
-        const float e_z = z_monitor.held - z_ref_held;
-        const float e_phi = phi - phi_ref_held;
-        const float e_theta = theta - theta_ref_held;
+         *     e_y = y - y_set_point; likewise e_x, e_z, e_phi, e_theta */
+        const float e_y = y - y_set_point;
+        const float e_x = x_monitor.held - x_set_point;
+        const float e_z = z_monitor.held - z_set_point;
+        const float e_phi = phi - phi_set_point;
+        const float e_theta = theta - theta_set_point;
 
         /* functions above: filter, regulator */
         static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
@@ -1070,7 +1080,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         landing is set, else y_estimate) if landing_next is set, else r_y, ramp_end)
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
          *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
-        static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+        static const float spring_phi = 11250.0f;               /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
         static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
         static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
         static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
@@ -1396,21 +1406,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an
          * angle that is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the
          * motors along that axis, and is cut where i_q leaves no room.
+         * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is
+         * weaker than the magnets, so there the handover along X waits for the landing to lower the platen.
          * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut
          * at once, at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
-         *     faded_transfer = max(min(transfer if not x_trusted and not z_trusted, else ((0 if z_trusted is set,
-         *         else -1) if x_trusted is set, else 1), transfer + fade_step), transfer - fade_step)
+         *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
          *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
          *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
          *         i_d4_computed
          *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
+        static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
         static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
         /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
         static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
         if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
-            const float faded_transfer = maglev_5dof_slew(handover_transfer, (lost_x && lost_z) ? handover_transfer :
-                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
+            const float target = (lost_x && (lost_z || (observer_y_q < held_by_spring))) ? handover_transfer :
+                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f);
+            const float faded_transfer = maglev_5dof_slew(handover_transfer, target, fade_step);
             const bool of_x = 0.0f < faded_transfer;
             const float part = fabsf(faded_transfer);
             const float part_x = (of_x) ? part : 0.0f;
@@ -1444,6 +1457,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;
+            diagnostics->y_set_point = y_set_point;
+            diagnostics->x_set_point = x_set_point;
+            diagnostics->z_set_point = z_set_point;
+            diagnostics->phi_set_point = phi_set_point;
+            diagnostics->theta_set_point = theta_set_point;
             diagnostics->e_y = e_y;
             diagnostics->e_x = e_x;
             diagnostics->e_z = e_z;
@@ -1468,12 +1486,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(x_set_point) >= 0.04998f) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(z_set_point) >= 0.04998f) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(phi_set_point) >= 0.0029496222f) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(theta_set_point) >= 0.013949622f) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000040u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000080u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000100u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000200u : 0u;
         }
 #endif
     }

@@ -333,9 +333,9 @@ typedef struct {
 } maglev_5dof_precise_servo_fast_parameters_t;
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
- *     r_next = y_ref_held */
+ *     r_next = y_set_point */
 MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
-    const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
+    const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float set_point,
     float fast_rate_ahead, uint32_t ready, float value, float e)
 {
     static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
@@ -380,13 +380,13 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
         state->q3 = q3_next;
     }
     const float r_2 = state->r;
-    state->r = ref_held;
-    const float moved = ref_held - r_2;
+    state->r = set_point;
+    const float moved = set_point - r_2;
     float w_tracking_choice = 0.0f;
     if (fabsf(moved) <= parameters->largest_step) {
         w_tracking_choice = parameters->k_step * moved;
     }
-    const float w_tracking_sum = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
+    const float w_tracking_sum = (parameters->k_e * (fast_ahead - set_point)) + (parameters->k_de * fast_rate_ahead) -
         w_tracking_choice + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3) + (parameters->k_q3 * q3);
     float w_tracking_choice_2 = 0.0f;
@@ -460,7 +460,7 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
         .observer_y_fast_q = 0.0245f,
-        .servo_y_fast.r = 0.018f,
+        .servo_y_fast.r = 0.01802f,
         .observer_y_q = 0.0245f,
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
@@ -1041,13 +1041,23 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
+        /* set_points: set-points off the stops
+         * A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not
+         * vanish, and the internal model would push the platen into the stop until the currents are at their limit.
+         *     y_set_point = max(min(y_ref_held, 0.03098), 0.01802) */
+        const float y_set_point = maglev_5dof_precise_max(maglev_5dof_precise_min(y_ref_held, 0.03098f), 0.01802f);
+        const float x_set_point = maglev_5dof_precise_limit(x_ref_held, 0.04998f);
+        const float z_set_point = maglev_5dof_precise_limit(z_ref_held, 0.04998f);
+        const float phi_set_point = maglev_5dof_precise_limit(phi_ref_held, 0.0029496222f);
+        const float theta_set_point = maglev_5dof_precise_limit(theta_ref_held, 0.013949622f);
+
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
-        const float e_y = y - y_ref_held;
-        const float e_x = x_monitor.held - x_ref_held;
-        const float e_z = z_monitor.held - z_ref_held;
-        const float e_phi = phi - phi_ref_held;
-        const float e_theta = theta - theta_ref_held;
+         *     e_y = y - y_set_point; likewise e_x, e_z, e_phi, e_theta */
+        const float e_y = y - y_set_point;
+        const float e_x = x_monitor.held - x_set_point;
+        const float e_z = z_monitor.held - z_set_point;
+        const float e_phi = phi - phi_set_point;
+        const float e_theta = theta - theta_set_point;
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
@@ -1134,7 +1144,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
             .largest_rate = 4.0f};
         const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
-            y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_if_ready, e_y);
+            y_fast_ahead, y_set_point, y_fast_rate_ahead, guard_ready, y_fast_disturbance_if_ready, e_y);
         const float nu_6 = x_monitor.held - state->observer_x_fast.q;
         const float x_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_x_fast.d +
             (observer_x_fast_gamma * nu_6), observer_x_fast_largest_disturbance);
@@ -1143,7 +1153,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
             nu_6, x_monitor.held, x_fast_ahead_limited, delay_a_x_last);
         const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
-            observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_limited,
+            observer_x_fast.fast_ahead, x_set_point, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_limited,
             e_x);
         const float nu_7 = z_monitor.held - state->observer_z_fast.q;
         const float z_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_z_fast.d +
@@ -1153,7 +1163,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
             nu_7, z_monitor.held, z_fast_ahead_limited, delay_a_z_last);
         const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
-            observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_limited,
+            observer_z_fast.fast_ahead, z_set_point, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_limited,
             e_z);
         const float nu_8 = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_theta_fast.d +
@@ -1162,7 +1172,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
             guard_ready, nu_8, theta, theta_fast_ahead_limited, delay_w_theta_last);
         const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
-            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
+            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_set_point,
             observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_limited, e_theta);
         state->x_monitor.code = x_accepted;
         state->x_monitor.still = x_monitor.unchanged;
@@ -1190,6 +1200,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
+        const float servo_phi_fast_r = state->servo_phi_fast_r;
+        state->servo_phi_fast_r = phi_set_point;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e;
@@ -1207,8 +1219,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
         }
-        const float servo_phi_fast_r = state->servo_phi_fast_r;
-        state->servo_phi_fast_r = phi_ref_held;
 
         /* landing: ramps and state feedback (continued)
          *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
@@ -1234,7 +1244,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         landing is set, else y_estimate) if landing_next is set, else r_y, ramp_end)
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
          *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
-        static const float spring_phi = 11250.0f; /* 1/s^2; part of the guide spring that the laws compensate */
+        static const float spring_phi = 11250.0f;               /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
         /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
         static const float ramp_rate_bound = 10.0f;
         static const float acceleration_step = 0.004f;          /* m/s; T times 4 m/s^2 of the ramp; of x, z */
@@ -1341,9 +1351,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             static const float servo_phi_fast_k_q1 = -1.2623228f;
             /* 1/s^2; predictive servo with internal models: k_de over the period */
             static const float servo_phi_fast_k_step = -80140.09f;
-            const float w_phi_tracking_sum = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
+            const float w_phi_tracking_sum = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_set_point)) +
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
-            const float moved = phi_ref_held - servo_phi_fast_r;
+            const float moved = phi_set_point - servo_phi_fast_r;
             float w_phi_tracking_choice_2 = 0.0f;
             if (fabsf(moved) <= servo_phi_fast_largest) {
                 w_phi_tracking_choice_2 = servo_phi_fast_k_step * moved;
@@ -1579,21 +1589,24 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an
          * angle that is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the
          * motors along that axis, and is cut where i_q leaves no room.
+         * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is
+         * weaker than the magnets, so there the handover along X waits for the landing to lower the platen.
          * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut
          * at once, at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
-         *     faded_transfer = max(min(transfer if not x_trusted and not z_trusted, else ((0 if z_trusted is set,
-         *         else -1) if x_trusted is set, else 1), transfer + fade_step), transfer - fade_step)
+         *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
          *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
          *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
          *         i_d4_computed
          *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
+        static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
         static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
         /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
         static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
         if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
-            const float faded_transfer = maglev_5dof_precise_slew(handover_transfer, (lost_x && lost_z) ?
-                handover_transfer : ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f), fade_step);
+            const float target = (lost_x && (lost_z || (observer_y_q < held_by_spring))) ? handover_transfer :
+                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f);
+            const float faded_transfer = maglev_5dof_precise_slew(handover_transfer, target, fade_step);
             const bool of_x = 0.0f < faded_transfer;
             const float part = fabsf(faded_transfer);
             const float part_x = (of_x) ? part : 0.0f;
@@ -1627,6 +1640,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;
+            diagnostics->y_set_point = y_set_point;
+            diagnostics->x_set_point = x_set_point;
+            diagnostics->z_set_point = z_set_point;
+            diagnostics->phi_set_point = phi_set_point;
+            diagnostics->theta_set_point = theta_set_point;
             diagnostics->e_y = e_y;
             diagnostics->e_x = e_x;
             diagnostics->e_z = e_z;
@@ -1658,13 +1676,17 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->i_d4_balanced = i_d4_balanced;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= sqrtf(u_x_computed_radicand)) ? 0x00000020u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= sqrtf(u_z_computed_radicand)) ? 0x00000040u : 0u;
+            diagnostics->saturated |= (fabsf(x_set_point) >= 0.04998f) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(z_set_point) >= 0.04998f) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(phi_set_point) >= 0.0029496222f) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(theta_set_point) >= 0.013949622f) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000040u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000080u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000100u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= sqrtf(u_x_computed_radicand)) ? 0x00000200u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= sqrtf(u_z_computed_radicand)) ? 0x00000400u : 0u;
         }
 #endif
     }

@@ -32,9 +32,8 @@
  * replaced by what the others or a prediction say.
  *
  * While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their number as
- * missed_calls in the next call. A number above 40 sets bit 18 of this sample and has no other effect, it neither
- * brakes nor latches: the caller must then stop the motion, by set-points that no longer move or by the safe output and
- * init at rest.
+ * missed_calls in the next call. A number above 40 sets bit 18 of this sample and neither brakes nor latches: the
+ * caller must then stop the motion, by set-points that no longer move or by the safe output and init at rest.
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -117,7 +116,8 @@
  * `lands`              |                                   |                    | m/s^2; levels theta; leaves phi to
  *                      |                                   |                    | its guide spring; over, and latches,
  *                      |                                   |                    | when the ramp of y, not the body, is
- *                      |                                   |                    | at 0.0314 m; only init ends it
+ *                      |                                   |                    | at 0.0314 m; nothing else ends it but
+ *                      |                                   |                    | init
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x frozen at rest     | bit 15; 12 samples without a      | its prediction     | as frozen in motion
  *                      | change of its code, then 8 pairs  |                    |
@@ -151,16 +151,18 @@
  * stop at 31 mm.
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
- * platen, these tests are off. A platen that rests is pushed there and back by the probe after each 40 samples without
- * a change of the code of x or z.
+ * platen, these tests are off; so are they after missed calls, until the prediction agrees again with ten changes of
+ * the code. A platen that rests is pushed there and back by the probe after each 40 samples without a change of the
+ * code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
  * Named constants that follow from parameters of the plant, by parameter: G: G; M_x: M_x; M_z: M_z; k_s_phi:
- * compensated_k_s_phi; k_s_theta: compensated_k_s_theta; mu_rec: gap_offset; h_m: gap_offset, half_c_over_h2,
- * slot_pull; b0, t1: gap_offset, slot_pull; I_x, I_z: half_I_over_r; r: half_I_over_r, r; M_y: half_M_y; H_c, L_A, W,
- * mu0, p, p_m, tau, tau_p, w_c, z1: half_c_over_h2, slot_pull. Gains, polynomials and bounds may follow from them too.
+ * compensated_k_s_phi, spring_phi; k_s_theta: compensated_k_s_theta; mu_rec: gap_offset; h_m: gap_offset,
+ * half_c_over_h2, slot_pull; b0, t1: gap_offset, slot_pull; I_x, I_z: half_I_over_r; r: half_I_over_r, r; M_y:
+ * half_M_y; H_c, L_A, W, mu0, p, p_m, tau, tau_p, w_c, z1: half_c_over_h2, slot_pull. Gains, polynomials and bounds may
+ * follow from them too.
  *
  * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -288,7 +290,7 @@ typedef struct {
     float servo_phi_fast_sum;           /* rad, -4.00004 .. 4.00004: internal model */
     float servo_phi_fast_p1;            /* rad, -4.00004 .. 4.00004: internal model */
     float servo_phi_fast_q1;            /* rad, -4.00004 .. 4.00004: internal model */
-    float servo_phi_fast_r;             /* rad, -0.009 .. 0.009: set-point one sample ago */
+    float servo_phi_fast_r;             /* rad, -0.00884887 .. 0.00884887: set-point one sample ago */
     maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
     float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
@@ -365,7 +367,7 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
  *   bit 16  z: contradicts other measurements or its prediction
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or a count that is negative or NaN
- *   bit 30  status, no fault: lands until it latches on its stop; only init ends that
+ *   bit 30  status, no fault: lands until it latches on its stop
  *   bit 31  latched: safe output until init
  * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
@@ -373,8 +375,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
- * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 x_set_point, 1 z_set_point, 2 phi_set_point,
+ * 3 theta_set_point, 4 y_fast_rate_ahead, 5 i_d1_balanced, 6 i_d2_balanced, 7 i_d3_balanced, 8 i_d4_balanced, 9
+ * u_x_computed, 10 u_z_computed. */
 typedef struct {
     float sound;                        /* 1: all readings are good, and no sensor was ever a suspect */
     float x_unanswered;                 /* 1: no pair of the probe was answered */
@@ -411,6 +414,11 @@ typedef struct {
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */
     float theta;                        /* rad: rotation about Z */
+    float y_set_point;                  /* m: set-point of y, off the stops */
+    float x_set_point;                  /* m: set-point of x, off the stops */
+    float z_set_point;                  /* m: set-point of z, off the stops */
+    float phi_set_point;                /* rad: set-point of phi, off the stops */
+    float theta_set_point;              /* rad: set-point of theta, off the stops */
     float e_y;                          /* m: tracking error */
     float e_x;                          /* m: tracking error */
     float e_z;                          /* m: tracking error */

@@ -30,7 +30,7 @@ from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
 
-LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop; only init ends that")
+LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop")
 
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
@@ -81,10 +81,10 @@ class Levelling:
 @arguments.checked
 @dataclass(frozen=True)
 class Release:
-    """To its guide spring: `spring` in 1/s^2 is the part of it that the laws behind compensate."""
+    """To its guide spring: `spring` in 1/s^2, with a name for the C, is the part of it that the laws compensate."""
 
     coordinate: str
-    spring: float
+    spring: Constant
 
 
 Course = Descent | Braking | Levelling | Release
@@ -116,7 +116,7 @@ def block(
         output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
         for c, w in zip(courses, demands, strict=True):
             if isinstance(c, Release):
-                released = -c.spring * u[c.coordinate]
+                released = -c.spring.value * u[c.coordinate]
                 output[w.name] = ca.if_else(landing, clip(released, w), u[f"{w.name}_tracking"])
                 continue
             q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
@@ -182,7 +182,7 @@ def _row(courses: Sequence[Course], patience: str) -> Failure:
         "a coordinate that is not measured, in all rows above that say `lands`",
         f"status bit {BRAKING_BIT}; in {patience}",
         "estimates of the observers",
-        f"{course}; {over}; only init ends it",
+        f"{course}; {over}; nothing else ends it but init",
     )
 
 
@@ -212,7 +212,7 @@ def _of_course(c: Course, T: float) -> list[Constant]:
     """Return the numbers of a course that the C names."""
     n = c.coordinate
     if isinstance(c, Release):
-        return [Constant(f"spring_{n}", c.spring, "1/s^2", "part of the guide spring that the laws compensate")]
+        return [c.spring]
     if isinstance(c, Levelling):
         return [
             Constant(f"pole_{n}", c.pole, "1/s", "levelling by measurements"),
@@ -287,7 +287,7 @@ def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) 
     d = descents[0]
     moving = [c for c in courses if isinstance(c, Descent | Braking)]
     values = [
-        *(c.spring if isinstance(c, Release) else c.pole for c in courses),
+        *(c.spring.value if isinstance(c, Release) else c.pole for c in courses),
         *(v for c in moving for v in (c.acceleration, c.bound)),
     ]
     values += [c.predicted_pole for c in courses if isinstance(c, Levelling)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synth.analyse.parity import Relation
-from synth.block import Block
+from synth.block import Block, Constant
 from synth.blocks import innovation_monitor, landing, predictor, probe, redundancy
 from synth.blocks.redundancy_decision import jump_gate
 from synth.composition import compose
@@ -314,7 +314,7 @@ def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() ->
         landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1),
         landing.Braking("x", 4.0, 30.0, 0.1),
         landing.Levelling("t", 40.0, 20.0),
-        landing.Release("p", 50.0),
+        landing.Release("p", Constant("spring_p", 50.0, "1/s^2", "test")),
     ]
     runner = Runner(landing.block(TIME, courses, [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in units.items()], 5))
     q, v, touch, landed = np.array([0.02, 0.01, 5e-3]), np.array([-0.02, 0.14, 0.05]), [], []

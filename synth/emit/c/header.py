@@ -152,8 +152,8 @@ def _missed_calls(block: Block) -> list[str]:
     return [
         f"While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their "
         f"number as {fault.input} in the next call. A number above {limit:g} sets bit {fault.bit} of this sample "
-        "and has no other effect, it neither brakes nor latches: the caller must then stop the motion, by set-points "
-        "that no longer move or by the safe output and init at rest."
+        "and neither brakes nor latches: the caller must then stop the motion, by set-points that no longer move or by "
+        "the safe output and init at rest."
     ]
 
 

@@ -167,7 +167,7 @@ def test_the_header_states_the_initial_value_of_each_input(name: str) -> None:
 
 
 def test_the_header_says_what_the_caller_does_about_missed_calls() -> None:
-    sentence = "A number above 40 sets bit 18 of this sample and has no other effect"
+    sentence = "A number above 40 sets bit 18 of this sample and neither brakes nor latches"
     assert [n for n in NAMES if sentence in text_of(n)] == ["maglev_5dof", "maglev_5dof_precise"]
 
 
