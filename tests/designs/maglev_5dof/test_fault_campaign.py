@@ -1,8 +1,10 @@
 """What single faults do to this stage: lost and frozen encoders at rest and in motion, and two lost at once."""
 
+import json
 import math
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from designs.maglev.fault_handling import DEGRADED
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth import standard_tasks
+from synth.execute import host
 from synth.progress import silent
 from synth.simulate import campaign, injections
 from synth.simulate.campaign import FaultRun
@@ -23,6 +26,7 @@ from synth.simulate.sensors import Override
 pytestmark = pytest.mark.slow
 
 PLANTS, ONSET = 4, 1000
+FOLDER = Path(__file__).parents[3] / "generated_c" / DESIGN.name
 MEASURED = [s.name for s in platen.INTERFACE.sensors]
 
 
@@ -106,6 +110,51 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
         run = perturbed.run(motion.duration_s, motion.start, motion.references, overrides=lost)
         assert 0 < run.impacts["y"] < 0.1 and run["y"][-1] == pytest.approx(platen.GAP[1])  # m/s
         assert max(run.impacts["phi"], run.impacts["theta"]) < 0.25  # rad/s, 0.10 m/s at the motors
+
+
+def lose_x_tilted(rig: Rig, plant: int, gap: float) -> Trajectory:
+    """Return 2.5 s at rest with a tilt of 3 mrad about Z, in which x is lost after 1 s."""
+    mask = np.arange(round(2.5 / rig.period_s)) >= ONSET
+    lost = {"x": Override(mask, np.full(len(mask), np.nan))}
+    true = replace(rig, plant=campaign.plant_number(rig.plant, plant))
+    return true.run(2.5, {"y": gap, "theta": 3e-3}, {"theta_ref": 3e-3}, overrides=lost)
+
+
+def with_defect(rig: Rig, text: str, defect: str) -> Rig:
+    """Return the rig with a defect planted in the controller's C."""
+    files = {path.name: path.read_text() for path in FOLDER.glob("*.[ch]")}
+    source = files[f"{DESIGN.name}.c"]
+    assert source.count(text) == 1
+    files[f"{DESIGN.name}.c"] = source.replace(text, defect)
+    return replace(rig, controller=host.load(files, json.loads((FOLDER / "manifest.json").read_text())))
+
+
+@pytest.mark.parametrize("gap", [0.0185, 0.020, 0.021])
+def test_a_tilted_platen_that_loses_x_near_its_upper_stop_lands_without_tilting_further(gap: float) -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    for i in (0, 2, 5, 6):
+        run = lose_x_tilted(rig, i, gap)
+        assert np.abs(run["theta"]).max() < 6e-3 and run.impacts["theta"] == 0
+        assert np.abs(run["x"]).max() < 5e-3 and run.impacts["y"] < 0.02 and run["y"][-1] == platen.GAP[1]
+
+
+def test_a_handover_that_does_not_wait_at_small_gaps_tilts_the_platen_to_its_stop() -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    planted = with_defect(rig, "held_by_spring = 0.022f", "held_by_spring = 0.0f")
+    assert lose_x_tilted(planted, 6, 0.0185).impacts["theta"] > 0.5  # rad/s
+
+
+def wait_on_the_stop(rig: Rig) -> float:
+    """Return by how much the mean direct current changes in 20 s at a set-point on the stop, with wrong zeros."""
+    run = replace(rig, offsets={f"y{j}": -7e-6 for j in platen.MOTORS}).run(22.0, {"y": platen.GAP[1]})
+    current = np.mean([run.commands[f"i_d{j}"] for j in platen.MOTORS], axis=0)
+    return abs(float(current[-2000:].mean() - current[2000:4000].mean()))
+
+
+def test_no_current_grows_while_the_platen_waits_at_a_set_point_on_its_stop() -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    planted = with_defect(rig, "_min(y_ref_held, 0.03098f)", "_min(y_ref_held, 0.031f)")
+    assert wait_on_the_stop(rig) < 0.02 < 0.05 < wait_on_the_stop(planted)  # A
 
 
 def test_a_latch_in_flight_keeps_the_angles_of_the_encoders_that_still_read() -> None:
