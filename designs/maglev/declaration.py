@@ -35,8 +35,9 @@ def design(
 
     `limited` names states of the law that may reach their bounds.
     """
+    reach = platen.AXES[0].reference
     common: dict[str, Any] = {
-        "operating_points": {f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
+        "operating_points": {f"{gap * 1e3:.0f} mm": {"y": gap} for gap in (reach.low, 0.025, reach.high)},
         "coordinates": platen.POSE,
         "surrogate_error": platen.SURROGATE_ERROR,
         "start": {"y": 0.025},

@@ -50,15 +50,13 @@ def open_loops(loops: robustness.Loops) -> OpenLoops:
 def test_the_controller_rests_on_the_currents_that_hold_the_platen(
     stage: Plant, loops: robustness.Loops, gap: int
 ) -> None:
-    """The equilibrium is the controller's too, at the ends of the range as well; init's last currents are none."""
-    point, rest = (
-        operating_points.trim(stage, {"y": gap * 1e-3}, list(WIRES)),
-        robustness.equilibrium_at(loops, f"{gap} mm"),
-    )
+    """The equilibrium is the controller's too, at the ends of the set-points as well; init's last currents are none."""
+    held = DESIGN.stage.operating_points[f"{gap} mm"]
+    point, rest = operating_points.trim(stage, held, list(WIRES)), robustness.equilibrium_at(loops, f"{gap} mm")
     for s in platen.CURRENTS:
         assert rest.state[f"safe_output_last_{s.name}"] == pytest.approx(point[s.name], abs=1e-6)
     assert abs(point["i_d1"] - platen.SAFE_CURRENT) > 1e-3
-    assert rest.inputs["y1"] == pytest.approx(gap * 1e-3, abs=1e-9)
+    assert rest.inputs["y1"] == pytest.approx(held["y"], abs=1e-9)
 
 
 @pytest.mark.parametrize("gap", GAPS)
