@@ -76,6 +76,7 @@ SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sens
 # m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
 INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
 SCALE_RANGE = 0.84, 1.2  # of voltages
+SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
@@ -139,14 +140,15 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
-        yaw_correction = numerator / information
+        measured = {axis: position + offset[axis] for axis, position in within.items()} | {
+            "phi": phi + numerator / information
+        }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if reckoned:
-            innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
+            innovation = {a: value - u[f"{a}_predicted"] for a, value in measured.items()}
             x_weight, yaw_weight = _innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            yaw_innovation = phi + yaw_correction - u["phi_predicted"]
-            squared += yaw_weight * (information * yaw_innovation**2)
+            squared += yaw_weight * (information * innovation["phi"] ** 2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -162,20 +164,20 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
         bridge = _bridge(u, x, phi, predicted, reckoned)
-        raw_yaw = or_bridge(phi + yaw_correction, bridge["phi"])
+        raw_yaw = or_bridge(measured["phi"], bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             first = x[f"first_{name}"]
             next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
-        for axis, position in within.items():
+        for axis in within:
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            output[f"within_{axis}"] = or_bridge(position, passed)
+            output[f"within_{axis}"] = or_bridge(within[axis], passed)
             bridge[axis] = passed + x[f"offset_{axis}"] if reckoned else bridge[axis]
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
-            output[f"{axis}_raw"] = or_bridge(position + offset[axis], bridge[axis])
+            output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
         if reckoned:
             e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
@@ -240,14 +242,15 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
         Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
-    return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+    weight = f"2 W / V_0^2, W = {EXCESS_WEIGHT:g}: weight of m_x - m_y in the yaw"
+    return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", weight)]
 
 
 def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
     per_scale = 1 / (4 * cal.power[0])
     return [
-        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 g_0 A^2)"),
-        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 g_0 A^2)"),
+        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 sensing_power_0): the whole error of the scale"),
+        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 sensing_power_0)"),
     ]
 
 
@@ -259,9 +262,12 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
         *contradictions.numbers(A, CONFIRMATION),
         Constant("memory", MEMORY, "1", "samples for which a contradiction is remembered", ("contradiction",)),
-        Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} A^2: keeps a divisor from 0"),
-        Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
+        Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} V_0^2: keeps a divisor from 0"),
+        Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} V_0^2: keeps a divisor from 0"),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
+        Constant("max_within", WITHIN[0].high, "m", f"half of the pitch, and {BRIDGED:g} m for bad samples in a row"),
+        Constant("scale_middle", SCALE_MIDDLE, "1", f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
+        Constant("scale_half_range", SCALE_HALF_RANGE, "1", f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
     ]
 
 
@@ -269,7 +275,7 @@ def _innovation_numbers(A: float) -> list[Constant]:
     bound, (x_weight, yaw_weight) = contradictions.RESIDUAL_BOUND, _innovation_weights(A)
     x_bound, yaw_bound = INNOVATION_BOUND.values()
     return [
-        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} A / {x_bound:g} m)^2"),
+        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} V_0 / {x_bound:g} m)^2"),
         Constant("yaw_innovation_weight", yaw_weight, "1", f"({bound:g} / {yaw_bound:g})^2"),
     ]
 
@@ -282,8 +288,7 @@ def _innovation_weights(A: float) -> tuple[float, float]:
 
 def _clip_scale(scale: ca.SX) -> ca.SX:
     """Return a scale within its range, by its distance to the middle: one comparison where it is inside."""
-    middle, half = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
-    return middle + clip(scale - middle, Signal("distance", "1", -half, half))
+    return SCALE_MIDDLE + clip(scale - SCALE_MIDDLE, Signal("distance", "1", -SCALE_HALF_RANGE, SCALE_HALF_RANGE))
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

@@ -10,8 +10,8 @@
  * different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, a latch is certain: whatever is measured then, the step brakes
- * the machine in the 23 samples from the next one on, and latches in the one after these until init, and the outputs
- * move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ * the machine in the 23 samples after the last of these, and latches in the next one until init, and the outputs move
+ * to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
@@ -61,8 +61,9 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
- * Named constants that follow from parameters of the plant, by parameter: b: b; c: c; laser_arm: half_over_laser_arm.
- * Gains, polynomials and bounds may follow from them too.
+ * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
+ * allocation_rear_share, b; c: allocation_front_share, allocation_rear_share, c; laser_arm: half_over_laser_arm. Gains,
+ * polynomials and bounds may follow from them too.
  *
  * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -127,7 +128,7 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches */
+    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
@@ -217,7 +218,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts other measurements or its prediction
  *   bit 20  V_cy: contradicts other measurements or its prediction
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  brakes in the 23 samples from the next one on, then latches; set until init
+ *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23, then latches; set until init
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);

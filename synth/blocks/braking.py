@@ -1,6 +1,6 @@
 """Rate feedback that stops a machine before a latch: efforts that bring the predicted rates of its axes to 0.
 
-    q'' = b f,   v+ = v + b T f      f = effort of the law, or while `braked`:   f = - share v / (b T)
+    q'' = b f,   v+ = v + b T f      b: acceleration per effort;  f = effort of the law, or while it `brakes`:   f = - share v / (b T)
 
 so that v+ = (1 - share) v within the limits of f, which stay behind this Block. v is the rate at the moment when f
 begins to act, as `dead_reckoning` predicts it, so no measurement is needed. An axis that is faster than the limits
@@ -14,9 +14,9 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks.dead_reckoning import Axis
-from synth.blocks.safety import BRAKED
+from synth.blocks.safety import BRAKES
 from synth.errors import SignalError
-from synth.signals import Signal
+from synth.signals import Signal, quotient_unit
 from synth.timing import Discrete
 
 
@@ -24,7 +24,7 @@ from synth.timing import Discrete
 def block(
     name: str, time: Discrete, axes: Sequence[Axis], demands: Mapping[str, tuple[Signal, Signal]], share: float
 ) -> Block:
-    """Return the Block that passes the demand of each axis on, except while the input ``braked`` of the guard is 1.
+    """Return the Block that passes the demand of each axis on, except while the input ``brakes`` of the guard is 1.
 
     `demands` has the demanded effort of each axis by name, and the signal under which it is passed on.
     ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it.
@@ -41,13 +41,15 @@ def block(
         output = {}
         for axis, rate in advance.items():
             demand, passed = demands[axis]
-            output[passed.name] = ca.if_else(u[BRAKED.name], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
+            output[passed.name] = ca.if_else(u[BRAKES.name], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
         return Step(output)
 
     constants = []
     for axis in axes:
-        unit, gain = demands[axis.name][0].unit, -share / (axis.acceleration * time.period_s**2)
-        constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.measured.unit}", f"{share:g} / (b T^2)"))
-    inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKED]
+        per = quotient_unit(demands[axis.name][0].unit, axis.measured.unit)
+        gain = -share / (axis.acceleration * time.period_s**2)
+        source = f"minus {share:g}, over T^2 times {axis.per_effort}"
+        constants.append(Constant(f"{axis.name}_gain", gain, per, source))
+    inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKES]
     outputs = [demands[axis.name][1] for axis in axes]
     return build(name, time, law, inputs=inputs, outputs=outputs, constants=constants, tag="braking before the latch")

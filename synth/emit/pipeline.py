@@ -189,6 +189,12 @@ def _products(block: Block, program: Program, scalar: type[np.floating]) -> list
     by_name = {c.name: c for c in block.constants}
     pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
     return [
-        Constant(name, float(scalar(a.value * b.value)), product_unit(a.unit, b.unit), f"{a.source}; times {b.name}")
+        Constant(
+            name,
+            float(scalar(a.value * b.value)),
+            product_unit(a.unit, b.unit),
+            f"{a.source}; times {b.name}",
+            parameters=tuple(dict.fromkeys((*a.parameters, *b.parameters))),
+        )
         for name, (a, b) in pairs.items()
     ]
