@@ -39,9 +39,9 @@ first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
 amplitude of all voltages explains has its own bit and suspects all six.
 
-Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
-INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
-that the currents do not explain, long before the voltages contradict each other. An unmodelled torque shifts the
+Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over INNOVATION_BOUND,
+counts in rho: a channel that sticks shows a motion that the currents do not explain, long before the voltages
+contradict each other. An unmodelled torque shifts the
 predicted yaw by an almost constant innovation. A sample that is not complete takes the predicted yaw plus the last
 innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
 
@@ -73,8 +73,6 @@ EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise an
 # Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
-# m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
-INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
 SCALE_RANGE = 0.84, 1.2  # of voltages
 SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
@@ -109,6 +107,12 @@ RESIDUALS = (
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
+NOTES = (
+    "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
+    "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
+    "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
+    "nothing either, since the wrong voltage has already shifted the last innovation.",
+)
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
@@ -137,16 +141,16 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
         r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
+        in_pitch = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
+        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in in_pitch.items()}
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
-        measured = {axis: position + offset[axis] for axis, position in within.items()} | {
+        measured = {axis: position + offset[axis] for axis, position in in_pitch.items()} | {
             "phi": phi + numerator / information
         }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if reckoned:
             innovation = {a: value - u[f"{a}_predicted"] for a, value in measured.items()}
-            x_weight, yaw_weight = _innovation_weights(A)
+            x_weight, yaw_weight = contradictions.innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
             squared += yaw_weight * (information * innovation["phi"] ** 2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
@@ -171,10 +175,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             first = x[f"first_{name}"]
             next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
-        for axis in within:
+        for axis in in_pitch:
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            output[f"within_{axis}"] = or_bridge(within[axis], passed)
+            output[f"within_{axis}"] = or_bridge(in_pitch[axis], passed)
             bridge[axis] = passed + x[f"offset_{axis}"] if reckoned else bridge[axis]
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
@@ -194,8 +198,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]
-        return Step(output | residuals, next, named, certified, numbers)
+        numbers = [*_numbers(A, l, regularisation), *(contradictions.innovation_numbers(A) if reckoned else [])]
+        return Step(output | residuals, next, named, certified, numbers, NOTES if reckoned else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
@@ -269,21 +273,6 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("scale_middle", SCALE_MIDDLE, "1", f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
         Constant("scale_half_range", SCALE_HALF_RANGE, "1", f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
     ]
-
-
-def _innovation_numbers(A: float) -> list[Constant]:
-    bound, (x_weight, yaw_weight) = contradictions.RESIDUAL_BOUND, _innovation_weights(A)
-    x_bound, yaw_bound = INNOVATION_BOUND.values()
-    return [
-        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} V_0 / {x_bound:g} m)^2"),
-        Constant("yaw_innovation_weight", yaw_weight, "1", f"({bound:g} / {yaw_bound:g})^2"),
-    ]
-
-
-def _innovation_weights(A: float) -> tuple[float, float]:
-    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
-    bound = contradictions.RESIDUAL_BOUND
-    return (bound * A / INNOVATION_BOUND["x"]) ** 2, (bound / INNOVATION_BOUND["phi"]) ** 2
 
 
 def _clip_scale(scale: ca.SX) -> ca.SX:

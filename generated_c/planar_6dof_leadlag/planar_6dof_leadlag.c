@@ -160,7 +160,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 {
     /* 1/V^2; (0.08 / (0.15 V_0))^2, V_0 = 2.93479 V: amplitude of the Hall voltages */
     static const float m_weight = 0.033025026f;
-    /* V^2; (0.08 V_0)^2: largest weighted sum of the squared residuals, of which rho^2 is the share */
+    /* V^2; (0.08 V_0)^2: rho^2 is the weighted sum of the squared residuals over this */
     static const float squared_residual_limit = 0.055123184f;
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
 
@@ -222,7 +222,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5)
+         * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
+         * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
+         * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
+         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
         static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
         static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
         static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
@@ -450,21 +454,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                 (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float within_x_2;
+            float in_pitch_x;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x) {
-                        within_x_2 = f_x - half_pitch;
+                        in_pitch_x = f_x - half_pitch;
                     } else {
-                        within_x_2 = f_x + half_pitch;
+                        in_pitch_x = f_x + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x;
+                    in_pitch_x = f_x;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
+                in_pitch_x = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
             }
-            const float off_x = within_x_2 - expected_x;
+            const float off_x = in_pitch_x - expected_x;
             float offset_x = sensing_offset_x;
             if (half_pitch < fabsf(off_x)) {
                 if (0.0f < off_x) {
@@ -477,26 +481,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            const float measured_x = within_x_2 + offset_x;
+            const float measured_x = in_pitch_x + offset_x;
             const float innovation_x = measured_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float within_y_2;
+            float in_pitch_y;
             if (Y_s_squared <= ratio_y_product_squared) {
                 if (-ratio_y_product < 0.0f) {
                     if (0.0f < f_y) {
-                        within_y_2 = f_y - half_pitch;
+                        in_pitch_y = f_y - half_pitch;
                     } else {
-                        within_y_2 = f_y + half_pitch;
+                        in_pitch_y = f_y + half_pitch;
                     }
                 } else {
-                    within_y_2 = f_y;
+                    in_pitch_y = f_y;
                 }
             } else {
-                within_y_2 = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
+                in_pitch_y = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
             }
-            const float off_y = within_y_2 - expected_y;
+            const float off_y = in_pitch_y - expected_y;
             float offset_y = sensing_offset_y;
             if (half_pitch < fabsf(off_y)) {
                 if (0.0f < off_y) {
@@ -509,7 +513,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            const float measured_y = within_y_2 + offset_y;
+            const float measured_y = in_pitch_y + offset_y;
             const float innovation_y = measured_y - reckoning_y_position;
             const float h3 = (X_s * (Y_s + ratio_y_product)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
@@ -540,8 +544,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 x_raw = measured_x;
                 y_raw = measured_y;
                 raw_yaw = measured_phi;
-                within_x = within_x_2;
-                within_y = within_y_2;
+                within_x = in_pitch_x;
+                within_y = in_pitch_y;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
@@ -778,12 +782,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             loop_phi_gain, phi_ref_held, phi);
 
         /* braking: braking before the latch
+         * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
+         * before the latch motor C can remove 0.165 m/s from x, whatever the yaw demands; A and B can remove up to
+         * 0.66 m/s from y, less what the yaw takes. What is left of a larger speed coasts.
          *     d_phi = phi_gain * phi_advance if brakes, else law_phi; likewise d_x, d_y */
-        /* A/m; minus 0.5, over T^2 times the acceleration of 12.6301 m/s^2 per A */
+        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
         static const float braking_x_gain = -39587.992f;
-        /* A/m; minus 0.5, over T^2 times the acceleration of 12.6301 m/s^2 per A */
+        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
         static const float braking_y_gain = -39587.992f;
-        /* A/rad; minus 0.5, over T^2 times the acceleration of 223.259 rad/s^2 per A */
+        /* A/rad; -0.5 / T^2, over the acceleration of 223.259 rad/s^2 per A */
         static const float braking_phi_gain = -2239.5518f;
         float d_phi;
         float d_x;

@@ -23,7 +23,7 @@
  * machine at rest: the outputs of the first step after it are not slewed.
  *
  * A refused input is replaced by its last good value, before its first one by 0 m (d1, d2, d3, x_ref, y_ref, z_ref), 0
- * rad (phi_ref, theta_ref, psi_ref), or always by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
+ * rad (phi_ref, theta_ref, psi_ref).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -32,15 +32,16 @@
  * finite or outside    |                                   | value              | of any of them: brakes for 23
  * its range            |                                   |                    | samples, then latches
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | always its initial | the law goes on; 5 samples in a row,
- * V_by, V_cx or V_cy   |                                   | value              | of any of them: brakes for 23
- * not finite or        |                                   |                    | samples, then latches
- * outside its range    |                                   |                    |
+ * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | none of the six    | the law goes on; 5 samples in a row,
+ * V_by, V_cx or V_cy   |                                   | voltages: x, y and | of any of them: brakes for 23
+ * not finite or        |                                   | yaw are predicted  | samples, then latches
+ * outside its range    |                                   | (dead reckoning)   |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | nothing            | counts as refused: 5 samples in a
- * V_by, V_cx or V_cy   | sample on                         |                    | row, of any of them: brakes for 23
- * contradicts the      |                                   |                    | samples, then latches
- * others               |                                   |                    |
+ * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | none of the six    | counts as refused: 5 samples in a
+ * V_by, V_cx or V_cy   | sample on                         | voltages: x, y and | row, of any of them: brakes for 23
+ * contradicts the      |                                   | yaw are predicted  | samples, then latches; all Hall
+ * others               |                                   | (dead reckoning)   | voltages stay refused until init, so
+ *                      |                                   |                    | the latch follows
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x_ref, y_ref,        | bits 9 to 14; in that sample      | its last good      | the law goes on; never latches
  * phi_ref, z_ref,      |                                   | value              |
@@ -218,7 +219,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts other measurements or its prediction
  *   bit 20  V_cy: contradicts other measurements or its prediction
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23, then latches; set until init
+ *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until init
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);

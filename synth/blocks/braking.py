@@ -22,12 +22,18 @@ from synth.timing import Discrete
 
 @arguments.checked
 def block(
-    name: str, time: Discrete, axes: Sequence[Axis], demands: Mapping[str, tuple[Signal, Signal]], share: float
+    name: str,
+    time: Discrete,
+    axes: Sequence[Axis],
+    demands: Mapping[str, tuple[Signal, Signal]],
+    share: float,
+    notes: Sequence[str] = (),
 ) -> Block:
     """Return the Block that passes the demand of each axis on, except while the input ``brakes`` of the guard is 1.
 
     `demands` has the demanded effort of each axis by name, and the signal under which it is passed on.
-    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it.
+    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it. `notes` are sentences that
+    the C has.
 
     Raises SignalError for a share that is not in 0 .. 1, and for an axis without a demand.
     """
@@ -42,13 +48,13 @@ def block(
         for axis, rate in advance.items():
             demand, passed = demands[axis]
             output[passed.name] = ca.if_else(u[BRAKES.name], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
-        return Step(output)
+        return Step(output, notes=notes)
 
     constants = []
     for axis in axes:
         per = quotient_unit(demands[axis.name][0].unit, axis.measured.unit)
         gain = -share / (axis.acceleration * time.period_s**2)
-        source = f"minus {share:g}, over T^2 times {axis.per_effort}"
+        source = f"-{share:g} / T^2, over {axis.per_effort}"
         constants.append(Constant(f"{axis.name}_gain", gain, per, source))
     inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKES]
     outputs = [demands[axis.name][1] for axis in axes]
