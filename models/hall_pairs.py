@@ -25,8 +25,8 @@ class Pair:
     m: ca.SX
 
 
-def pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs, scale: ca.SX) -> Pair:
-    s, c = scale * (s - phi * other), scale * (c + phi * other)
+def pair(s: ca.SX, c: ca.SX, k: Exprs) -> Pair:
+    """Return the pair of voltages that are rotated back."""
     product = (s * c) ** 2
     return Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
 

@@ -137,7 +137,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         phi = u["phi_predicted"] if predicted and not reckoned else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        X, Y = pairs.pair(ax, -bx, ay, phi, k, scale), pairs.pair(ay, -cy, -ax, phi, k, scale)
+        minus_Y_c = scale * (cy + phi * ax)
+        X = pairs.pair(scale * (ax - phi * ay), scale * (phi * ay - bx), k)
+        Y = pairs.pair(scale * (ay + phi * ax), -minus_Y_c, k)
         h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
         r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}

@@ -156,12 +156,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const uint32_t braking_from = 24u;
     /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
     static const uint32_t latch_samples = 29u;
-    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
+    static const float guard_refused_V_ax = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_ay = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_bx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_by = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_cx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_cy = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
     const float V_ay_held = planar_6dof_lqg_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
@@ -350,9 +350,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
-         *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
-         *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
-         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+         *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
+         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
          *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
         static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
@@ -401,24 +400,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
             const float Y_s = sensing_scale * (V_ay_held + phi_raw_times_V_ax);
-            const float ratio_y_product = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
-            const float Y_s_times_ratio_y_product = Y_s * ratio_y_product;
+            const float minus_Y_c = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
+            const float Y_s_times_minus_Y_c = Y_s * minus_Y_c;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_product_squared = ratio_y_product * ratio_y_product;
-            const float ratio_y = -(Y_s_times_ratio_y_product /
-                (planar_6dof_lqg_max(Y_s_squared, ratio_y_product_squared) + least_square));
+            const float minus_Y_c_squared = minus_Y_c * minus_Y_c;
+            const float ratio_y = -(Y_s_times_minus_Y_c /
+                (planar_6dof_lqg_max(Y_s_squared, minus_Y_c_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared -
                 (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = Y_s_times_ratio_y_product * Y_s_times_ratio_y_product;
-            const float m_y = Y_s_squared + ratio_y_product_squared -
+            const float product_m_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
+            const float m_y = Y_s_squared + minus_Y_c_squared -
                 (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s -
-                (ratio_y_product * ratio_y_product_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+                (minus_Y_c * minus_Y_c_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
-                (Y_s - ratio_y_product);
+                (Y_s - minus_Y_c);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
@@ -456,8 +455,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float in_pitch_y;
-            if (Y_s_squared <= ratio_y_product_squared) {
-                if (-ratio_y_product < 0.0f) {
+            if (Y_s_squared <= minus_Y_c_squared) {
+                if (-minus_Y_c < 0.0f) {
                     if (0.0f < f_y) {
                         in_pitch_y = f_y - half_pitch;
                     } else {
@@ -484,7 +483,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
             const float measured_y = in_pitch_y + offset_y;
             const float innovation_y = measured_y - reckoning_y_position;
-            const float h3 = (X_s * (Y_s + ratio_y_product)) + (Y_s * (X_s - X_c));
+            const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float measured_phi = sensing_phi_raw +

@@ -289,7 +289,8 @@ def _replacement(g: GuardedInput) -> Constant:
             f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "
             "choose one inside"
         )
-    return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, "in place of a refused value")
+    where = ", in a sample that is not complete" if g.measurement else ""
+    return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, f"in place of a refused value{where}")
 
 
 def _flag(name: str, about: str) -> Signal:
