@@ -63,7 +63,8 @@
  * again, so the latch follows.
  *
  * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
- * allocation_rear_share, b; c: allocation_front_share, allocation_rear_share, c; laser_arm: half_over_laser_arm. Gains,
+ * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,
+ * allocation_rear_share, c, loop_z_integral_input_times_allocation_z_share; laser_arm: half_over_laser_arm. Gains,
  * polynomials and bounds may follow from them too.
  *
  * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
