@@ -57,8 +57,15 @@ def numbers(A: float, confirmation: float) -> list[Constant]:
         Constant("squared_jump", (JUMP * bound) ** 2, "V^2", f"rho = {JUMP:g}: a voltage jumped"),
         Constant("significant_m", least_m * A**2, "V^2", f"{least_m:g} V_0^2: a larger excess m is significant"),
         Constant("significant_r", least_r * A, "V", f"{least_r:g} V_0: a larger residual r is significant"),
-        Constant("nearly_zero_m", NEARLY_ZERO * A**2, "V^2", f"{NEARLY_ZERO:g} V_0^2: a smaller excess m is nearly zero"),
-        Constant("small_m", SMALL_CHANGE * A**2, "V^2", f"{SMALL_CHANGE:g} V_0^2: largest change of a squared sine voltage that is small"),
+        Constant(
+            "nearly_zero_m", NEARLY_ZERO * A**2, "V^2", f"{NEARLY_ZERO:g} V_0^2: a smaller excess m is nearly zero"
+        ),
+        Constant(
+            "small_m",
+            SMALL_CHANGE * A**2,
+            "V^2",
+            f"{SMALL_CHANGE:g} V_0^2: largest change of a squared sine voltage that is small",
+        ),
         Constant("max_known_yaw", MAX_KNOWN_YAW, "rad", "beyond it every voltage is suspected"),
     ]
 

@@ -144,7 +144,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         in_pitch = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in in_pitch.items()}
+        offset = {
+            axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in in_pitch.items()
+        }
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
         measured = {axis: position + offset[axis] for axis, position in in_pitch.items()} | {
             "phi": phi + numerator / information
@@ -269,11 +271,23 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         *contradictions.numbers(A, CONFIRMATION),
         Constant("memory", MEMORY, "1", "samples for which a contradiction is remembered", ("contradiction",)),
         Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} V_0^2: keeps a divisor from 0"),
-        Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} V_0^2: keeps a divisor from 0"),
+        Constant(
+            "least_information", regularisation * A**2, "V^2", f"{regularisation:g} V_0^2: keeps a divisor from 0"
+        ),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
         Constant("max_within", WITHIN[0].high, "m", f"half of the pitch, and {BRIDGED:g} m for bad samples in a row"),
-        Constant("scale_middle", SCALE_MIDDLE, "1", f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
-        Constant("scale_half_range", SCALE_HALF_RANGE, "1", f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"),
+        Constant(
+            "scale_middle",
+            SCALE_MIDDLE,
+            "1",
+            f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
+        ),
+        Constant(
+            "scale_half_range",
+            SCALE_HALF_RANGE,
+            "1",
+            f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
+        ),
     ]
 
 

@@ -104,8 +104,8 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         plant.constant("front_share", "1", lambda p: p["b"] / (2 * (p["b"] + p["c"]))),
     ]
     notes = [
-        f"allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the "
-        f"direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of "
+        "allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the "
+        "direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of "
         "d_z in i_CD. The 2 of d_theta there stands for both motors at the front."
     ]
 

@@ -44,7 +44,9 @@ __all__ = [
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 LATCH_CERTAIN = Signal("latch_certain", "1", 0, 1, "too many bad samples in a row: a latch follows")
 BRAKES = Signal("brakes", "1", 0, 1, "the latch was certain in the sample before: the law brakes")
-BIT_TEXT = "a latch is certain: after the first sample with this bit it brakes for {} samples, then latches; set until init"
+BIT_TEXT = (
+    "a latch is certain: after the first sample with this bit it brakes for {} samples, then latches; set until init"
+)
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 MONITOR = "monitor"  # end of the name of a Block that replaces the readings of one sensor
 JUDGING = Signal("judging", "1", 0, 1, "readings are compared with predictions, which stand still once latched")

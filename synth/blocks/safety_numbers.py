@@ -23,7 +23,9 @@ def latch(bad: int, braking: int, good_samples: int) -> list[Constant]:
         return bad_samples.numbers("latch_samples", bad, good_samples, about)
     total = bad + braking
     about = f"{bad} bad samples in a row, and {braking} that count as bad whatever is measured, until it latches"
-    certain = f"of the {total}, left in the sample that first sets bit {BRAKING_BIT}; fewer are left in those that brake"
+    certain = (
+        f"of the {total}, left in the sample that first sets bit {BRAKING_BIT}; fewer are left in those that brake"
+    )
     brakes = f"of the {total}, left in the first sample that brakes; from it on each one counts as bad"
     return [
         *bad_samples.numbers("latch_samples", total, good_samples, about),
