@@ -39,11 +39,11 @@ first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
 amplitude of all voltages explains has its own bit and suspects all six.
 
-Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over INNOVATION_BOUND,
-counts in rho: a channel that sticks shows a motion that the currents do not explain, long before the voltages
-contradict each other. An unmodelled torque shifts the
-predicted yaw by an almost constant innovation. A sample that is not complete takes the predicted yaw plus the last
-innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
+Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one counts in rho, over
+INNOVATION_BOUND: a channel that sticks shows a motion that the currents do not explain, long before the voltages
+contradict each other. An unmodelled torque shifts the predicted yaw by an almost constant innovation. A sample that is
+not complete takes the predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the
+innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 

@@ -165,7 +165,7 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Blocks between guard or errors and limits; `gains` returns their entry in gains.json, under `name`, for a type."""
+    """Blocks between guard or errors and limits; `gains` returns their part of gains.json for a type, under `name`."""
 
     name: str
     blocks: tuple[Block, ...]

@@ -17,8 +17,8 @@ with L = (1 - p) / T:
 
 f_a is the demand that the motors achieve. While f_a = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+.
 At a limit I follows f_a with the time constant T/g of some 20 ms (anti-windup). An error is clipped to ERROR, and the
-integral then decays: the axis moves at k ERROR / (k1 T + k2), a speed from which the motors can stop it. Until every measurement
-has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
+integral then decays: the axis moves at k ERROR / (k1 T + k2), a speed from which the motors can stop it. Until every
+measurement has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
 docs/decisions/planar_lqg.md.
 """
 

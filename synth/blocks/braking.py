@@ -1,10 +1,10 @@
 """Rate feedback that stops a machine before a latch: efforts that bring the predicted rates of its axes to 0.
 
-    q'' = b f,   v+ = v + b T f      b: acceleration per effort;  f = effort of the law, or while it `brakes`:   f = - share v / (b T)
+    q'' = b f,   v+ = v + b T f      f = effort of the law, or while it `brakes`:   f = - share v / (b T)
 
-so that v+ = (1 - share) v within the limits of f, which stay behind this Block. v is the rate at the moment when f
-begins to act, as `dead_reckoning` predicts it, so no measurement is needed. An axis that is faster than the limits
-allow stops with the largest deceleration.
+so that v+ = (1 - share) v within the limits of f, which stay behind this Block; b is the acceleration per effort. v is
+the rate at the moment when f begins to act, as `dead_reckoning` predicts it, so no measurement is needed. An axis that
+is faster than the limits allow stops with the largest deceleration.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,8 +32,8 @@ def block(
     """Return the Block that passes the demand of each axis on, except while the input ``brakes`` of the guard is 1.
 
     `demands` has the demanded effort of each axis by name, and the signal under which it is passed on.
-    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it. `notes` are sentences that
-    the C has.
+    ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it. `notes` are sentences
+    that the C has.
 
     Raises SignalError for a share that is not in 0 .. 1, and for an axis without a demand.
     """

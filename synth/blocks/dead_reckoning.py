@@ -1,6 +1,6 @@
 """Alpha-beta filter with known input for each axis: predicts the motion, without measurements too (dead reckoning).
 
-    q'' = b f      b: acceleration per effort;  f acts from this sample to the next; with one sample of delay it is the effort of the sample before
+    q'' = b f      f acts from this sample to the next; with one sample of delay it is the effort of the sample before
 
 With p and s the position and T times the rate that are predicted for this sample, a = b T^2/2 f, and the innovation
 e = q - p:

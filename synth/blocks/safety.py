@@ -89,9 +89,9 @@ def guard(
     compared even while others are refused.
 
     `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
-    between the last of the bad samples and the latch there are also the outputs ``latch_certain`` and ``brakes``. Behind a
-    `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which its
-    ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
+    between the last of the bad samples and the latch there are also the outputs ``latch_certain`` and ``brakes``.
+    Behind a `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which
+    its ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
     `fault.Judgement` declares this. Its output ``judging`` says that it is ready and has not latched before this
     sample: the observers of a latched controller stand still, and no reading contradicts them. Such a guard does not
     brake: its law lands the machine before the latch.
