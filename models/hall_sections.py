@@ -208,7 +208,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if reckoned else []
-    states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
+    states, constants = (
+        [*_states(predicted, reckoned), State(SCALE, 1.0)],
+        [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal)],
+    )
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
@@ -238,20 +241,6 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *([INNOVATION] if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
-
-
-def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
-    position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
-    slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
-    power = [
-        (f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, ("V^2", "1/V^2", "1/V^6"), strict=True))
-    ]
-    fits = [
-        Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
-        for name, v, unit in (*position, *slope, *power)
-    ]
-    weight = f"2 W / V_0^2, W = {EXCESS_WEIGHT:g}: weight of m_x - m_y in the yaw"
-    return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", weight)]
 
 
 def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
