@@ -3,7 +3,8 @@
     rho = ((m_x^2 + m_y^2) / (EXCESS_BOUND A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL_BOUND A)^2)^(1/2)
 
 m_x and m_y are the squared amplitudes of the two pairs less the nominal one, r_1 and r_2 the differences of parallel
-voltages less what the predicted yaw makes of them, s_x and s_y the sine voltages, A the amplitude.
+voltages less what the predicted yaw makes of them, s_x and s_y the sine voltages, A the amplitude (V_0 in the C, where
+A is the ampere).
 
 A residual is significant if it exceeds the fraction SIGNIFICANT of its bound. If the first rho exceeds JUMP, a voltage
 has jumped. An error -r_2 of V_ax reduces s_x^2 by d_x = r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2.
@@ -39,24 +40,49 @@ JUMP = 1.5  # of rho: a larger one at once means that a voltage jumped
 NEARLY_ZERO, SMALL_CHANGE = 0.1, 0.3  # of A^2: of m, and of the change of s^2 that r explains
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y: their difference where the amplitude of all voltages is off
 MAX_KNOWN_YAW = 0.01  # rad
+# m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
+INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
 
 
 def numbers(A: float, confirmation: float) -> list[Constant]:
     """Return the numbers that the C names, for the amplitude A in V and the rho that confirms a contradiction."""
     least_m, least_r = SIGNIFICANT["m"] * EXCESS_BOUND, SIGNIFICANT["r"] * RESIDUAL_BOUND
     ratio, bound = RESIDUAL_BOUND / (EXCESS_BOUND * A), RESIDUAL_BOUND * A
-    weight = f"({RESIDUAL_BOUND:g} / ({EXCESS_BOUND:g} A))^2, A = {A:.6g} V"
+    weight = f"({RESIDUAL_BOUND:g} / ({EXCESS_BOUND:g} V_0))^2, V_0 = {A:.6g} V: amplitude of the Hall voltages"
+    limit = f"({RESIDUAL_BOUND:g} V_0)^2: rho^2 is the weighted sum of the squared residuals over this"
     return [
         Constant("m_weight", ratio**2, "1/V^2", weight),
-        Constant("squared_residual_limit", bound**2, "V^2", f"({RESIDUAL_BOUND:g} A)^2: rho = 1"),
+        Constant("squared_residual_limit", bound**2, "V^2", limit),
         Constant("squared_confirmation", (confirmation * bound) ** 2, "V^2", f"rho = {confirmation:g}"),
         Constant("squared_jump", (JUMP * bound) ** 2, "V^2", f"rho = {JUMP:g}: a voltage jumped"),
-        Constant("significant_m", least_m * A**2, "V^2", f"{least_m:g} A^2"),
-        Constant("significant_r", least_r * A, "V", f"{least_r:g} A"),
-        Constant("nearly_zero_m", NEARLY_ZERO * A**2, "V^2", f"{NEARLY_ZERO:g} A^2"),
-        Constant("small_m", SMALL_CHANGE * A**2, "V^2", f"{SMALL_CHANGE:g} A^2"),
+        Constant("significant_m", least_m * A**2, "V^2", f"{least_m:g} V_0^2: a larger excess m is significant"),
+        Constant("significant_r", least_r * A, "V", f"{least_r:g} V_0: a larger residual r is significant"),
+        Constant(
+            "nearly_zero_m", NEARLY_ZERO * A**2, "V^2", f"{NEARLY_ZERO:g} V_0^2: a smaller excess m is nearly zero"
+        ),
+        Constant(
+            "small_m",
+            SMALL_CHANGE * A**2,
+            "V^2",
+            f"{SMALL_CHANGE:g} V_0^2: largest change of a squared sine voltage that is small",
+        ),
         Constant("max_known_yaw", MAX_KNOWN_YAW, "rad", "beyond it every voltage is suspected"),
     ]
+
+
+def innovation_numbers(A: float) -> list[Constant]:
+    """Return the weights of squared innovations as numbers that the C names, for the amplitude A in V."""
+    x_weight, yaw_weight = innovation_weights(A)
+    x_bound, yaw_bound = INNOVATION_BOUND.values()
+    return [
+        Constant("innovation_weight", x_weight, "V^2/m^2", f"({RESIDUAL_BOUND:g} V_0 / {x_bound:g} m)^2"),
+        Constant("yaw_innovation_weight", yaw_weight, "1", f"({RESIDUAL_BOUND:g} / {yaw_bound:g})^2"),
+    ]
+
+
+def innovation_weights(A: float) -> tuple[float, float]:
+    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
+    return (RESIDUAL_BOUND * A / INNOVATION_BOUND["x"]) ** 2, (RESIDUAL_BOUND / INNOVATION_BOUND["phi"]) ** 2
 
 
 def squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:

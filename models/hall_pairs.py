@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from models import hall_calibration
-from synth.block import Exprs
+from synth.block import Constant, Exprs
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,8 @@ class Pair:
     m: ca.SX
 
 
-def pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs, scale: ca.SX) -> Pair:
-    s, c = scale * (s - phi * other), scale * (c + phi * other)
+def pair(s: ca.SX, c: ca.SX, k: Exprs) -> Pair:
+    """Return the pair of voltages that are rotated back."""
     product = (s * c) ** 2
     return Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
 
@@ -54,3 +54,18 @@ def place(p: Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.
     f = r * f
     near = ca.if_else(p.c < 0, ca.if_else(f > 0, f - l / 2, f + l / 2), f)
     return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - f)
+
+
+def constants(cal: hall_calibration.Calibration, weight: float) -> list[Constant]:
+    """Return the fits, and the weight of m_x - m_y in the yaw, as constants of a law."""
+    position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
+    slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
+    power = [
+        (f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, ("V^2", "1/V^2", "1/V^6"), strict=True))
+    ]
+    fits = [
+        Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
+        for name, v, unit in (*position, *slope, *power)
+    ]
+    about = f"2 W / V_0^2, W = {weight:g}: weight of m_x - m_y in the yaw"
+    return [*fits, Constant("amplitude_weight", 2 * weight / cal.amplitude**2, "1/V^2", about)]

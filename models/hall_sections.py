@@ -39,11 +39,11 @@ first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
 amplitude of all voltages explains has its own bit and suspects all six.
 
-Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
-INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
-that the currents do not explain, long before the voltages contradict each other. An unmodelled torque shifts the
-predicted yaw by an almost constant innovation. A sample that is not complete takes the predicted yaw plus the last
-innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
+Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one counts in rho, over
+INNOVATION_BOUND: a channel that sticks shows a motion that the currents do not explain, long before the voltages
+contradict each other. An unmodelled torque shifts the predicted yaw by an almost constant innovation. A sample that is
+not complete takes the predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the
+innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -73,9 +73,8 @@ EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise an
 # Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
-# m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
-INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
 SCALE_RANGE = 0.84, 1.2  # of voltages
+SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
@@ -108,6 +107,12 @@ RESIDUALS = (
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
+NOTES = (
+    "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
+    "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
+    "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
+    "nothing either, since the wrong voltage has already shifted the last innovation.",
+)
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
@@ -132,21 +137,26 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         phi = u["phi_predicted"] if predicted and not reckoned else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        X, Y = pairs.pair(ax, -bx, ay, phi, k, scale), pairs.pair(ay, -cy, -ax, phi, k, scale)
+        minus_Y_c = scale * (cy + phi * ax)
+        X = pairs.pair(scale * (ax - phi * ay), scale * (phi * ay - bx), k)
+        Y = pairs.pair(scale * (ay + phi * ax), -minus_Y_c, k)
         h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
         r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
+        in_pitch = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
+        offset = {
+            axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in in_pitch.items()
+        }
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
-        yaw_correction = numerator / information
+        measured = {axis: position + offset[axis] for axis, position in in_pitch.items()} | {
+            "phi": phi + numerator / information
+        }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if reckoned:
-            innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
-            x_weight, yaw_weight = _innovation_weights(A)
+            innovation = {a: value - u[f"{a}_predicted"] for a, value in measured.items()}
+            x_weight, yaw_weight = contradictions.innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            yaw_innovation = phi + yaw_correction - u["phi_predicted"]
-            squared += yaw_weight * (information * yaw_innovation**2)
+            squared += yaw_weight * (information * innovation["phi"] ** 2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -162,20 +172,20 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
         bridge = _bridge(u, x, phi, predicted, reckoned)
-        raw_yaw = or_bridge(phi + yaw_correction, bridge["phi"])
+        raw_yaw = or_bridge(measured["phi"], bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             first = x[f"first_{name}"]
             next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
-        for axis, position in within.items():
+        for axis in in_pitch:
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            output[f"within_{axis}"] = or_bridge(position, passed)
+            output[f"within_{axis}"] = or_bridge(in_pitch[axis], passed)
             bridge[axis] = passed + x[f"offset_{axis}"] if reckoned else bridge[axis]
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
-            output[f"{axis}_raw"] = or_bridge(position + offset[axis], bridge[axis])
+            output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
         if reckoned:
             e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
@@ -192,13 +202,16 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]
-        return Step(output | residuals, next, named, certified, numbers)
+        numbers = [*_numbers(A, l, regularisation), *(contradictions.innovation_numbers(A) if reckoned else [])]
+        return Step(output | residuals, next, named, certified, numbers, NOTES if reckoned else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if reckoned else []
-    states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
+    states, constants = (
+        [*_states(predicted, reckoned), State(SCALE, 1.0)],
+        [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal)],
+    )
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
@@ -230,24 +243,11 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 
-def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
-    position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
-    slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
-    power = [
-        (f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, ("V^2", "1/V^2", "1/V^6"), strict=True))
-    ]
-    fits = [
-        Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
-        for name, v, unit in (*position, *slope, *power)
-    ]
-    return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
-
-
 def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
     per_scale = 1 / (4 * cal.power[0])
     return [
-        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 g_0 A^2)"),
-        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 g_0 A^2)"),
+        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 sensing_power_0): the whole error of the scale"),
+        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 sensing_power_0)"),
     ]
 
 
@@ -259,31 +259,30 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
         *contradictions.numbers(A, CONFIRMATION),
         Constant("memory", MEMORY, "1", "samples for which a contradiction is remembered", ("contradiction",)),
-        Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} A^2: keeps a divisor from 0"),
-        Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
+        Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} V_0^2: keeps a divisor from 0"),
+        Constant(
+            "least_information", regularisation * A**2, "V^2", f"{regularisation:g} V_0^2: keeps a divisor from 0"
+        ),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
+        Constant("max_within", WITHIN[0].high, "m", f"half of the pitch, and {BRIDGED:g} m for bad samples in a row"),
+        Constant(
+            "scale_middle",
+            SCALE_MIDDLE,
+            "1",
+            f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
+        ),
+        Constant(
+            "scale_half_range",
+            SCALE_HALF_RANGE,
+            "1",
+            f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
+        ),
     ]
-
-
-def _innovation_numbers(A: float) -> list[Constant]:
-    bound, (x_weight, yaw_weight) = contradictions.RESIDUAL_BOUND, _innovation_weights(A)
-    x_bound, yaw_bound = INNOVATION_BOUND.values()
-    return [
-        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} A / {x_bound:g} m)^2"),
-        Constant("yaw_innovation_weight", yaw_weight, "1", f"({bound:g} / {yaw_bound:g})^2"),
-    ]
-
-
-def _innovation_weights(A: float) -> tuple[float, float]:
-    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
-    bound = contradictions.RESIDUAL_BOUND
-    return (bound * A / INNOVATION_BOUND["x"]) ** 2, (bound / INNOVATION_BOUND["phi"]) ** 2
 
 
 def _clip_scale(scale: ca.SX) -> ca.SX:
     """Return a scale within its range, by its distance to the middle: one comparison where it is inside."""
-    middle, half = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
-    return middle + clip(scale - middle, Signal("distance", "1", -half, half))
+    return SCALE_MIDDLE + clip(scale - SCALE_MIDDLE, Signal("distance", "1", -SCALE_HALF_RANGE, SCALE_HALF_RANGE))
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

@@ -97,10 +97,16 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     a, b, c = (plant.parameter(name).value for name in "abc")
     across, rear = c / (2 * a), 2 * b / c
     constants = [
-        Constant("half", 0.5, "1", "Table 3: 1/2"),
+        Constant("psi_share", 0.5, "1", "Table 3: 1/2, of i_AD - i_BD in d_psi"),
         Constant("two", 2.0, "1", "Table 3: both motors"),
-        Constant("rear_share", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
-        Constant("front_share", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
+        plant.constant("z_share", "1", lambda p: p["c"] / (2 * (p["b"] + p["c"]))),
+        plant.constant("rear_share", "1", lambda p: p["c"] / (2 * (p["b"] + p["c"]))),
+        plant.constant("front_share", "1", lambda p: p["b"] / (2 * (p["b"] + p["c"]))),
+    ]
+    notes = [
+        "allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the "
+        "direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of "
+        "d_z in i_CD. The 2 of d_theta there stands for both motors at the front."
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -108,26 +114,26 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         cos, sin = ca.cos(angle), ca.sin(angle)
         d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
         demand_c = cos * d_x + sin * d_y
-        half = (cos * d_y - sin * d_x) / 2
+        y_current = (cos * d_y - sin * d_x) / 2
         limit_c = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
         C = ca.fmax(ca.fmin(demand_c, limit_c), -limit_c)
-        yaw = clip(d_phi + _product(across, C), CURRENTS[0])
-        limit_half = QUADRATURE - ca.fabs(yaw)
-        half = ca.fmax(ca.fmin(half, limit_half), -limit_half)
+        yaw_current = clip(d_phi + _product(across, C), CURRENTS[0])
+        limit_y = QUADRATURE - ca.fabs(yaw_current)
+        y_current = ca.fmax(ca.fmin(y_current, limit_y), -limit_y)
         front, back = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
         Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
-        currents = half - yaw, half + yaw, C, Az, Bz, Cz
-        both, lifts = k["two"] * half, Az + Bz
+        currents = y_current - yaw_current, y_current + yaw_current, C, Az, Bz, Cz
+        both, lifts = k["two"] * y_current, Az + Bz
         achieved = (
             cos * C - sin * both,
             sin * C + cos * both,
-            yaw - _product(across, C),
-            k["rear_share"] * (lifts + Cz),
+            yaw_current - _product(across, C),
+            k["z_share"] * (lifts + Cz),
             k["rear_share"] * Cz - k["front_share"] * lifts,
-            k["half"] * (Az - Bz),
+            k["psi_share"] * (Az - Bz),
         )
         output = dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True))
-        return Step(output, numbers=_current_limits())
+        return Step(output, numbers=_current_limits(), notes=notes)
 
     inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "motor currents, Table 3, (17)"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)

@@ -82,7 +82,7 @@ class Interface:
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor,
     of which `good_samples` make up for one, the actuators go to their safe values, for the `reason` given. `suspected`
-    are sensors that a law compares. A law that reads ``braking`` has that many samples more to stop the machine before.
+    are sensors that a law compares. A law that reads ``brakes`` has that many samples more to stop the machine before.
     `missed_calls` is the input that counts missing calls, if there is one.
     """
 
@@ -165,10 +165,7 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Blocks between the outputs of guard and errors and the inputs of the limits.
-
-    `gains` returns their entry in gains.json for a scalar type, under `name`.
-    """
+    """Blocks between guard or errors and limits; `gains` returns their part of gains.json for a type, under `name`."""
 
     name: str
     blocks: tuple[Block, ...]
@@ -250,6 +247,7 @@ class Stage:
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
     header_notes      sentences of the C's header; `reactions` of the machine, by the key of a row of failures in it
+    used_instead      what the law uses for a refused input, by the same keys, where the guard cannot know it
     tuning            free parameters of the law and their goals, for `synth tune`
     warning           what a reader must know first: the first line of header, manifest and report
     """
@@ -280,6 +278,7 @@ class Stage:
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
     reactions: Mapping[str, str] = field(default_factory=dict)
+    used_instead: Mapping[str, str] = field(default_factory=dict)
     tuning: Tuning | None = None
     warning: str = ""
 

@@ -1,7 +1,8 @@
 """What may fail, as a Block declares it for the table in the C's header: how it is noticed, and what follows.
 
 Rows come from the Blocks that notice a failure, with the numbers that their laws have. A stage adds its own words by
-the key of a row, such as which axis goes on and where the outputs end (`Stage.reactions`).
+the key of a row, such as which axis goes on and where the outputs end (`Stage.reactions`), and what its law
+uses instead, where the Block that notices cannot know it (`Stage.used_instead`).
 """
 
 import re
@@ -38,15 +39,24 @@ class Failure:
         return Failure(self.key, what, noticed, instead, reaction, inputs, suspects)
 
 
-def with_reactions(failures: Sequence[Failure], reactions: Mapping[str, str]) -> tuple[Failure, ...]:
-    """Return the rows with the words of a stage behind the reactions.
+def with_reactions(
+    failures: Sequence[Failure], reactions: Mapping[str, str], used_instead: Mapping[str, str]
+) -> tuple[Failure, ...]:
+    """Return the rows with the words of a stage: behind the reactions, and in place of what is used instead.
 
     Raises SignalError for words of a row that does not exist.
     """
     keys = [f.key for f in failures]
-    if unknown := [key for key in reactions if key not in keys]:
+    if unknown := [key for key in (*reactions, *used_instead) if key not in keys]:
         raise SignalError(f"there is no failure '{unknown[0]}': give reactions to {', '.join(keys) or 'none'}")
-    return tuple(replace(f, reaction="; ".join(filter(None, (f.reaction, reactions.get(f.key, ""))))) for f in failures)
+    return tuple(
+        replace(
+            f,
+            reaction="; ".join(filter(None, (f.reaction, reactions.get(f.key, "")))),
+            instead=used_instead.get(f.key, f.instead),
+        )
+        for f in failures
+    )
 
 
 def enumeration(names: Sequence[str], word: str = "or") -> str:

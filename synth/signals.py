@@ -83,11 +83,20 @@ def per_second(unit: str) -> str:
 @arguments.checked
 def product_unit(first: str, second: str) -> str:
     """Return the unit of a product, with each factor once: "1/s^2" for "1/s" and "1/s", "m/A" for "m/A" and "1"."""
+    return _with_each_factor_once((first, 1), (second, 1))
+
+
+def quotient_unit(first: str, second: str) -> str:
+    """Return the unit of a quotient, with each factor once: "m/A" for "m" and "A", "m/N/s^2" for "m/s^2" and "N"."""
+    return _with_each_factor_once((first, 1), (second, -1))
+
+
+def _with_each_factor_once(*units: tuple[str, int]) -> str:
     exponents: dict[str, int] = {}
-    for unit in (first, second):
+    for unit, sign in units:
         dimension(unit)
         for match in _FACTOR.finditer(unit):
-            power = int(match["power"] or 1) * (-1 if match["op"] == "/" else 1)
+            power = sign * int(match["power"] or 1) * (-1 if match["op"] == "/" else 1)
             exponents[match["name"]] = exponents.get(match["name"], 0) + power
     above, below = (
         [name if abs(n) == 1 else f"{name}^{abs(n)}" for name, n in exponents.items() if sign * n > 0 and name != "1"]

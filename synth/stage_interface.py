@@ -32,7 +32,7 @@ def interface(
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
     go to their safe values, for a `reason` that the C header states; `good_samples` make up for a bad one. `suspected`
-    are sensors that a law compares. Before that, ``braking`` is 1 for `braking` samples more. With `missed_calls`, the
+    are sensors that a law compares. Before that, ``brakes`` is 1 for `braking` samples more. With `missed_calls`, the
     largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without

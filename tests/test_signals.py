@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.errors import SignalError
-from synth.signals import Parameter, Signal, dimension, identifier, product_unit, signal_names
+from synth.signals import Parameter, Signal, dimension, identifier, product_unit, quotient_unit, signal_names
 
 BASE = ("A", "K", "kg", "m", "rad", "s")
 
@@ -86,3 +86,11 @@ def test_names_stand_once_and_in_order() -> None:
 )
 def test_the_unit_of_a_product_has_each_factor_once(first: str, second: str, product: str) -> None:
     assert product_unit(first, second) == product
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "quotient"),
+    [("m", "A", "m/A"), ("A", "m", "A/m"), ("m/s^2", "N", "m/s^2/N"), ("m", "N m", "1/N")],
+)
+def test_the_unit_of_a_quotient_has_each_factor_once(first: str, second: str, quotient: str) -> None:
+    assert quotient_unit(first, second) == quotient

@@ -26,6 +26,9 @@ CONTRADICTION = (
     "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
     "even if they agree again, so the latch follows."
 )
+PREDICTED = "none of the six voltages: x, y and yaw are predicted (dead reckoning)"
+USED_INSTEAD = {"refused_not_held": PREDICTED, "suspected": PREDICTED}
+REACTIONS = {"suspected": "all Hall voltages stay refused until init, so the latch follows"}
 ABOUT = (
     "The six-axis planar positioner of Yu and Kim: a platen on air bearings, driven by three planar motors over a "
     "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
@@ -55,6 +58,8 @@ def design(
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
+        reactions=REACTIONS,
+        used_instead=USED_INSTEAD,
         header_notes=[f"(n) is equation (n) of {papers.YU}.", START, CONTRADICTION],
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel

@@ -17,8 +17,8 @@ with L = (1 - p) / T:
 
 f_a is the demand that the motors achieve. While f_a = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+.
 At a limit I follows f_a with the time constant T/g of some 20 ms (anti-windup). An error is clipped to ERROR, and the
-integral then decays: the axis moves at k ERROR / k2, a speed from which the motors can stop it. Until every measurement
-has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
+integral then decays: the axis moves at k ERROR / (k1 T + k2), a speed from which the motors can stop it. Until every
+measurement has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
 docs/decisions/planar_lqg.md.
 """
 
@@ -56,6 +56,10 @@ BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 12.0}  # rad/s, of the prediction
 RATES = {"x": "d", "y": "f", "phi": "v"}
 ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
 LATE = {"x": 27, "y": 28}  # bits of the fault word: an error is beyond ERROR
+DECAYS = (
+    "While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral only "
+    "decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back."
+)
 Regulate = Callable[[Plant, "Axis"], Block]
 MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
 
@@ -107,6 +111,11 @@ def axes(plant: Plant) -> tuple[Axis, ...]:
     return tuple(rows)
 
 
+def fastest(axis: Axis) -> float:
+    """Return the speed in m/s at which the axis moves while its error is limited: with no force and no integral."""
+    return (axis.k1 + axis.k3) * ERROR[axis.name] / (axis.k1 * TIME.period_s + axis.k2)
+
+
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
     demand, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
@@ -129,9 +138,9 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
     rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
     F, G, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
-    per = per_position(axis.name)
+    per, per_ampere = per_position(axis.name), f"the acceleration of {axis.b:.6g} {POSITIONS[axis.name].unit}/s^2 per A"
     constants = [
-        Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
+        Constant("achieved_gain", achieved_gain, "1", f"(49): T (k1 T / 2 + k2) times {per_ampere}"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
         Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
@@ -170,6 +179,8 @@ def regulator(
         [Constant("largest_error", largest_error, q.unit, "a larger error counts as this")] if largest_error else []
     )
 
+    notes = [DECAYS] if axis.name == next(iter(ERROR)) else []
+
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
@@ -181,7 +192,7 @@ def regulator(
             integral = ca.if_else(is_small, integral, decayed)
         demand = c["error_gain"] * error + (w + x["integral"])
         next = after | {"integral": integral, "achieved": u[achieved.name]}
-        return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers)
+        return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers, notes=notes)
 
     all_constants = [
         Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
@@ -220,7 +231,9 @@ def sensing_blocks(plant: Plant) -> list[Block]:
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    axes = [following.Axis(MEASURED[axis], REFERENCES[axis], most, LATE[axis]) for axis, most in ERROR.items()]
-    whole = motion.add_braking(plant, TIME, law(plant, variant, regulate), BANDWIDTH)
-    blocks = [*whole, following.block(TIME, axes)]
+    limited = [following.Axis(MEASURED[axis], REFERENCES[axis], most, LATE[axis]) for axis, most in ERROR.items()]
+    x, y = (fastest(axis) for axis in axes(plant) if axis.name in ERROR)
+    slow = f"With sound sensors the law moves x at {x:.3f} m/s and y at {y:.2f} m/s at most, by largest_error."
+    whole = motion.add_braking(plant, TIME, law(plant, variant, regulate), BANDWIDTH, [slow])
+    blocks = [*whole, following.block(TIME, limited)]
     return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

@@ -13,7 +13,7 @@ Figures: docs/decisions/planar_faults.md.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from designs.planar_6dof import vertical
+from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models.planar_allocation import HORIZONTAL
@@ -75,11 +75,27 @@ def sensing_blocks(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[B
     return [sensing.sensing(plant, time, reckoned=True), prediction(plant, time, bandwidth)]
 
 
-def add_braking(plant: Plant, time: Discrete, law: Sequence[Block], bandwidth: Bandwidth) -> list[Block]:
-    """Return a law whose horizontal demands brake before the latch."""
+def add_braking(
+    plant: Plant, time: Discrete, law: Sequence[Block], bandwidth: Bandwidth, notes: Sequence[str] = ()
+) -> list[Block]:
+    """Return a law whose horizontal demands brake before the latch; `notes` are sentences on it in the C."""
     passed = {axis: vertical.DEMAND[axis] for axis in HORIZONTAL}
     demanded = {a: Signal(f"law_{a}", s.unit, s.low, s.high, "demand of the law") for a, s in passed.items()}
     names = {s.name: demanded[a].name for a, s in passed.items()}
     blocks = [b.renamed(names) if {s.name for s in b.outputs} & set(names) else b for b in law]
     demands = {axis: (demanded[axis], passed[axis]) for axis in HORIZONTAL}
-    return [*blocks, braking.block("braking", time, axes(plant, time, bandwidth), demands, SHARE)]
+    moved = axes(plant, time, bandwidth)
+    said = [*notes, removes({axis.name: axis.acceleration for axis in moved}, time)]
+    return [*blocks, braking.block("braking", time, moved, demands, SHARE, said)]
+
+
+def removes(acceleration: Mapping[str, float], time: Discrete) -> str:
+    """Return which speeds braking removes, as a sentence, from the accelerations by 1 A."""
+    samples = interface.BRAKING - 1  # in the last one it latches
+    per_ampere = {axis: b * samples * time.period_s for axis, b in acceleration.items()}
+    C, A_and_B = per_ampere["x"] * allocation.QUADRATURE / 2, per_ampere["y"] * 2 * allocation.QUADRATURE
+    return (
+        f"Each sample removes half of the predicted rate, within the limits of the currents. In the {samples} samples "
+        f"before the latch motor C can remove {C:.3f} m/s from x, whatever the yaw demands; A and B can remove up to "
+        f"{A_and_B:.2f} m/s from y, less what the yaw takes. What is left of a larger speed coasts."
+    )

@@ -127,7 +127,7 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag
 PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_loop_update(planar_6dof_leadlag_loop_state_t *state,
     float lead_input, float achieved, float error)
 {
-    static const float integral_decay = 0.9900498f;             /* 1; (21): zero of the integral action in z */
+    static const float integral_decay = 0.9900498f; /* 1; (21): zero of the integral action in the z-domain */
     static const float integral_input = 0.0099502485f;          /* 1; (21): 1 - integral_decay */
     static const float lead_pole = 0.2753623f;                  /* 1; (21): pole of the lead filter in z */
 
@@ -158,8 +158,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     planar_6dof_leadlag_output_t *out)
 #endif
 {
-    static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
-    static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
+    /* 1/V^2; (0.08 / (0.15 V_0))^2, V_0 = 2.93479 V: amplitude of the Hall voltages */
+    static const float m_weight = 0.033025026f;
+    /* V^2; (0.08 V_0)^2: rho^2 is the weighted sum of the squared residuals over this */
+    static const float squared_residual_limit = 0.055123184f;
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
@@ -169,22 +171,24 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
 #endif
     /* guard: range acceptance, hold, latch
-     *     latched = latched if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
+     *     latched = latched if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <=
      *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
-     *     left_next = latch_samples if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if
-     *         |d2| <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left -
-     *         1)
-     *     ready_next = 1 if (0 if left <= latch_certain_from, else complete and ((|d1| <= 0.0005 if |d2| <=
-     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
-    static const uint32_t latch_certain_from = 24u; /* 1; of the 29, left from which on every sample counts as bad */
-    static const uint32_t braking_from = 25u;                   /* 1; of the 29, left at the first sample that brakes */
-    static const uint32_t latch_samples = 29u;                  /* 1; bad samples in a row until it latches */
-    static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
-    static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
+     *     left_next = latch_samples if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2|
+     *         <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left - 1)
+     *     ready_next = 1 if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005,
+     *         else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
+    static const uint32_t braking_from = 24u;
+    /* 1; of the 29, left in the sample that first sets bit 30; fewer are left in those that brake */
+    static const uint32_t latch_certain_from = 25u;
+    /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
+    static const uint32_t latch_samples = 29u;
+    static const float guard_refused_V_ax = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_ay = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_bx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_by = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_cx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
+    static const float guard_refused_V_cy = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
         &faults);
@@ -218,12 +222,17 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5)
+         * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
+         * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
+         * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
+         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
         static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
-        static const float significant_r = 0.07043498f;         /* V; 0.024 A */
-        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 A^2 */
-        static const float small_m = 2.5838993f;                /* V^2; 0.3 A^2 */
-        static const float significant_m = 0.25838992f;         /* V^2; 0.03 A^2 */
+        static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
+        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
+        /* V^2; 0.3 V_0^2: largest change of a squared sine voltage that is small */
+        static const float small_m = 2.5838993f;
+        static const float significant_m = 0.25838992f;         /* V^2; 0.03 V_0^2: a larger excess m is significant */
         static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
@@ -313,8 +322,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    bool braking = false;
-    if ((guard_left <= latch_certain_from) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
+    bool latch_certain = false;
+    if ((guard_left <= braking_from) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
         state->guard_left = latch_samples;
         state->guard_ready = 1u;
     } else {
@@ -323,9 +332,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         } else {
             state->guard_left = guard_left - 1u;
         }
-        braking = guard_left <= braking_from;
+        latch_certain = guard_left <= latch_certain_from;
     }
-    if (braking) {
+    if (latch_certain) {
         faults |= 0x40000000u;
     }
     if (latched != 0u) {
@@ -352,7 +361,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        const bool braked = guard_left < braking_from;
+        const bool brakes = guard_left < latch_certain_from;
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -372,20 +381,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
-         *     ratio_y = limit(-(Y_s * (scale * (V_cy_held + phi_raw * V_ax_held)) / (max(Y_s^2, (scale *
-         *         (V_cy_held + phi_raw * V_ax_held))^2) + least_square)), 1)
-         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2))
+         *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
+         *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
          *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
-        static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 A^2: keeps a divisor from 0 */
+        static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
         static const float half_pitch = 0.0254f;                /* m; half of the pitch */
         static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
-        static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
-        static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+        static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
+        static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 V_0^2: keeps a divisor from 0 */
         static const float yaw_innovation_weight = 0.04f;       /* 1; (0.08 / 0.4)^2 */
         static const float squared_confirmation = 0.013780796f; /* V^2; rho = 0.5 */
+        static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
         static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
         static const uint32_t memory = 4u;                      /* 1; samples for which a contradiction is remembered */
+        static const float scale_middle = 1.02f;                /* 1; middle of the range of the scale, 0.84 .. 1.2 */
+        static const float scale_half_range = 0.18f;            /* 1; half of the range of the scale, 0.84 .. 1.2 */
         static const float sensing_position_1 = 0.009938624f;   /* m; fit of the position in the calculated field */
         static const float sensing_position_3 = -0.0075761457f; /* m; fit of the position in the calculated field */
         static const float sensing_position_5 = 0.0061684945f;  /* m; fit of the position in the calculated field */
@@ -395,9 +406,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float sensing_power_0 = 7.7654033f;        /* V^2; fit of the power in the calculated field */
         static const float sensing_power_1 = 0.11621765f;       /* 1/V^2; fit of the power in the calculated field */
         static const float sensing_power_2 = -0.0013770753f;    /* 1/V^6; fit of the power in the calculated field */
-        static const float sensing_amplitude_weight = 0.02322072f; /* 1/V^2; 2 W / A^2 */
-        static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
-        static const float sensing_scale_gain = 3.219408e-05f;  /* 1/V^2; 0.001 / (4 g_0 A^2) */
+        /* 1/V^2; 2 W / V_0^2, W = 0.1: weight of m_x - m_y in the yaw */
+        static const float sensing_amplitude_weight = 0.02322072f;
+        /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
+        static const float sensing_first_scale_gain = 0.032194078f;
+        static const float sensing_scale_gain = 3.219408e-05f;  /* 1/V^2; 0.001 / (4 sensing_power_0) */
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -418,43 +431,43 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
             const float Y_s = sensing_scale * (V_ay_held + phi_raw_times_V_ax);
-            const float ratio_y_product = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
-            const float Y_s_times_ratio_y_product = Y_s * ratio_y_product;
+            const float minus_Y_c = sensing_scale * (V_cy_held + phi_raw_times_V_ax);
+            const float Y_s_times_minus_Y_c = Y_s * minus_Y_c;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_product_squared = ratio_y_product * ratio_y_product;
-            const float ratio_y = -(Y_s_times_ratio_y_product /
-                (planar_6dof_leadlag_max(Y_s_squared, ratio_y_product_squared) + least_square));
+            const float minus_Y_c_squared = minus_Y_c * minus_Y_c;
+            const float ratio_y = -(Y_s_times_minus_Y_c /
+                (planar_6dof_leadlag_max(Y_s_squared, minus_Y_c_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared -
                 (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = Y_s_times_ratio_y_product * Y_s_times_ratio_y_product;
-            const float m_y = Y_s_squared + ratio_y_product_squared -
+            const float product_m_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
+            const float m_y = Y_s_squared + minus_Y_c_squared -
                 (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s -
-                (ratio_y_product * ratio_y_product_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+                (minus_Y_c * minus_Y_c_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
             const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) +
-                (Y_s - ratio_y_product);
+                (Y_s - minus_Y_c);
             const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
                 (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float within_x_2;
+            float in_pitch_x;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x) {
-                        within_x_2 = f_x - half_pitch;
+                        in_pitch_x = f_x - half_pitch;
                     } else {
-                        within_x_2 = f_x + half_pitch;
+                        in_pitch_x = f_x + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x;
+                    in_pitch_x = f_x;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
+                in_pitch_x = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
             }
-            const float off_x = within_x_2 - expected_x;
+            const float off_x = in_pitch_x - expected_x;
             float offset_x = sensing_offset_x;
             if (half_pitch < fabsf(off_x)) {
                 if (0.0f < off_x) {
@@ -467,26 +480,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            const float accepted_x = within_x_2 + offset_x;
-            const float innovation_x = accepted_x - reckoning_x_position;
+            const float measured_x = in_pitch_x + offset_x;
+            const float innovation_x = measured_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float position;
-            if (Y_s_squared <= ratio_y_product_squared) {
-                if (-ratio_y_product < 0.0f) {
+            float in_pitch_y;
+            if (Y_s_squared <= minus_Y_c_squared) {
+                if (-minus_Y_c < 0.0f) {
                     if (0.0f < f_y) {
-                        position = f_y - half_pitch;
+                        in_pitch_y = f_y - half_pitch;
                     } else {
-                        position = f_y + half_pitch;
+                        in_pitch_y = f_y + half_pitch;
                     }
                 } else {
-                    position = f_y;
+                    in_pitch_y = f_y;
                 }
             } else {
-                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
+                in_pitch_y = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
             }
-            const float off_y = position - expected_y;
+            const float off_y = in_pitch_y - expected_y;
             float offset_y = sensing_offset_y;
             if (half_pitch < fabsf(off_y)) {
                 if (0.0f < off_y) {
@@ -499,17 +512,17 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            const float accepted_y = position + offset_y;
-            const float innovation_y = accepted_y - reckoning_y_position;
-            const float h3 = (X_s * (Y_s + ratio_y_product)) + (Y_s * (X_s - X_c));
+            const float measured_y = in_pitch_y + offset_y;
+            const float innovation_y = measured_y - reckoning_y_position;
+            const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
-            const float accepted_measured = sensing_phi_raw +
+            const float measured_phi = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
-            const float yaw_innovation = accepted_measured - reckoning_phi_position;
+            const float innovation_phi = measured_phi - reckoning_phi_position;
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
                 (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
-                (yaw_innovation_weight * (information * (yaw_innovation * yaw_innovation)));
+                (yaw_innovation_weight * (information * (innovation_phi * innovation_phi)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -527,19 +540,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             } else {
                 measured = true;
-                x_raw = accepted_x;
-                y_raw = accepted_y;
-                raw_yaw = accepted_measured;
-                within_x = within_x_2;
-                within_y = position;
+                x_raw = measured_x;
+                y_raw = measured_y;
+                raw_yaw = measured_phi;
+                within_x = in_pitch_x;
+                within_y = in_pitch_y;
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
                 const float sensing_scale_sum = sensing_scale -
-                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - 1.02f;
-                state->sensing_scale = 1.02f + planar_6dof_leadlag_limit(sensing_scale_sum, 0.18f);
+                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - scale_middle;
+                state->sensing_scale = scale_middle + planar_6dof_leadlag_limit(sensing_scale_sum, scale_half_range);
             }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -553,9 +566,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             last = state->sensing_innovation_phi;
         }
         if (!measured) {
-            const float passed_x = planar_6dof_leadlag_limit(expected_x, 0.0274f);
+            const float passed_x = planar_6dof_leadlag_limit(expected_x, max_within);
             x_raw = passed_x + sensing_offset_x;
-            const float passed_y = planar_6dof_leadlag_limit(expected_y, 0.0274f);
+            const float passed_y = planar_6dof_leadlag_limit(expected_y, max_within);
             y_raw = passed_y + sensing_offset_y;
             raw_yaw = reckoning_phi_position + last;
             within_x = passed_x;
@@ -682,15 +695,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
          *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance, phi_advance */
+        static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
+        static const float rate_limit = 0.002f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
+        static const float phi_rate_limit = 0.04f; /* rad; 40 rad/s times T: largest rate that is predicted */
         static const float reckoning_x_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
         static const float reckoning_x_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
-        static const float reckoning_x_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_x_half_step = 6.315046e-06f;
         static const float reckoning_y_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
         static const float reckoning_y_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
-        static const float reckoning_y_half_step = 6.315046e-06f; /* m/(A); b T^2 / 2 */
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_y_half_step = 6.315046e-06f;
         static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
         static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
-        static const float reckoning_phi_half_step = 0.00011162948f; /* rad/(A); b T^2 / 2 */
+        /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
+        static const float reckoning_phi_half_step = 0.00011162948f;
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -707,10 +726,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float innovation_y_2 = y_raw - reckoning_y_position;
             corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
             rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
-            const float innovation_phi = phi_raw - reckoning_phi_position;
-            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
-            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
-            state->sensing_innovation_phi = innovation_phi;
+            const float innovation_phi_2 = phi_raw - reckoning_phi_position;
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi_2);
+            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi_2);
+            state->sensing_innovation_phi = innovation_phi_2;
         } else {
             state->sensing_innovation_phi = 0.0f;
         }
@@ -726,14 +745,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float y_advance = middle_y + a_y;
         const float a_phi = reckoning_phi_half_step * state->delay_phi;
         const float middle_phi = rate_phi + a_phi;
-        const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, 0.05f);
+        const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, phi_position_limit);
         const float phi_advance = middle_phi + a_phi;
         state->reckoning_x_position = x_next;
-        state->reckoning_x_rate = planar_6dof_leadlag_limit(x_advance, 0.002f);
+        state->reckoning_x_rate = planar_6dof_leadlag_limit(x_advance, rate_limit);
         state->reckoning_y_position = y_next;
-        state->reckoning_y_rate = planar_6dof_leadlag_limit(y_advance, 0.002f);
+        state->reckoning_y_rate = planar_6dof_leadlag_limit(y_advance, rate_limit);
         state->reckoning_phi_position = phi_next;
-        state->reckoning_phi_rate = planar_6dof_leadlag_limit(phi_advance, 0.04f);
+        state->reckoning_phi_rate = planar_6dof_leadlag_limit(phi_advance, phi_rate_limit);
 
         /* functions above: loop_output */
         static const float loop_x_gain = 2515.072f;             /* A/m; (21): gain on the error */
@@ -762,14 +781,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             loop_phi_gain, phi_ref_held, phi);
 
         /* braking: braking before the latch
-         *     d_phi = phi_gain * phi_advance if braked, else law_phi; likewise d_x, d_y */
-        static const float braking_x_gain = -39587.992f;        /* (A)/m; 0.5 / (b T^2) */
-        static const float braking_y_gain = -39587.992f;        /* (A)/m; 0.5 / (b T^2) */
-        static const float braking_phi_gain = -2239.5518f;      /* (A)/rad; 0.5 / (b T^2) */
+         * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
+         * before the latch motor C can remove 0.165 m/s from x, whatever the yaw demands; A and B can remove up to
+         * 0.66 m/s from y, less what the yaw takes. What is left of a larger speed coasts.
+         *     d_phi = phi_gain * phi_advance if brakes, else law_phi; likewise d_x, d_y */
+        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
+        static const float braking_x_gain = -39587.992f;
+        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
+        static const float braking_y_gain = -39587.992f;
+        /* A/rad; -0.5 / T^2, over the acceleration of 223.259 rad/s^2 per A */
+        static const float braking_phi_gain = -2239.5518f;
         float d_phi;
         float d_x;
         float d_y;
-        if (braked) {
+        if (brakes) {
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
@@ -787,6 +812,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* allocation: motor currents, Table 3, (17)
+         * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
+         * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
+         * of d_z in i_CD. The 2 of d_theta there stands for both motors at the front.
          *     i_AQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
          *         quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
          *     i_BQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
@@ -801,30 +829,32 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
         static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
-        static const float loop_theta_integral_decay = 0.9900498f; /* 1; (24): zero of the integral action in z */
+        /* 1; (24): zero of the integral action in the z-domain */
+        static const float loop_theta_integral_decay = 0.9900498f;
         static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */
         static const float allocation_two = 2.0f;               /* 1; Table 3: both motors */
-        static const float allocation_rear_share = 0.33333334f; /* 1; Table 3: c/(2 (b + c)) */
-        static const float allocation_front_share = 0.16666667f; /* 1; Table 3: b/(2 (b + c)) */
+        static const float allocation_rear_share = 0.33333334f; /* 1; c / (2 (b+c)), b = 0.0127924 m, c = 0.0255848 m */
+        /* 1; b / (2 (b+c)), b = 0.0127924 m, c = 0.0255848 m */
+        static const float allocation_front_share = 0.16666667f;
         const float cos_phi_argument = phi * phi;
         const float cos_2 = cos_phi_polynomial(cos_phi_argument);
         const float sin_2 = phi * sin_phi_polynomial(cos_phi_argument);
         const float i_CQ = planar_6dof_leadlag_limit((cos_2 * d_x) + (sin_2 * d_y),
             planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
-        const float yaw = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_2 * d_y) - (sin_2 * d_x)), quadrature_limit -
-            fabsf(yaw));
-        const float i_AQ = half - yaw;
-        const float i_BQ = half + yaw;
+        const float yaw_current = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
+        const float y_current = planar_6dof_leadlag_limit(0.5f * ((cos_2 * d_y) - (sin_2 * d_x)), quadrature_limit -
+            fabsf(yaw_current));
+        const float i_AQ = y_current - yaw_current;
+        const float i_BQ = y_current + yaw_current;
         const float front_2 = loop_z_output.value_2 - loop_theta_output.value_2;
         const float i_AD = planar_6dof_leadlag_limit(front_2 + loop_psi_output.value_2, direct_limit);
         const float i_BD = planar_6dof_leadlag_limit(front_2 - loop_psi_output.value_2, direct_limit);
         const float i_CD = planar_6dof_leadlag_limit(loop_z_output.value_2 + (2.0f * loop_theta_output.value_2),
             direct_limit);
-        const float both = allocation_two * half;
+        const float both = allocation_two * y_current;
         const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
         const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
-        const float achieved_phi = yaw - i_CQ;
+        const float achieved_phi = yaw_current - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
@@ -840,16 +870,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float loop_x_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
         static const float loop_y_lead_input = -1799.755f;      /* A/m; (21): gain times (lead_pole - zero) */
         static const float loop_phi_lead_input = -223.97475f;   /* A/rad; (22): gain times (lead_pole - zero) */
-        static const float loop_z_integral_decay = 0.9900498f;  /* 1; (23): zero of the integral action in z */
-        static const float loop_psi_integral_decay = 0.9900498f; /* 1; (25): zero of the integral action in z */
-        /* 1; (23): 1 - integral_decay; times allocation_rear_share */
-        static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
-        /* 1; (25): 1 - integral_decay; times allocation_half */
-        static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
+        /* 1; (23): zero of the integral action in the z-domain */
+        static const float loop_z_integral_decay = 0.9900498f;
+        /* 1; (25): zero of the integral action in the z-domain */
+        static const float loop_psi_integral_decay = 0.9900498f;
+        /* 1; (23): 1 - integral_decay; times allocation_z_share */
+        static const float loop_z_integral_input_times_allocation_z_share = 0.0033167496f;
+        /* 1; (25): 1 - integral_decay; times allocation_psi_share */
+        static const float loop_psi_integral_input_times_allocation_psi_share = 0.0049751243f;
         state->loop_z.integral = (loop_z_integral_decay * state->loop_z.integral) +
-            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+            (loop_z_integral_input_times_allocation_z_share * (lifts + i_CD));
         state->loop_psi.integral = (loop_psi_integral_decay * state->loop_psi.integral) +
-            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+            (loop_psi_integral_input_times_allocation_psi_share * (i_AD - i_BD));
         planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.error);
         planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.error);
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.error);
@@ -966,7 +998,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(phi_next) >= 0.05f) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(phi_next) >= phi_position_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_CQ) >=
                 planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;

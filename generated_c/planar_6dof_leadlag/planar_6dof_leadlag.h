@@ -10,8 +10,8 @@
  * different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, a latch is certain: whatever is measured then, the step brakes
- * the machine in the 23 samples from the next one on, and latches in the one after these until init, and the outputs
- * move to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ * the machine in the 23 samples after the last of these, and latches in the next one until init, and the outputs move
+ * to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
@@ -23,7 +23,7 @@
  * machine at rest: the outputs of the first step after it are not slewed.
  *
  * A refused input is replaced by its last good value, before its first one by 0 m (d1, d2, d3, x_ref, y_ref, z_ref), 0
- * rad (phi_ref, theta_ref, psi_ref), or always by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
+ * rad (phi_ref, theta_ref, psi_ref).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -32,15 +32,16 @@
  * finite or outside    |                                   | value              | of any of them: brakes for 23
  * its range            |                                   |                    | samples, then latches
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | always its initial | the law goes on; 5 samples in a row,
- * V_by, V_cx or V_cy   |                                   | value              | of any of them: brakes for 23
- * not finite or        |                                   |                    | samples, then latches
- * outside its range    |                                   |                    |
+ * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | none of the six    | the law goes on; 5 samples in a row,
+ * V_by, V_cx or V_cy   |                                   | voltages: x, y and | of any of them: brakes for 23
+ * not finite or        |                                   | yaw are predicted  | samples, then latches
+ * outside its range    |                                   | (dead reckoning)   |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | nothing            | counts as refused: 5 samples in a
- * V_by, V_cx or V_cy   | sample on                         |                    | row, of any of them: brakes for 23
- * contradicts the      |                                   |                    | samples, then latches
- * others               |                                   |                    |
+ * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | none of the six    | counts as refused: 5 samples in a
+ * V_by, V_cx or V_cy   | sample on                         | voltages: x, y and | row, of any of them: brakes for 23
+ * contradicts the      |                                   | yaw are predicted  | samples, then latches; all Hall
+ * others               |                                   | (dead reckoning)   | voltages stay refused until init, so
+ *                      |                                   |                    | the latch follows
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x_ref, y_ref,        | bits 9 to 14; in that sample      | its last good      | the law goes on; never latches
  * phi_ref, z_ref,      |                                   | value              |
@@ -61,8 +62,10 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
- * Named constants that follow from parameters of the plant, by parameter: b: b; c: c; laser_arm: half_over_laser_arm.
- * Gains, polynomials and bounds may follow from them too.
+ * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
+ * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,
+ * allocation_rear_share, c, loop_z_integral_input_times_allocation_z_share; laser_arm: half_over_laser_arm. Gains,
+ * polynomials and bounds may follow from them too.
  *
  * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -127,7 +130,7 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches */
+    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
@@ -217,7 +220,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts other measurements or its prediction
  *   bit 20  V_cy: contradicts other measurements or its prediction
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  brakes in the 23 samples from the next one on, then latches; set until init
+ *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until init
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);

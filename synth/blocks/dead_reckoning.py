@@ -26,7 +26,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
-from synth.signals import Signal, dimension
+from synth.signals import Signal, dimension, quotient_unit
 from synth.timing import Discrete
 
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
@@ -53,6 +53,12 @@ class Axis:
     acceleration: float
     fastest: float
     pole: float
+
+    @property
+    def per_effort(self) -> str:
+        """The acceleration per unit of effort, as text."""
+        unit = f"{self.measured.unit}/s^2"
+        return f"the acceleration of {self.acceleration:.6g} {unit} per {self.effort.unit}"
 
     def advance(self, time: Discrete) -> Signal:
         """Return ``<name>_advance``: T times the rate at the next sample, when the effort of this one begins to act."""
@@ -90,7 +96,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
             next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
         certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
-        return Step(output, next, named, certified)
+        return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
     outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
@@ -124,11 +130,20 @@ def _states(axis: Axis, time: Discrete) -> list[State]:
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:
-    r, per = axis.pole, f"{axis.measured.unit}/({axis.effort.unit})"
+    r, per = axis.pole, quotient_unit(axis.measured.unit, axis.effort.unit)
     return [
         Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
         Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
-        Constant(f"{axis.name}_half_step", _half_step(axis, time), per, "b T^2 / 2"),
+        Constant(f"{axis.name}_half_step", _half_step(axis, time), per, f"T^2 / 2 times {axis.per_effort}"),
+    ]
+
+
+def _numbers(axis: Axis, time: Discrete) -> list[Constant]:
+    unit, advance = axis.measured.unit, axis.advance(time)
+    rate = f"{axis.fastest:g} {unit}/s times T: largest rate that is predicted"
+    return [
+        Constant(f"{axis.name}_position_limit", axis.predicted.high, unit, "largest position that is predicted"),
+        Constant(f"{axis.name}_rate_limit", advance.high, unit, rate),
     ]
 
 

@@ -14,7 +14,7 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Step, build
-from synth.blocks.safety import BRAKED
+from synth.blocks.safety import BRAKES
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
@@ -43,7 +43,7 @@ class Axis:
 def block(time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block ``following`` that sets a status bit while an axis is behind its set-point.
 
-    Its inputs are also ``latched`` and ``braked`` of a guard that brakes.
+    Its inputs are also ``latched`` and ``brakes`` of a guard that brakes.
 
     Raises SignalError for a bit that the fault word does not have or that reports the latch, without an axis, for an
     error that is not positive, or for a set-point in another unit than its position.
@@ -52,16 +52,17 @@ def block(time: Discrete, axes: Sequence[Axis]) -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         late = {}
-        for a in axes:
-            is_close = ca.fabs(u[a.set_point.name] - u[a.position.name]) <= a.largest
-            runs = ca.if_else(u[BRAKED.name], 0, ca.logic_not(is_close))
-            late[a.late.name] = ca.if_else(u[LATCHED.name], 0, runs)
+        for axis, a in by_position.items():
+            is_close = ca.fabs(u[a.set_point.name] - u[axis]) <= a.largest
+            is_late = ca.if_else(u[BRAKES.name], 0, ca.logic_not(is_close))
+            late[a.late.name] = ca.if_else(u[LATCHED.name], 0, is_late)
         return Step(late, numbers=numbers)
 
+    by_position = {a.position.name: a for a in axes}
     numbers = [
         Constant(f"largest_{a.position.name}", a.largest, a.position.unit, "a larger error is late") for a in axes
     ]
-    inputs = [LATCHED, BRAKED, *(s for axis in axes for s in (axis.position, axis.set_point))]
+    inputs = [LATCHED, BRAKES, *(s for axis in axes for s in (axis.position, axis.set_point))]
     outputs, tag = [a.late for a in axes], "set-points that are followed late"
     made = build("following", time, law, inputs=inputs, outputs=outputs, tag=tag)
     return replace(made, faults=tuple(Fault(a.bit, a.late.name, about=a.late.about, status=True) for a in axes))

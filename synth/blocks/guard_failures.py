@@ -7,6 +7,7 @@ from synth.failure import Failure, enumeration
 from synth.signals import Signal
 
 REFUSED = "not finite or outside its range"
+INITIAL = "always its initial value"
 
 
 class Guarded(Protocol):
@@ -64,4 +65,4 @@ def of_guard(
 
 
 def _instead(held: bool) -> str:
-    return "its last good value" if held else "always its initial value"
+    return "its last good value" if held else INITIAL

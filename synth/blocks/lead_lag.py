@@ -78,7 +78,7 @@ def block(name: str, time: Discrete, K: lead_lag.LeadLag, of: Loop, source: str)
         Constant("gain", gain, per, f"{source}: gain on the error"),
         Constant("lead_input", lead_input, per, f"{source}: gain times (lead_pole - zero)"),
         *([Constant("lead_pole", p, "1", f"{source}: pole of the lead filter in z")] if p else []),
-        Constant("integral_decay", z2, "1", f"{source}: zero of the integral action in z"),
+        Constant("integral_decay", z2, "1", f"{source}: zero of the integral action in the z-domain"),
         Constant("integral_input", 1 - z2, "1", f"{source}: 1 - integral_decay"),
     ]
 

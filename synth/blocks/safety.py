@@ -11,8 +11,8 @@ never causes a latch.
                  ^ |------------------------- latched -------------------------------^
                  '-- suspected, suspect_<name> <---- [ states of a Block that compares measurements ]
 
-A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on the output ``braking``
-is 1 and every sample counts as bad, so the latch is certain. From the next one on ``braked`` is 1; a law that reads it
+A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on its output
+``latch_certain`` is 1, and each later sample counts as bad. From the next one on ``brakes`` is 1; a law that reads it
 brings the machine to rest before the outputs go to their safe values.
 
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
@@ -37,14 +37,16 @@ from synth.timing import Discrete
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
-    *("BRAKED", "BRAKING", "GuardedInput", "Safety", "SOUND", "SUSPECTED", "frozen", "guard", "safe_output"),
+    *("BRAKES", "GuardedInput", "LATCH_CERTAIN", "Safety", "SOUND", "SUSPECTED", "frozen", "guard", "safe_output"),
     "without_latch",
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
-BRAKING = Signal("braking", "1", 0, 1, "too many bad samples in a row: a latch follows")
-BRAKED = Signal("braked", "1", 0, 1, "the sample before was a braking one")
-BRAKES = "brakes in the {} samples from the next one on, then latches; set until init"
+LATCH_CERTAIN = Signal("latch_certain", "1", 0, 1, "too many bad samples in a row: a latch follows")
+BRAKES = Signal("brakes", "1", 0, 1, "the latch was certain in the sample before: the law brakes")
+BIT_TEXT = (
+    "a latch is certain: after the first sample with this bit it brakes for {} samples, then latches; set until init"
+)
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 MONITOR = "monitor"  # end of the name of a Block that replaces the readings of one sensor
 JUDGING = Signal("judging", "1", 0, 1, "readings are compared with predictions, which stand still once latched")
@@ -87,9 +89,9 @@ def guard(
     compared even while others are refused.
 
     `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
-    between the last of the bad samples and the latch there are also the outputs ``braking`` and ``braked``. Behind a
-    `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which its
-    ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
+    between the last of the bad samples and the latch there are also the outputs ``latch_certain`` and ``brakes``.
+    Behind a `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which
+    its ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
     `fault.Judgement` declares this. Its output ``judging`` says that it is ready and has not latched before this
     sample: the observers of a latched controller stand still, and no reading contradicts them. Such a guard does not
     brake: its law lands the machine before the latch.
@@ -132,8 +134,8 @@ def guard(
             every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
             if braking:
                 every = ca.if_else(x["left"] <= braking, 0, every)
-                output[BRAKING.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
-                output[BRAKED.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
+                output[LATCH_CERTAIN.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
+                output[BRAKES.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
@@ -141,11 +143,11 @@ def guard(
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
             output |= {JUDGING.name: ca.logic_and(x["ready"], ca.logic_not(x["latched"]))} if redundant else {}
-        return Step(output, next, numbers=safety_numbers.latch(samples, braking, good_samples) if measured else [])
+        return Step(output, next, numbers=safety_numbers.latch(bad_samples, braking, good_samples) if measured else [])
 
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
-    left = bad_sample_counts.state(samples, good_samples, "samples with a bad measurement until it latches")
+    left = bad_sample_counts.state(samples, good_samples, safety_numbers.about_left(braking))
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
     states += [left, *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [replace(g.signal, name=f"{g.signal.name}_held") for g in inputs]
@@ -153,7 +155,7 @@ def guard(
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
     outputs += [JUDGING] if redundant and measured else []
-    outputs += [BRAKING, BRAKED] if braking else []
+    outputs += [LATCH_CERTAIN, BRAKES] if braking else []
     read = [g.signal for g in inputs]
     read += [_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []
     read += suspects
@@ -164,7 +166,7 @@ def guard(
     )  # fmt: skip
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
-    faults += [Fault(BRAKING_BIT, BRAKING.name, about=BRAKES.format(braking - 1))] if braking else []
+    faults += [Fault(BRAKING_BIT, LATCH_CERTAIN.name, about=BIT_TEXT.format(braking - 1))] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, reason, judgement, braking, good_samples) if measured else None
@@ -289,7 +291,8 @@ def _replacement(g: GuardedInput) -> Constant:
             f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "
             "choose one inside"
         )
-    return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, "in place of a refused value")
+    where = ", in a sample that is not complete" if g.measurement else ""
+    return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, f"in place of a refused value{where}")
 
 
 def _flag(name: str, about: str) -> Signal:

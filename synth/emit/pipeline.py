@@ -75,7 +75,7 @@ class Source:
     """The lines of <name>.c and what header, manifest and cost are made of.
 
     `program` is the printed program with its calls, `reduced` the one before them. `numbers` are the constants that
-    printing has named.
+    printing has named, and `of_plant` all that the program reads and that follow from parameters of the plant.
     """
 
     lines: tuple[printer.Line, ...]
@@ -83,6 +83,7 @@ class Source:
     program: Program
     reduced: Program
     numbers: tuple[Constant, ...]
+    of_plant: tuple[Constant, ...]
     surrogates: tuple[Surrogate, ...]
 
 
@@ -98,7 +99,9 @@ def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float |
     lines = tuple(wrapping.wrapped(source(outlined, memory)))
     gains = {c.name for c in reduced.block.constants}
     named = tuple(c for c in outlined.block.constants if c.name not in gains)
-    return Source(lines, memory, outlined.program, reduced.program, named, reduced.surrogates)
+    read = {n.name for n in reduced.program.nodes if n.op == "constant"}
+    of_plant = tuple(c for c in outlined.block.constants if c.parameters and (c in named or c.name in read))
+    return Source(lines, memory, outlined.program, reduced.program, named, of_plant, reduced.surrogates)
 
 
 @cache.cached
@@ -189,6 +192,12 @@ def _products(block: Block, program: Program, scalar: type[np.floating]) -> list
     by_name = {c.name: c for c in block.constants}
     pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
     return [
-        Constant(name, float(scalar(a.value * b.value)), product_unit(a.unit, b.unit), f"{a.source}; times {b.name}")
+        Constant(
+            name,
+            float(scalar(a.value * b.value)),
+            product_unit(a.unit, b.unit),
+            f"{a.source}; times {b.name}",
+            parameters=tuple(dict.fromkeys((*a.parameters, *b.parameters))),
+        )
         for name, (a, b) in pairs.items()
     ]

@@ -49,7 +49,7 @@ def emit(
     """
     rounded = block.rounded(scalar)
     made = pipeline.c_source(rounded, scalar, libm, error)
-    notes = [*header_notes, *header.by_parameter(made.numbers)]
+    notes = [*header_notes, *header.by_parameter(made.of_plant)]
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
         f"{block.name}.h": header.header(rounded, made.memory, made.program, notes, warning, latency),

@@ -107,7 +107,7 @@ def loop(share: float = 0.5, change: float = 1.0) -> Block:
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["q", "acting", "ready", "measured", "law_f", "braked"],
+                   inputs=["q", "acting", "ready", "measured", "law_f", "brakes"],
                    outputs=["d_f", "q_predicted"])  # fmt: skip
 
 
@@ -168,7 +168,7 @@ def words(bad: Sequence[bool], bad_samples: int, samples: int) -> tuple[list[boo
     block = safety.guard(TIME, [READING], bad_samples, braking=samples)
     x, u, c = (ca.vcat([block.symbol[s] for s in names]) for names in (
         [s.name for s in block.states], ["reading"], [c.name for c in block.constants]))  # fmt: skip
-    y = ca.vcat([block.output["braking"], block.output["latched"]])
+    y = ca.vcat([block.output["latch_certain"], block.output["latched"]])
     step = ca.Function("step", [x, u, c], [ca.vcat([block.next[s.name] for s in block.states]), y])
     state, rows = block.initial, []
     for is_bad in bad:

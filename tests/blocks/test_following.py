@@ -23,8 +23,8 @@ BLOCK = following.block(TIME, [AXIS])
 PID = levitator.design()
 
 
-def late(block: Block, latched: float, braked: float, q: float, reference: float) -> int:
-    return int(np.asarray(block.function()([], [latched, braked, q, reference])[1]).item())
+def late(block: Block, latched: float, brakes: float, q: float, reference: float) -> int:
+    return int(np.asarray(block.function()([], [latched, brakes, q, reference])[1]).item())
 
 
 @pytest.mark.parametrize("error", [0.0, 9.9e-4, -9.9e-4, 1.1e-3, -1.1e-3, 0.1])

@@ -81,13 +81,13 @@ def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING) -> float:
     open_inputs = [s.name for b in blocks for s in b.inputs if s.name not in signal_names(blocks[0].outputs)]
     block = whole(blocks, list(dict.fromkeys(open_inputs)), ["q_predicted", "d_q"])
     x, u = sampling.anywhere(block, np.random.default_rng(0), N)
-    u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "braked")}
+    u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "brakes")}
     now = dead_reckoning.Sample(
         {"q": u["q"]}, (u["ready"] > 0) & (u["measured"] > 0), {"q": u["acting_q"]}, T,
         {"q": dead_reckoning.Axis(B, w, 2.0, 0.2)},
     )  # fmt: skip
     rates, force = dead_reckoning.next_rates(x, now), {"q": u["law_q"] * B * INERTIA}
-    demand = dead_reckoning.brake(force, rates, u["braked"] > 0, T, {"q": INERTIA}, remaining)
+    demand = dead_reckoning.brake(force, rates, u["brakes"] > 0, T, {"q": INERTIA}, remaining)
     outputs = {"q_predicted": dead_reckoning.predicted_pose(x, "q")["q"], "d_q": demand["q"] / B / INERTIA}
     return gap(block, x, u, dead_reckoning.next_state(x, now), outputs)
 

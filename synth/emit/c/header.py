@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Constant, Fault
-from synth.blocks import bad_samples, missed_calls
+from synth.blocks import bad_samples, guard_failures, missed_calls
 from synth.blocks import safety as guards
 from synth.emit.c import diagnostics, failure_table, routines
 from synth.emit.c.layout import Layout, Struct
@@ -133,6 +133,8 @@ def _replacements(block: Block) -> list[str]:
         {s: initial[name] for n, s in guarded.items() if (name := f"{guards.GUARD}_{of}_{n}") in initial}
         for of in ("last", "refused")
     )
+    elsewhere = {n for f in block.failures if f.instead != guard_failures.INITIAL for n in f.inputs}
+    fixed = {s: value for s, value in fixed.items() if s.name not in elsewhere}  # else the table says what is used
     texts = [f"by its last good value, before its first one by {_values(last)}"] if last else []
     texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
     if not texts:
@@ -177,7 +179,7 @@ def _safe_output(block: Block) -> list[str]:
     latches = f"{bad} the step latches in the last of them until init"
     if safety.braking:
         latches = f"{bad} a latch is certain: whatever is measured then, the step brakes the machine in the "
-        latches += f"{safety.braking - 1} samples from the next one on, and latches in the one after these until init"
+        latches += f"{safety.braking - 1} samples after the last of these, and latches in the next one until init"
     if safety.judgement:
         reason = f"When the readings do not suffice in {rule}, or a landing is over,"
         latches = f"{reason} the step latches until init"

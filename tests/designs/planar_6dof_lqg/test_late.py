@@ -8,10 +8,11 @@ import pytest
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof import lqg
 from designs.planar_6dof_lqg.design import subject
+from models import planar_stage
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
-SLOW, FAST = {"x": 0.1, "y": 0.25}, {"x": 0.2, "y": 0.45}  # m/s: below and above k ERROR / k2
+SLOW, FAST = {"x": 0.1, "y": 0.25}, {"x": 0.2, "y": 0.45}  # m/s: below and above k ERROR / (k1 T + k2)
 FROM, START = 0.1, -0.02  # s, m
 
 
@@ -37,6 +38,15 @@ def test_a_fast_set_point_sets_its_own_bit_and_a_slow_one_none(rig: Rig, axis: s
     behind = np.abs(fast.measured[f"{axis}_ref"] - fast[axis])
     assert behind.max() > lqg.ERROR[axis] and late[0] > FROM
     assert fast.status[-1] == 0 and behind[fast.status == 0].max() < 1.1 * lqg.ERROR[axis]
+
+
+def test_a_distant_set_point_is_followed_at_the_speed_that_the_c_states(rig: Rig) -> None:
+    limited = {a.name: lqg.fastest(a) for a in lqg.axes(planar_stage.plant()) if a.name in lqg.ERROR}
+    for axis, speed in limited.items():
+        distant = np.full(len(sample_times(0.3, rig.period_s)), 0.09)
+        run = loops.simulate(rig, 0.3, {axis: distant}, {axis: START})
+        assert run[f"v{axis}"].max() > 0.95 * speed
+        assert run[f"v{axis}"][200] == pytest.approx(speed, rel=0.03)
 
 
 def test_the_replayed_words_contain_the_status(rig: Rig) -> None:

@@ -37,10 +37,12 @@ def test_numbers_are_those_of_the_decision() -> None:
 
 def test_a_stage_adds_its_words_by_key_and_an_unknown_key_is_refused() -> None:
     failures = stage().failures
-    first = with_reactions(failures, {failures[0].key: "all axes go on"})[0]
-    assert first.reaction == f"{failures[0].reaction}; all axes go on"
-    with pytest.raises(SignalError, match="no failure 'unknown'"):
-        with_reactions(failures, {"unknown": ""})
+    first, second = with_reactions(failures, {failures[0].key: "all axes go on"}, {failures[1].key: "a guess"})[:2]
+    assert first.reaction == f"{failures[0].reaction}; all axes go on" and first.instead == failures[0].instead
+    assert second.reaction == failures[1].reaction and second.instead == "a guess" != failures[1].instead
+    for words in ({"unknown": ""}, {}), ({}, {"unknown": ""}):
+        with pytest.raises(SignalError, match="no failure 'unknown'"):
+            with_reactions(failures, *words)
 
 
 def test_the_maglev_stage_says_where_currents_and_angles_end() -> None:

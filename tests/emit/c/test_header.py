@@ -173,10 +173,19 @@ def test_the_header_says_what_the_caller_does_about_missed_calls() -> None:
 
 def test_the_header_says_when_braking_begins_and_ends() -> None:
     text = text_of("planar_6dof_lqg")
-    assert "brakes the machine in the 23 samples from the next one on, and latches in the one after these" in text
-    assert "bit 30 brakes in the 23 samples from the next one on, then latches; set until init" in text.replace(
-        "* ", ""
+    assert (
+        "brakes the machine in the 23 samples after the last of these, and latches in the next one until init" in text
     )
+    bit = "bit 30 a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set"
+    assert f"{bit} until init" in text.replace("* ", "")
+
+
+def test_the_header_says_what_is_used_instead_of_a_voltage() -> None:
+    rows = [r.split("|") for r in (GENERATED / "planar_6dof_lqg" / "planar_6dof_lqg.h").read_text().splitlines()]
+    used = " ".join(r[2].strip() for r in rows if len(r) == 4)
+    predicted = "none of the six voltages: x, y and yaw are predicted (dead reckoning)"
+    assert used.count(predicted) == 2 and "initial value" not in used
+    assert " by 0 V" not in text_of("planar_6dof_lqg")
 
 
 def test_the_header_says_which_constants_follow_from_which_parameter() -> None:
@@ -195,3 +204,9 @@ def test_the_header_says_which_constants_follow_from_which_parameter() -> None:
 def test_a_constant_of_a_plant_knows_its_parameters_and_so_does_one_for_several() -> None:
     text = (GENERATED / "maglev_5dof" / "maglev_5dof.h").read_text().replace("\n *", "")
     assert "M_x: M_x, inverse_M_x" in text and "I_x, I_z: half_I_over_r" in text
+
+
+def test_a_product_of_constants_has_the_parameters_of_both() -> None:
+    shares = "allocation_front_share, allocation_rear_share, {}, loop_z_integral_input_times_allocation_z_share"
+    text = text_of("planar_6dof_lqg").replace(" * ", " ")
+    assert all(f"{arm}: {shares.format(arm)}" in text for arm in "bc")
