@@ -8,6 +8,7 @@ import casadi as ca
 from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import parity, robustness
+from synth.block import Constant
 from synth.blocks import axis, dead_reckoning, following, glsdc_estimator, landing, missed_calls, probe, redundancy
 from synth.blocks.glsdc_model import Unknown
 from synth.plant import Plant
@@ -122,7 +123,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "bound": 1.0},
         "redundancy_decision.jump_gate": {"gate": 4e-5, "acceleration": 50.0, "resolution": 1e-5, "period": 1e-3},
         "landing.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
-        "landing.Release": {"coordinate": "q", "spring": 50.0},
+        "landing.Release": {"coordinate": "q", "spring": Constant("spring_q", 50.0, "1/s^2", "given")},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
         "missed_calls.signal": {"limit": 40.0},
         "missed_calls.block": {"time": time, "count": missed_calls.signal(40.0), "bit": 3},

@@ -35,6 +35,7 @@ def examples() -> Mapping[str, Call]:
         "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
         "signals.Parameter": {"name": "k", "value": 1.0, "unit": "N", "tolerance": 0.1, "source": "measured"},
         "signals.product_unit": {"first": "m/s", "second": "s"},
+        "signals.quotient_unit": {"first": "m", "second": "s"},
         "timing.common": {"times": [TIME, TIME]},
         "timing.Discrete": {"period_s": T},
         "plant.Plant": fields(common["maglev"]),

@@ -86,6 +86,7 @@ def product_unit(first: str, second: str) -> str:
     return _with_each_factor_once((first, 1), (second, 1))
 
 
+@arguments.checked
 def quotient_unit(first: str, second: str) -> str:
     """Return the unit of a quotient, with each factor once: "m/A" for "m" and "A", "m/N/s^2" for "m/s^2" and "N"."""
     return _with_each_factor_once((first, 1), (second, -1))
