@@ -121,7 +121,7 @@ def _handover(
     """
     transfer, both = x["transfer"], ca.logic_and(*lost)
     active = ca.logic_or(ca.logic_or(*lost), ca.fabs(transfer) > 0)
-    next = next_transfer(transfer, *lost, ca.logic_and(*lost))
+    next = next_transfer(transfer, lost[0], lost[1], both)
     unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)
     whole = ca.fmin((DESCENT + FADE - unknown) / FADE, 1)
     part, kept = parts(next), {}

@@ -88,7 +88,7 @@ def block() -> Block:
         lost = {n: ca.logic_not(u[s.name]) for n, s in zip(COMMUTATED, trusted, strict=True)}
         active = ca.logic_or(ca.logic_or(*lost.values()), x["transfer"] ** 2 > 0)
         stays = ca.logic_and(lost["x"], ca.logic_or(lost["z"], u[height.name] < HELD_BY_SPRING))
-        transfer = next_transfer(x["transfer"], *lost.values(), stays)
+        transfer = next_transfer(x["transfer"], lost["x"], lost["z"], stays)
         direct = {j: u[BALANCED[s.name]] for j, s in zip(MOTORS, DIRECT, strict=True)}
         quadrature = {j: u[f"u_{n}_computed"] for n, motors in OF_AXIS.items() for j in motors}
         part = parts(transfer)
