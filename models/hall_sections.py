@@ -9,8 +9,8 @@
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
 With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back.
-Predictions that are reckoned from the forces are not used for that: they depend on the demands, and the yaw on them, so
-the controller by itself would have an unstable mode. s and c of each axis are A S(t) and A C(t).
+Predictions from the forces are not used for that: they depend on the demands, and the yaw on them, so the controller
+by itself would have an unstable mode. s and c of each axis are A S(t) and A C(t).
 
 Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other,
 
@@ -39,11 +39,10 @@ first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
 amplitude of all voltages explains has its own bit and suspects all six.
 
-Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one counts in rho, over
-INNOVATION_BOUND: a channel that sticks shows a motion that the currents do not explain, long before the voltages
-contradict each other. An unmodelled torque shifts the predicted yaw by an almost constant innovation. A sample that is
-not complete takes the predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the
-innovation to 0.
+Motion. With predictions `from_forces`, the raw pose less the predicted one counts in rho, over INNOVATION_BOUND: a
+channel that sticks shows a motion that the currents do not explain, long before the voltages contradict each other. An
+unmodelled torque shifts the predicted yaw by an almost constant innovation. A sample that is not complete takes the
+predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -71,7 +70,7 @@ PITCHES = 2  # counted to either side: 2.5 pitches are 127 mm, the travel is 110
 MAX_RAW_YAW = 0.025  # rad: the stage rotates by 0.02 at most; a larger raw yaw is clipped
 EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise and more influence of lift and tilt
 # Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
-REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
+REGULARISATION, REGULARISATION_FROM_FORCES = 0.01, 2.5e-5  # the latter with predictions from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
 SCALE_RANGE = 0.84, 1.2  # of voltages
 SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
@@ -121,20 +120,20 @@ SCALE = Signal("scale", "1", *SCALE_RANGE, "nominal amplitude of the voltages ov
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
-def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool = False) -> Block:
+def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: bool = False) -> Block:
     """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
-    Predictions are inputs, or else the raw position of the previous sample. Where they are `reckoned` from the forces,
-    the raw position less the prediction counts as a residual, too.
+    Predictions are inputs, or else the raw position of the previous sample. Where they come `from_forces`, the raw
+    position less the prediction counts as a residual, too.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
-    yaw, regularisation = RAW["phi"].name, RECKONED_REGULARISATION if reckoned else REGULARISATION
+    yaw, regularisation = RAW["phi"].name, REGULARISATION_FROM_FORCES if from_forces else REGULARISATION
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         scale = x["scale"]
-        phi = u["phi_predicted"] if predicted and not reckoned else x[yaw]
+        phi = u["phi_predicted"] if predicted and not from_forces else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
         minus_Y_c = scale * (cy + phi * ax)
@@ -152,7 +151,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             "phi": phi + numerator / information
         }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
-        if reckoned:
+        if from_forces:
             innovation = {a: value - u[f"{a}_predicted"] for a, value in measured.items()}
             x_weight, yaw_weight = contradictions.innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
@@ -171,7 +170,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
-        bridge = _bridge(u, x, phi, predicted, reckoned)
+        bridge = _bridge(u, x, phi, predicted, from_forces)
         raw_yaw = or_bridge(measured["phi"], bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
@@ -181,35 +180,35 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             next[f"first_{name}"] = by_case(first, ca.if_else(left, first, value), first)
         for axis in in_pitch:
             next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
-            passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if reckoned else x[f"within_{axis}"]
+            passed = clip(bridge[axis] - x[f"offset_{axis}"], WITHIN[0]) if from_forces else x[f"within_{axis}"]
             output[f"within_{axis}"] = or_bridge(in_pitch[axis], passed)
-            bridge[axis] = passed + x[f"offset_{axis}"] if reckoned else bridge[axis]
-            next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
+            bridge[axis] = passed + x[f"offset_{axis}"] if from_forces else bridge[axis]
+            next |= {} if from_forces else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
-        if reckoned:
+        if from_forces:
             e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
             output[dead_reckoning.MEASURED.name] = accepted
-        next |= {} if predicted and not reckoned else {yaw: output[yaw]}
+        next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(_clip_scale(scale - gain * (X.m + Y.m)), scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
         output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
-        unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if reckoned else common
+        unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if from_forces else common
         for name, flag in contradictions.suspects(x, A, unassigned).items():
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        numbers = [*_numbers(A, l, regularisation), *(contradictions.innovation_numbers(A) if reckoned else [])]
-        return Step(output | residuals, next, named, certified, numbers, NOTES if reckoned else ())
+        numbers = [*_numbers(A, l, regularisation), *(contradictions.innovation_numbers(A) if from_forces else [])]
+        return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
-    outputs += [dead_reckoning.MEASURED] if reckoned else []
+    outputs += [dead_reckoning.MEASURED] if from_forces else []
     states, constants = (
-        [*_states(predicted, reckoned), State(SCALE, 1.0)],
+        [*_states(predicted, from_forces), State(SCALE, 1.0)],
         [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal)],
     )
     tag = "position and yaw, (1)-(5)"
@@ -217,11 +216,11 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
     return replace(block, faults=AMPLITUDE_FAULTS)
 
 
-def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> dict[str, ca.SX]:
+def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, from_forces: bool) -> dict[str, ca.SX]:
     """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
     if not predicted:
         return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
-    if not reckoned:
+    if not from_forces:
         return {a: clip(u[s.name], RAW[a]) for a, s in PREDICTED.items()}
     predictions = {a: u[s.name] for a, s in PREDICTED.items()}
     # Not in a contradicted sample: a wrong channel has shifted the last innovation.
@@ -229,7 +228,7 @@ def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, reckoned: bool) -> 
     return predictions | {"phi": predictions["phi"] + last}
 
 
-def _states(predicted: bool, reckoned: bool) -> list[State]:
+def _states(predicted: bool, from_forces: bool) -> list[State]:
     memory = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
     confirmed = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
     first = [
@@ -238,8 +237,8 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     ]
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
-    last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    reals = (*shown, *OFFSETS, *([INNOVATION] if reckoned else WITHIN), *last)
+    last = [] if predicted and not from_forces else [replace(RAW["phi"], about="raw yaw of the sample before")]
+    reals = (*shown, *OFFSETS, *([INNOVATION] if from_forces else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 

@@ -72,7 +72,7 @@ def prediction(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> Block:
 
 def sensing_blocks(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[Block]:
     """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
-    return [sensing.sensing(plant, time, reckoned=True), prediction(plant, time, bandwidth)]
+    return [sensing.sensing(plant, time, from_forces=True), prediction(plant, time, bandwidth)]
 
 
 def add_braking(

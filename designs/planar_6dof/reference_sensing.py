@@ -36,7 +36,8 @@ FASTEST = {"x": 4.0, "y": 4.0, "phi": 7.0}  # m/s, rad/s: beyond it a filter res
 MAX_RAW_YAW = 0.025  # rad
 COUNT, FARTHEST = 2, 0.16  # pitches to either side; m: of a raw position
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
-REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
+REGULARISATION = 0.01  # of the yaw
+REGULARISATION_FROM_FORCES = 2.5e-5  # where predictions come from the demands
 RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 SIGNIFICANT_M, SIGNIFICANT_R, JUMP, MAX_KNOWN_YAW = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 INNOVATION, YAW_INNOVATION = 6e-4, 0.4  # m; of A, times the square root of the yaw's information
@@ -129,7 +130,7 @@ def initial_state() -> dict[str, Array]:
     return {name: np.array(0.0) for name in names} | {"sensing_scale": np.array(1.0)}
 
 
-def initial_reckoned_state() -> dict[str, Array]:
+def initial_state_with_innovation() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
     return rest | {"sensing_phi_raw": np.array(0.0), "sensing_innovation_phi": np.array(0.0)}
@@ -175,15 +176,15 @@ def sense(
     flags: tuple[Array, Array],
     predicted: Columns,
     k: Constants,
-    reckoned: bool = False,
+    from_forces: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages. Y(1)-(5).
 
-    `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
-    predictions a measured motion that differs is a contradiction, too.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. With predictions
+    `from_forces` a measured motion that differs is a contradiction, too.
     """
     A, (ready, complete) = k.amplitude, flags
-    phi = state["sensing_phi_raw"] if reckoned else predicted["phi"]
+    phi = state["sensing_phi_raw"] if from_forces else predicted["phi"]
     scale = state["sensing_scale"]
     v = {name: scale * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
@@ -192,18 +193,20 @@ def sense(
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
     weight = EXCESS_WEIGHT / A**2
-    information = h1**2 + h2**2 + weight * h3**2 + (RECKONED_REGULARISATION if reckoned else REGULARISATION) * A**2
+    information = (
+        h1**2 + h2**2 + weight * h3**2 + (REGULARISATION_FROM_FORCES if from_forces else REGULARISATION) * A**2
+    )
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     counted = {a: count_pitches(p.place, state[f"sensing_offset_{a}"], predicted[a]) for a, p in (("x", x), ("y", y))}
     off = [(p.place + counted[a] - predicted[a]) / INNOVATION for a, p in (("x", x), ("y", y))]
     motion = off[0] ** 2 + off[1] ** 2 + information * ((phi + step - predicted["phi"]) / (YAW_INNOVATION * A)) ** 2
     squared = (r1**2 + r2**2) / (RESIDUAL_BOUND * A) ** 2 + (x.m**2 + y.m**2) / (EXCESS_BOUND * A**2) ** 2
-    rho = np.sqrt(squared + motion if reckoned else squared)
+    rho = np.sqrt(squared + motion if from_forces else squared)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    bridge = predicted["phi"] + (np.where(complete, 0, state["sensing_innovation_phi"]) if reckoned else 0)
+    bridge = predicted["phi"] + (np.where(complete, 0, state["sensing_innovation_phi"]) if from_forces else 0)
     out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
@@ -216,18 +219,20 @@ def sense(
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
     e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
-    after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if reckoned else {}
-    out |= {"measured": accepted} if reckoned else {}
+    after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if from_forces else {}
+    out |= {"measured": accepted} if from_forces else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset = state[f"sensing_offset_{axis}"]
-        expected = np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if reckoned else state[f"sensing_within_{axis}"]
-        bridge = expected + offset if reckoned else np.clip(predicted[axis], -FARTHEST, FARTHEST)
+        expected = (
+            np.clip(predicted[axis] - offset, -BRIDGED, BRIDGED) if from_forces else state[f"sensing_within_{axis}"]
+        )
+        bridge = expected + offset if from_forces else np.clip(predicted[axis], -FARTHEST, FARTHEST)
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], bridge)
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
-        after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}
+        after |= {} if from_forces else {f"sensing_within_{axis}": out[f"within_{axis}"]}
     return out, after
 
 
@@ -238,8 +243,8 @@ def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
     return np.where(np.abs(counted) <= COUNT * PITCH, counted, offset)
 
 
-def suspects(state: Columns, A: float, reckoned: bool = False) -> dict[str, Array]:
-    """Return whether each voltage may be wrong, from the first contradiction; in `reckoned` motion alone, all may."""
+def suspects(state: Columns, A: float, from_forces: bool = False) -> dict[str, Array]:
+    """Return whether each voltage may be wrong, from the first contradiction; of motion alone all may."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = (
         SIGNIFICANT_R * RESIDUAL_BOUND * A,
@@ -259,7 +264,7 @@ def suspects(state: Columns, A: float, reckoned: bool = False) -> dict[str, Arra
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    is_any = is_ambiguous | is_amplitude(state, A) | (reckoned & (rho <= 1))
+    is_any = is_ambiguous | is_amplitude(state, A) | (from_forces & (rho <= 1))
     return {name: flag | is_any for name, flag in wrong.items()}
 
 

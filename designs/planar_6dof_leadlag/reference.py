@@ -44,7 +44,7 @@ def compensators() -> dict[str, lead_lag.Compensator]:
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     filters = sensing.initial_filter_state() | {f"delay_{axis}": np.array(0.0) for axis in GAIN}
-    return shared.initial_state(AXES) | sensing.initial_reckoned_state() | filters
+    return shared.initial_state(AXES) | sensing.initial_state_with_innovation() | filters
 
 
 def sense(state: Columns, v: Columns, complete: Array) -> tuple[dict[str, Array], dict[str, Array]]:

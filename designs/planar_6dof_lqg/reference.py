@@ -73,7 +73,7 @@ def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")]
     law = {name: np.array(0.0) for name in names}
-    return shared.initial_state(UPRIGHT) | sensing.initial_reckoned_state() | law
+    return shared.initial_state(UPRIGHT) | sensing.initial_state_with_innovation() | law
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:

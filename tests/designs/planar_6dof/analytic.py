@@ -67,7 +67,7 @@ def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
         r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
     h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
-    information = 2 * h**2 + sensing.RECKONED_REGULARISATION * cal.amplitude**2
+    information = 2 * h**2 + sensing.REGULARISATION_FROM_FORCES * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
 

@@ -76,7 +76,7 @@ def test_a_more_regularised_yaw_is_another_loop(
     cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The planted defect: the written-out yaw is regularised as that of the lead-lag."""
-    monkeypatch.setattr(sensing, "RECKONED_REGULARISATION", sensing.REGULARISATION)
+    monkeypatch.setattr(sensing, "REGULARISATION_FROM_FORCES", sensing.REGULARISATION)
     assert distance(parts_of["lqg"], cases["lqg"], "phi") > 1e4 * NEAR
 
 
