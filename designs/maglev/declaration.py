@@ -26,6 +26,11 @@ START = (
     "The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its "
     f"stop at {platen.GAP[1] * 1e3:g} mm."
 )
+SET_POINTS = (
+    f"A set-point nearer to a stop than {platen.STOP_MARGIN * 1e6:g} um at a motor is out of range. On the stop the "
+    "error of an encoder's zero would not vanish, and the internal model would push the platen into the stop until the "
+    "currents are at their limit."
+)
 
 
 def design(
@@ -45,7 +50,7 @@ def design(
         "velocities": maglev_stage.RATE,
         "wires": motions.WIRES,
         "faults": fault_campaign.FAULTS,
-        "header_notes": [reactions.AXES, START, fault_handling.UNTESTED, EQUATIONS],
+        "header_notes": [reactions.AXES, START, SET_POINTS, fault_handling.UNTESTED, EQUATIONS],
         "reactions": reactions.REACTIONS,
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),

@@ -145,9 +145,7 @@ def _tracking_at_measured_position(rig: Rig) -> Experiment:
 
 def _lift_off(rig: Rig) -> Experiment:
     """Lift from the 31 mm stop to 25 mm by a ramp of 1 s."""
-    time = sample_times(6.0, rig.period_s)
-    reference = 0.031 - 0.006 * np.clip(time - motions.SETTLE, 0.0, 1.0)
-    trajectory = rig.run(6.0, {"y": 0.031}, {"y_ref": reference})
+    trajectory, reference = motions.lift_off(rig)
     checks = (
         Check("overshoot", float(0.025 - trajectory["y"].min()) / 0.006, 0.02, "1", "of the 6 mm"),
         _last_second(trajectory, "y", 0.025, RESOLUTION),

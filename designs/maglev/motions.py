@@ -71,6 +71,13 @@ def step(
     return StepRun(trajectory, reference, response, k)
 
 
+def lift_off(rig: Rig) -> tuple[Trajectory, Array]:
+    """Lift from rest on the lower stop to 25 mm by a ramp of 1 s; return the trajectory and the set-point."""
+    time, start = sample_times(6.0, rig.period_s), platen.AXES[0].reference.high
+    reference = start - (start - 0.025) * np.clip(time - SETTLE, 0.0, 1.0)
+    return rig.run(6.0, {"y": platen.GAP[1]}, {"y_ref": reference}), reference
+
+
 @lru_cache
 def _courses(duration_s: float, period_s: float) -> dict[str, Array]:
     """Return the set-points of the 4-DOF tracking: a study runs it on many machines."""

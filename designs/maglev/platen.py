@@ -15,7 +15,7 @@ import numpy as np
 
 from models import maglev_stage, pmlsm
 from synth import stage
-from synth.block import Block, Exprs, Step, build, clip
+from synth.block import Block, Exprs, Step, build
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.stage import Actuator, Sensor, SetPoint
@@ -43,10 +43,15 @@ GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 LOST = 2 * WIDE  # m, outside the range of x and z
 STOP_MARGIN = 20e-6  # m at a motor: more than the error of an encoder, its zero off by 7 um and half a count
-NOTES = [
-    "A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not vanish, and "
-    "the internal model would push the platen into the stop until the currents are at their limit.",
-]
+ARM = 1 / (2 * maglev_stage.plant().parameter("r").value)  # 1/m
+
+
+def _off_stops(name: str, scale: float = 1.0) -> tuple[float, float]:
+    """Return the range of a set-point off the stops; a motor that moves by d changes the coordinate by `scale` d."""
+    low, high = BOX[name]
+    return low + scale * STOP_MARGIN, high - scale * STOP_MARGIN
+
+
 INTERFACE = stage.interface(
     maglev_stage.plant(),
     sensors=[
@@ -54,11 +59,11 @@ INTERFACE = stage.interface(
         *(Sensor(n, resolution=RESOLUTION, low=-WIDE, high=WIDE, about=f"platen along {n.upper()}") for n in "xz"),
     ],
     set_points=[
-        SetPoint("y_ref", "y", *GAP, initial=GAP[1], about="set-point of the gap"),
-        SetPoint("x_ref", "x", *BOX["x"], about="set-point along X"),
-        SetPoint("z_ref", "z", *BOX["z"], about="set-point along Z"),
-        SetPoint("phi_ref", "phi", *BOX["phi"], about="set-point of the rotation about X"),
-        SetPoint("theta_ref", "theta", *BOX["theta"], about="set-point of the rotation about Z"),
+        SetPoint("y_ref", "y", *_off_stops("y"), initial=GAP[1] - STOP_MARGIN, about="set-point of the gap"),
+        SetPoint("x_ref", "x", *_off_stops("x"), about="set-point along X"),
+        SetPoint("z_ref", "z", *_off_stops("z"), about="set-point along Z"),
+        SetPoint("phi_ref", "phi", *_off_stops("phi", 2 * ARM), about="set-point of the rotation about X"),
+        SetPoint("theta_ref", "theta", *_off_stops("theta", 2 * ARM), about="set-point of the rotation about Z"),
     ],
     actuators=[
         *(Actuator(f"i_d{j}", SAFE_CURRENT, SLEW) for j in MOTORS),
@@ -82,7 +87,6 @@ COMMUTATED = {  # positions for the commutation; LOST says that a position is no
     for n in "xz"
 }
 HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)
-ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
 # y, phi and theta from the gaps of the four motors, F(5) linearised: coordinates in which the loops are opened.
 POSE = {"y": {f"y{j}": 0.25 for j in MOTORS}, "phi": {"y3": ARM, "y1": -ARM}, "theta": {"y2": ARM, "y4": -ARM}}
 
@@ -96,17 +100,14 @@ class Axis:
 
     @property
     def reference(self) -> Signal:
-        """The set-point, off the stops."""
-        asked = INTERFACE.held(f"{self.name}_ref")
-        margin = STOP_MARGIN * (2 * ARM if asked.unit == "rad" else 1.0)
-        about = f"set-point of {self.name}, off the stops"
-        return Signal(f"{self.name}_set_point", asked.unit, asked.low + margin, asked.high - margin, about)
+        """The set-point."""
+        return INTERFACE.held(f"{self.name}_ref")
 
     @property
     def error(self) -> Signal:
         """The tracking error, position less reference."""
-        q, r = self.position, INTERFACE.held(f"{self.name}_ref")
-        return Signal(f"e_{self.name}", q.unit, q.low - r.high, q.high - r.low, "tracking error")
+        q, (low, high) = self.position, BOX[self.name]  # the stops: round numbers, which single precision keeps
+        return Signal(f"e_{self.name}", q.unit, q.low - high, q.high - low, "tracking error")
 
     @property
     def rate(self) -> Signal:
@@ -166,16 +167,6 @@ def kinematics(plant: Plant) -> Block:
 
     outputs = [a.position for a in AXES if a.name in POSE]
     return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="pose from the gaps, F(5)")
-
-
-def set_points() -> Block:
-    """Return the Block that keeps the set-points off the stops, for the laws."""
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({a.reference.name: clip(u[f"{a.name}_ref_held"], a.reference) for a in AXES}, notes=NOTES)
-
-    inputs, outputs = [INTERFACE.held(f"{a.name}_ref") for a in AXES], [a.reference for a in AXES]
-    return build("set_points", TIME, law, inputs=inputs, outputs=outputs, tag="set-points off the stops")
 
 
 def errors() -> Block:

@@ -120,7 +120,7 @@ def step(
     q, v, d, after_observers = predictor.observe(
         state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
     )
-    last, set_points = rows(state, LAST), reference_stage.off_stops(values[SENSORS:])
+    last, set_points = rows(state, LAST), values[SENSORS:]
     e = pose - set_points
     w, finish = law(state, pose, set_points, ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])

@@ -31,9 +31,11 @@ ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
 SENSORS = len(LIMITS)
 NAMES = tuple(LIMITS)
-LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
+for s in AXES:
+    low, high = BOX.get(s, (-0.05, 0.05))
+    margin = 20e-6 / (0.397 if s in ("phi", "theta") else 1.0)  # m, rad: 20 um at a motor
+    LIMITS |= {f"{s}_ref": (low + margin, high - margin)}
 LOW, HIGH = np.array([*LIMITS.values()]).T
-STOP_MARGIN = np.array([20e-6 / (0.397 if s in ("phi", "theta") else 1.0) for s in AXES])  # m, rad: 20 um at a motor
 SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}
 LAST = tuple(f"safe_output_last_{s}" for s in SAFE)
 QUADRATURE = [5, 4, 5, 4]  # of SAFE: the thrust currents of motors 1 to 4
@@ -99,12 +101,6 @@ def guard_inputs(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Arra
     """Return the values to use (11, n), the guard's next state and the fault word."""
     values, after, word = guard.standard(state, inputs, LIMITS, NAMES, BAD_SAMPLES, GOOD_SAMPLES)
     return np.array([*values.values()]), after, word
-
-
-def off_stops(set_points: Array) -> Array:
-    """Return set-points (5, n) that are kept off the stops."""
-    low, high = LOW[SENSORS:] + STOP_MARGIN, HIGH[SENSORS:] - STOP_MARGIN
-    return np.clip(set_points, guard.by_row(low, set_points), guard.by_row(high, set_points))
 
 
 def safe_outputs(

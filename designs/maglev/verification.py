@@ -178,7 +178,7 @@ def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
     bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
     return {
         f"replay of {replay_s:g} s": motions.tracking(rig, True, replay_s)[0],
-        "replay of a saturated step": motions.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
+        "replay of a saturated step": motions.step(rig, "x", -0.0499, 0.0499, gap=0.030, after=2.0).trajectory,
         "replay of faults": rig.run(2.0, overrides=bad),
     }
 
@@ -201,7 +201,7 @@ def vectors(rig: Rig) -> Mapping[str, Any]:
     """Return a lift-off from the stop with moves in x, z and theta, three bad encoder samples and a bad set-point."""
     time = sample_times(STEPS * rig.period_s, rig.period_s)
     wave = np.sin(platen.OMEGA0 * time)
-    references = {"y_ref": 0.031 - 0.006 * time, "x_ref": 0.005 * wave, "z_ref": -0.005 * wave}
+    references = {"y_ref": platen.AXES[0].reference.high - 0.006 * time, "x_ref": 0.005 * wave, "z_ref": -0.005 * wave}
     references["theta_ref"] = 0.001 * wave
     references["y_ref"][BAD_SET_POINT] = 0.05
     bad = Override(np.isin(np.arange(STEPS), np.r_[BAD]), np.full(STEPS, 0.2))

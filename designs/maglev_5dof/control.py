@@ -143,7 +143,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
             derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER),
             regulator_block(a, anti_windup),
         ]
-    parts = [platen.kinematics(plant), platen.set_points(), platen.errors()]
+    parts = [platen.kinematics(plant), platen.errors()]
     return [*parts, *loops, decoupling(plant, corrected), platen.thrust_allocation()]
 
 

@@ -20,7 +20,8 @@ LIMITS = experiments.Limits(
     wrong=(0.40, 3.3, 6.0),
     tracking={"y": 50e-6, "x": 1.5e-6, "z": 1.5e-6, "theta": 25e-6},  # m, rad
 )
-WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
+STROKE = 0.0499  # m, to both sides: a set-point is never on a stop
+WINDUP = "x from -49.9 to 49.9 mm at 30 mm gap, {} anti-windup"
 
 
 @cache
@@ -31,13 +32,13 @@ def without_anti_windup(scalar: str) -> host.Controller:
 
 
 def _windup(rig: Rig, anti_windup: bool) -> Experiment:
-    """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
+    """Step x by 99.8 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = replace(rig, controller=without_anti_windup(np.dtype(rig.controller.scalar).name))
     about = "without stops along x, so the overshoot is visible"
-    without = experiments.response(bare, "x", 0.05, about, -0.05, gap=0.030)
+    without = experiments.response(bare, "x", STROKE, about, -STROKE, gap=0.030)
     if not anti_windup:
         return without
-    run = experiments.response(rig, "x", 0.05, about, -0.05, gap=0.030)
+    run = experiments.response(rig, "x", STROKE, about, -STROKE, gap=0.030)
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
     check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must have an effect here")
     return replace(run, checks=(check, *run.checks))

@@ -35,7 +35,6 @@ from designs.maglev.reference_stage import (
     guard_inputs,
     limit_thrust,
     motor,
-    off_stops,
     pose,
     safe_outputs,
 )
@@ -165,7 +164,7 @@ def step(
     values, after, word = guard_inputs(state, inputs)
     ready, latched = np.asarray(state["guard_ready"]) > 0, after["guard_latched"] > 0
     last = rows(state, LAST)
-    w, finish = law(state, pose(values[:SENSORS], k.parameters.r), off_stops(values[SENSORS:]), ready, k)
+    w, finish = law(state, pose(values[:SENSORS], k.parameters.r), values[SENSORS:], ready, k)
     computed, _, next_memory = finish(w, values[:4], last)
     outputs, slewed = safe_outputs(state, computed, latched)
     return after | frozen(state, next_memory, latched) | slewed, outputs, word

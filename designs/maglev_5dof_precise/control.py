@@ -194,7 +194,7 @@ def _numbers(plant: Plant) -> list[Constant]:
 def laws(plant: Plant, of: Mapping[str, Loop] = LOOPS) -> list[Block]:
     """Return the laws for the parameters of the stage."""
     loops = [block for a in AXES for block in (observer(a, of[a.name]), servo(a, of[a.name]))]
-    parts = [platen.kinematics(plant), platen.set_points(), platen.errors()]
+    parts = [platen.kinematics(plant), platen.errors()]
     return [*parts, *loops, inversion(plant), platen.thrust_allocation()]
 
 

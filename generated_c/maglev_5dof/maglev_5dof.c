@@ -424,7 +424,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y2 = 0.031f,
         .guard_last_y3 = 0.031f,
         .guard_last_y4 = 0.031f,
-        .guard_last_y_ref = 0.031f,
+        .guard_last_y_ref = 0.03098f,
         .guard_left = 20u,
         .x_monitor.doubts = 10u,
         .z_monitor.doubts = 10u,
@@ -494,13 +494,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y4_accepted = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
     const float x_accepted = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
     const float z_accepted = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
-    const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u,
+    const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard_last_y_ref, 0x00000040u,
         &faults);
-    const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u, &faults);
-    const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u, &faults);
-    const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref, 0x00000200u,
+    const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.04998f, &state->guard_last_x_ref, 0x00000080u,
         &faults);
-    const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref,
+    const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.04998f, &state->guard_last_z_ref, 0x00000100u,
+        &faults);
+    const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.0029496222f, &state->guard_last_phi_ref,
+        0x00000200u, &faults);
+    const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.013949622f, &state->guard_last_theta_ref,
         0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_latched = state->guard_latched;
@@ -976,23 +978,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
-        /* set_points: set-points off the stops
-         * A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not
-         * vanish, and the internal model would push the platen into the stop until the currents are at their limit.
-         *     y_set_point = max(min(y_ref_held, 0.03098), 0.01802) */
-        const float y_set_point = maglev_5dof_max(maglev_5dof_min(y_ref_held, 0.03098f), 0.01802f);
-        const float x_set_point = maglev_5dof_limit(x_ref_held, 0.04998f);
-        const float z_set_point = maglev_5dof_limit(z_ref_held, 0.04998f);
-        const float phi_set_point = maglev_5dof_limit(phi_ref_held, 0.0029496222f);
-        const float theta_set_point = maglev_5dof_limit(theta_ref_held, 0.013949622f);
-
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_set_point; likewise e_x, e_z, e_phi, e_theta */
-        const float e_y = y - y_set_point;
-        const float e_x = x_monitor.held - x_set_point;
-        const float e_z = z_monitor.held - z_set_point;
-        const float e_phi = phi - phi_set_point;
-        const float e_theta = theta - theta_set_point;
+         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
+        const float e_y = y - y_ref_held;
+        const float e_x = x_monitor.held - x_ref_held;
+        const float e_z = z_monitor.held - z_ref_held;
+        const float e_phi = phi - phi_ref_held;
+        const float e_theta = theta - theta_ref_held;
 
         /* functions above: filter, regulator */
         static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
@@ -1457,11 +1449,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->y_set_point = y_set_point;
-            diagnostics->x_set_point = x_set_point;
-            diagnostics->z_set_point = z_set_point;
-            diagnostics->phi_set_point = phi_set_point;
-            diagnostics->theta_set_point = theta_set_point;
             diagnostics->e_y = e_y;
             diagnostics->e_x = e_x;
             diagnostics->e_z = e_z;
@@ -1486,16 +1473,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(x_set_point) >= 0.04998f) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(z_set_point) >= 0.04998f) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(phi_set_point) >= 0.0029496222f) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(theta_set_point) >= 0.013949622f) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000020u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000040u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000080u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000100u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000200u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
         }
 #endif
     }

@@ -333,9 +333,9 @@ typedef struct {
 } maglev_5dof_precise_servo_fast_parameters_t;
 
 /* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
- *     r_next = y_set_point */
+ *     r_next = y_ref_held */
 MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
-    const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float set_point,
+    const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float value, float e)
 {
     static const float cancelled = 0.8f;                        /* 1; part of the disturbance that is cancelled */
@@ -380,13 +380,13 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
         state->q3 = q3_next;
     }
     const float r_2 = state->r;
-    state->r = set_point;
-    const float moved = set_point - r_2;
+    state->r = ref_held;
+    const float moved = ref_held - r_2;
     float w_tracking_choice = 0.0f;
     if (fabsf(moved) <= parameters->largest_step) {
         w_tracking_choice = parameters->k_step * moved;
     }
-    const float w_tracking_sum = (parameters->k_e * (fast_ahead - set_point)) + (parameters->k_de * fast_rate_ahead) -
+    const float w_tracking_sum = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
         w_tracking_choice + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3) + (parameters->k_q3 * q3);
     float w_tracking_choice_2 = 0.0f;
@@ -451,7 +451,7 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .guard_last_y2 = 0.031f,
         .guard_last_y3 = 0.031f,
         .guard_last_y4 = 0.031f,
-        .guard_last_y_ref = 0.031f,
+        .guard_last_y_ref = 0.03098f,
         .guard_left = 20u,
         .x_monitor.doubts = 10u,
         .z_monitor.doubts = 10u,
@@ -532,16 +532,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         &faults);
     const float x_accepted = maglev_5dof_precise_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
     const float z_accepted = maglev_5dof_precise_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
-    const float y_ref_held = maglev_5dof_precise_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u,
+    const float y_ref_held = maglev_5dof_precise_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard_last_y_ref,
+        0x00000040u, &faults);
+    const float x_ref_held = maglev_5dof_precise_hold_within(in->x_ref, 0.04998f, &state->guard_last_x_ref, 0x00000080u,
         &faults);
-    const float x_ref_held = maglev_5dof_precise_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u,
+    const float z_ref_held = maglev_5dof_precise_hold_within(in->z_ref, 0.04998f, &state->guard_last_z_ref, 0x00000100u,
         &faults);
-    const float z_ref_held = maglev_5dof_precise_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u,
-        &faults);
-    const float phi_ref_held = maglev_5dof_precise_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref,
+    const float phi_ref_held = maglev_5dof_precise_hold_within(in->phi_ref, 0.0029496222f, &state->guard_last_phi_ref,
         0x00000200u, &faults);
-    const float theta_ref_held = maglev_5dof_precise_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref,
-        0x00000400u, &faults);
+    const float theta_ref_held = maglev_5dof_precise_hold_within(in->theta_ref, 0.013949622f,
+        &state->guard_last_theta_ref, 0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
@@ -1041,23 +1041,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->observer_theta_d = theta_disturbance;
         const bool free = regular && (observer_y_q < lifted);
 
-        /* set_points: set-points off the stops
-         * A set-point on a stop is kept a little off it. On the stop the error of an encoder's zero would not
-         * vanish, and the internal model would push the platen into the stop until the currents are at their limit.
-         *     y_set_point = max(min(y_ref_held, 0.03098), 0.01802) */
-        const float y_set_point = maglev_5dof_precise_max(maglev_5dof_precise_min(y_ref_held, 0.03098f), 0.01802f);
-        const float x_set_point = maglev_5dof_precise_limit(x_ref_held, 0.04998f);
-        const float z_set_point = maglev_5dof_precise_limit(z_ref_held, 0.04998f);
-        const float phi_set_point = maglev_5dof_precise_limit(phi_ref_held, 0.0029496222f);
-        const float theta_set_point = maglev_5dof_precise_limit(theta_ref_held, 0.013949622f);
-
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_set_point; likewise e_x, e_z, e_phi, e_theta */
-        const float e_y = y - y_set_point;
-        const float e_x = x_monitor.held - x_set_point;
-        const float e_z = z_monitor.held - z_set_point;
-        const float e_phi = phi - phi_set_point;
-        const float e_theta = theta - theta_set_point;
+         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
+        const float e_y = y - y_ref_held;
+        const float e_x = x_monitor.held - x_ref_held;
+        const float e_z = z_monitor.held - z_ref_held;
+        const float e_phi = phi - phi_ref_held;
+        const float e_theta = theta - theta_ref_held;
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
@@ -1144,7 +1134,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             {.alpha = 0.5276334f, .beta = 130.55266f, .low = -0.031f, .largest_position = 0.031f, .low_2 = -4.0f,
             .largest_rate = 4.0f};
         const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
-            y_fast_ahead, y_set_point, y_fast_rate_ahead, guard_ready, y_fast_disturbance_if_ready, e_y);
+            y_fast_ahead, y_ref_held, y_fast_rate_ahead, guard_ready, y_fast_disturbance_if_ready, e_y);
         const float nu_6 = x_monitor.held - state->observer_x_fast.q;
         const float x_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_x_fast.d +
             (observer_x_fast_gamma * nu_6), observer_x_fast_largest_disturbance);
@@ -1153,7 +1143,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
             nu_6, x_monitor.held, x_fast_ahead_limited, delay_a_x_last);
         const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
-            observer_x_fast.fast_ahead, x_set_point, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_limited,
+            observer_x_fast.fast_ahead, x_ref_held, observer_x_fast.fast_rate_ahead, guard_ready, x_fast_ahead_limited,
             e_x);
         const float nu_7 = z_monitor.held - state->observer_z_fast.q;
         const float z_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_z_fast.d +
@@ -1163,7 +1153,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
             nu_7, z_monitor.held, z_fast_ahead_limited, delay_a_z_last);
         const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
-            observer_z_fast.fast_ahead, z_set_point, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_limited,
+            observer_z_fast.fast_ahead, z_ref_held, observer_z_fast.fast_rate_ahead, guard_ready, z_fast_ahead_limited,
             e_z);
         const float nu_8 = theta - state->observer_theta_fast.q;
         const float theta_fast_ahead_limited = maglev_5dof_precise_limit(state->observer_theta_fast.d +
@@ -1172,7 +1162,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
             guard_ready, nu_8, theta, theta_fast_ahead_limited, delay_w_theta_last);
         const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
-            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_set_point,
+            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, theta_ref_held,
             observer_theta_fast.fast_rate_ahead, guard_ready, theta_fast_ahead_limited, e_theta);
         state->x_monitor.code = x_accepted;
         state->x_monitor.still = x_monitor.unchanged;
@@ -1200,8 +1190,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
-        const float servo_phi_fast_r = state->servo_phi_fast_r;
-        state->servo_phi_fast_r = phi_set_point;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
         const float servo_phi_fast_sum = state->servo_phi_fast_sum;
         const float servo_phi_fast_sum_next = servo_phi_fast_sum + e;
@@ -1219,6 +1207,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
         }
+        const float servo_phi_fast_r = state->servo_phi_fast_r;
+        state->servo_phi_fast_r = phi_ref_held;
 
         /* landing: ramps and state feedback (continued)
          *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
@@ -1351,9 +1341,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             static const float servo_phi_fast_k_q1 = -1.2623228f;
             /* 1/s^2; predictive servo with internal models: k_de over the period */
             static const float servo_phi_fast_k_step = -80140.09f;
-            const float w_phi_tracking_sum = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_set_point)) +
+            const float w_phi_tracking_sum = (servo_phi_fast_k_e * (observer_phi_fast.fast_ahead - phi_ref_held)) +
                 (servo_phi_fast_k_de * observer_phi_fast.fast_rate_ahead);
-            const float moved = phi_set_point - servo_phi_fast_r;
+            const float moved = phi_ref_held - servo_phi_fast_r;
             float w_phi_tracking_choice_2 = 0.0f;
             if (fabsf(moved) <= servo_phi_fast_largest) {
                 w_phi_tracking_choice_2 = servo_phi_fast_k_step * moved;
@@ -1640,11 +1630,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->y_set_point = y_set_point;
-            diagnostics->x_set_point = x_set_point;
-            diagnostics->z_set_point = z_set_point;
-            diagnostics->phi_set_point = phi_set_point;
-            diagnostics->theta_set_point = theta_set_point;
             diagnostics->e_y = e_y;
             diagnostics->e_x = e_x;
             diagnostics->e_z = e_z;
@@ -1676,17 +1661,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->i_d4_balanced = i_d4_balanced;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(x_set_point) >= 0.04998f) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(z_set_point) >= 0.04998f) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(phi_set_point) >= 0.0029496222f) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(theta_set_point) >= 0.013949622f) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000020u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000040u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000080u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000100u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= sqrtf(u_x_computed_radicand)) ? 0x00000200u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= sqrtf(u_z_computed_radicand)) ? 0x00000400u : 0u;
+            diagnostics->saturated |= (fabsf(y_fast_rate_ahead) >= observer_y_fast_largest_rate) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= sqrtf(u_x_computed_radicand)) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= sqrtf(u_z_computed_radicand)) ? 0x00000040u : 0u;
         }
 #endif
     }

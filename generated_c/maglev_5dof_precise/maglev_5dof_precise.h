@@ -27,9 +27,9 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, before its first one by 0.031 m (y1, y2, y3, y4, y_ref), 0 m (x,
- * z, x_ref, z_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a refused measurement is
- * replaced by what the others or a prediction say.
+ * A refused input is replaced by its last good value, before its first one by 0.031 m (y1, y2, y3, y4), 0 m (x, z,
+ * x_ref, z_ref), 0.03098 m (y_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a
+ * refused measurement is replaced by what the others or a prediction say.
  *
  * While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their number as
  * missed_calls in the next call. A number above 40 sets bit 18 of this sample and neither brakes nor latches: the
@@ -150,6 +150,9 @@
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
  * stop at 31 mm.
  *
+ * A set-point nearer to a stop than 20 um at a motor is out of range. On the stop the error of an encoder's zero would
+ * not vanish, and the internal model would push the platen into the stop until the currents are at their limit.
+ *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
  * platen, these tests are off; so are they after missed calls, until the prediction agrees again with ten changes of
  * the code. A platen that rests is pushed there and back by the probe after each 40 samples without a change of the
@@ -224,11 +227,11 @@ typedef struct {
     float y4;                           /* m, 0.0124 .. 0.0366: gap of motor 4 */
     float x;                            /* m, -0.1 .. 0.1: platen along X */
     float z;                            /* m, -0.1 .. 0.1: platen along Z */
-    float y_ref;                        /* m, 0.018 .. 0.031: set-point of the gap */
-    float x_ref;                        /* m, -0.05 .. 0.05: set-point along X */
-    float z_ref;                        /* m, -0.05 .. 0.05: set-point along Z */
-    float phi_ref;                      /* rad, -0.003 .. 0.003: set-point of the rotation about X */
-    float theta_ref;                    /* rad, -0.014 .. 0.014: set-point of the rotation about Z */
+    float y_ref;                        /* m, 0.01802 .. 0.03098: set-point of the gap */
+    float x_ref;                        /* m, -0.04998 .. 0.04998: set-point along X */
+    float z_ref;                        /* m, -0.04998 .. 0.04998: set-point along Z */
+    float phi_ref;                      /* rad, -0.00294962 .. 0.00294962: set-point of the rotation about X */
+    float theta_ref;                    /* rad, -0.0139496 .. 0.0139496: set-point of the rotation about Z */
     float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none or not counted */
 } maglev_5dof_precise_input_t;
 
@@ -252,11 +255,11 @@ typedef struct {
     float guard_last_y4;                /* m, 0.0124 .. 0.0366: last good value */
     float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
     float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
-    float guard_last_y_ref;             /* m, 0.018 .. 0.031: last good value */
-    float guard_last_x_ref;             /* m, -0.05 .. 0.05: last good value */
-    float guard_last_z_ref;             /* m, -0.05 .. 0.05: last good value */
-    float guard_last_phi_ref;           /* rad, -0.003 .. 0.003: last good value */
-    float guard_last_theta_ref;         /* rad, -0.014 .. 0.014: last good value */
+    float guard_last_y_ref;             /* m, 0.01802 .. 0.03098: last good value */
+    float guard_last_x_ref;             /* m, -0.04998 .. 0.04998: last good value */
+    float guard_last_z_ref;             /* m, -0.04998 .. 0.04998: last good value */
+    float guard_last_phi_ref;           /* rad, -0.00294962 .. 0.00294962: last good value */
+    float guard_last_theta_ref;         /* rad, -0.0139496 .. 0.0139496: last good value */
     uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches times 4 */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
@@ -375,9 +378,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 x_set_point, 1 z_set_point, 2 phi_set_point,
- * 3 theta_set_point, 4 y_fast_rate_ahead, 5 i_d1_balanced, 6 i_d2_balanced, 7 i_d3_balanced, 8 i_d4_balanced, 9
- * u_x_computed, 10 u_z_computed. */
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
+ * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
 typedef struct {
     float sound;                        /* 1: all readings are good, and no sensor was ever a suspect */
     float x_unanswered;                 /* 1: no pair of the probe was answered */
@@ -414,11 +416,6 @@ typedef struct {
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */
     float theta;                        /* rad: rotation about Z */
-    float y_set_point;                  /* m: set-point of y, off the stops */
-    float x_set_point;                  /* m: set-point of x, off the stops */
-    float z_set_point;                  /* m: set-point of z, off the stops */
-    float phi_set_point;                /* rad: set-point of phi, off the stops */
-    float theta_set_point;              /* rad: set-point of theta, off the stops */
     float e_y;                          /* m: tracking error */
     float e_x;                          /* m: tracking error */
     float e_z;                          /* m: tracking error */

@@ -138,7 +138,8 @@ class Rig:
     ) -> Trajectory:
         """Simulate from rest at `start` (plant states; others start as declared by the stage) under set-points by name.
 
-        A set-point is a constant or (N,); a missing one stays at the initial position. `options` are further fields of
+        A set-point is a constant or (N,); a missing one stays at the initial position, or as near as its range allows.
+        `options` are further fields of
         `Scenario`. A controller that reads the number of missed calls gets that of `missed`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
@@ -168,13 +169,12 @@ class Rig:
         """Return the scenario of `run`."""
         interface, start = self.stage.interface, {**self.stage.start, **start}
         n = len(sample_times(duration_s, self.period_s))
-        default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
         missed = options.get("missed")
         counts = 0.0 if missed is None else faulty.missed_counts(missed)
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
-            "references": dict.fromkeys(self.call_counts, counts) | default_set_points | dict(references),
+            "references": dict.fromkeys(self.call_counts, counts) | self._set_points(start) | dict(references),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
             "hold": self._first_commands(start),
@@ -197,8 +197,7 @@ class Rig:
             return safe
         positions = self.plant.output_values(start)
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
-        known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
-        known |= self.call_counts
+        known |= self._set_points(start) | self.call_counts
         return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(safe.items()))
 
     @property
@@ -213,8 +212,12 @@ class Rig:
         interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
         sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
-        points = {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
-        return sensors | points | self.call_counts
+        return sensors | self._set_points(start) | self.call_counts
+
+    def _set_points(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the set-points of a stage that rests at `start`, the nearest allowed where it rests on a stop."""
+        points = self.stage.interface.set_points
+        return {s.name: float(np.clip(start.get(s.of, s.initial or 0.0), s.low, s.high)) for s in points}
 
     @property
     def call_counts(self) -> dict[str, float]:

@@ -23,6 +23,12 @@ def test_a_set_point_that_is_not_given_stays_where_its_position_starts(rig: Rig)
     assert abs(run["z"][-1] - 2e-4) < 1e-6
 
 
+def test_a_set_point_that_is_not_given_stays_within_its_range_where_its_position_starts_on_a_stop(rig: Rig) -> None:
+    points = tuple(replace(s, high=2e-4) if s.of == "z" else s for s in rig.stage.interface.set_points)
+    run = rig.with_interface(set_points=points).run(0.01, {"z": 5e-4})
+    assert run["z"][0] == 5e-4 and (run.measured["z_ref"] == 2e-4).all()
+
+
 def test_a_stage_may_start_elsewhere(rig: Rig) -> None:
     elsewhere = replace(rig, stage=replace(rig.stage, start={"x": 3e-4}))
     assert elsewhere.run(0.01)["x"][0] == 3e-4

@@ -28,7 +28,8 @@ def plant(state: Array, currents: Array, p: reference_stage.Parameters) -> Array
 
 def initial_state() -> dict[str, float]:
     """Return the state of the controller after init, by name."""
-    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in reference_stage.LIMITS}
+    initial = {"y_ref": 0.03098} | dict.fromkeys(("y1", "y2", "y3", "y4"), 0.031)
+    state: dict[str, float] = {f"guard_last_{s}": initial.get(s, 0.0) for s in reference_stage.LIMITS}
     left = reference_stage.BAD_SAMPLES * reference_stage.GOOD_SAMPLES
     state |= {"guard_left": left, "guard_latched": 0.0, "guard_ready": 0.0}
     state |= dict.fromkeys(reference.MEMORY, 0.0)

@@ -146,14 +146,16 @@ def test_a_handover_that_does_not_wait_at_small_gaps_tilts_the_platen_to_its_sto
 
 def wait_on_the_stop(rig: Rig) -> float:
     """Return by how much the mean direct current changes in 20 s at a set-point on the stop, with wrong zeros."""
-    run = replace(rig, offsets={f"y{j}": -7e-6 for j in platen.MOTORS}).run(22.0, {"y": platen.GAP[1]})
+    run = replace(rig, offsets={f"y{j}": -7e-6 for j in platen.MOTORS}).run(
+        22.0, {"y": platen.GAP[1]}, {"y_ref": platen.GAP[1]}
+    )
     current = np.mean([run.commands[f"i_d{j}"] for j in platen.MOTORS], axis=0)
     return abs(float(current[-2000:].mean() - current[2000:4000].mean()))
 
 
 def test_no_current_grows_while_the_platen_waits_at_a_set_point_on_its_stop() -> None:
     rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
-    planted = with_defect(rig, "_min(y_ref_held, 0.03098f)", "_min(y_ref_held, 0.031f)")
+    planted = with_defect(rig, "in->y_ref, 0.01802f, 0.03098f,", "in->y_ref, 0.01802f, 0.031f,")
     assert wait_on_the_stop(rig) < 0.02 < 0.05 < wait_on_the_stop(planted)  # A
 
 
@@ -195,11 +197,10 @@ def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: i
     true = campaign.plant_number(rig.plant, plant)
     guides = maglev_stage.guide_disturbance(true, {"x": 1.8, "z": 1.3}, 3) if friction else None
     rig = replace(rig, plant=true, disturbance=guides)
-    lift_off = 0.031 - 0.006 * np.clip(np.arange(6000) * rig.period_s - 1.0, 0.0, 1.0)
     healthy = [
         motions.tracking(rig, True)[0],
-        *(motions.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
-        rig.run(6.0, {"y": platen.GAP[1]}, {"y_ref": lift_off}),
+        *(motions.step(rig, axis, -0.0499, 0.0499, gap=0.030).trajectory for axis in "xz"),
+        motions.lift_off(rig)[0],
     ]
     assert not any(run.faults.any() for run in healthy)
 

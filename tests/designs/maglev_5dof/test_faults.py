@@ -156,7 +156,7 @@ def test_a_reading_that_is_offset_by_half_a_millimetre_is_noticed_at_once_and_th
 
 def test_once_latched_filters_and_internal_models_stand_still(single: host.Controller) -> None:
     n, k = 400, 200
-    inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
+    inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.0499, n)}
     inputs["missed_calls"] = np.zeros(n)
     bad = (np.arange(n) >= k) & (np.arange(n) < k + platen.BAD_SAMPLES)
     inputs |= {name: np.where(bad, np.nan, inputs[name]) for name in ("y1", "y2", "y3")}
@@ -190,7 +190,7 @@ def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
     emitted = _emitted(stage)
     fused = host.load(emitted.files, emitted.manifest, ("-ffp-contract=fast", "-mfma"))
     held = {g.signal.name: np.full(3000, g.initial) for g in INPUTS}
-    moves = {"y_ref": np.full(3000, 0.018), "x_ref": np.full(3000, 0.05), "z_ref": np.full(3000, -0.05)}
+    moves = {"y_ref": np.full(3000, 0.0181), "x_ref": np.full(3000, 0.0499), "z_ref": np.full(3000, -0.0499)}
     replay = fused.replay(held | moves)
     require_sound(replay, fused.manifest["structs"]["state"]["fields"])
     assert max(float(np.abs(replay.outputs[f"i_d{j}"]).max()) for j in range(1, 5)) > 4.949
@@ -212,6 +212,6 @@ def test_a_lost_limit_is_caught(stage: Plant, old: str, new: str) -> None:
     wrong = host.load({**emitted.files, "maglev_5dof.c": text.replace(old, new)}, emitted.manifest)
     n = 100_000  # enough for a standing error of 13 mm to wind the sum up
     held = {g.signal.name: np.full(n, g.initial) for g in INPUTS}
-    replay = wrong.replay(held | {"y_ref": np.full(n, 0.018), "x_ref": np.full(n, 0.05)})
+    replay = wrong.replay(held | {"y_ref": np.full(n, 0.0181), "x_ref": np.full(n, 0.0499)})
     with pytest.raises(AssertionError):
         require_sound(replay, wrong.manifest["structs"]["state"]["fields"])

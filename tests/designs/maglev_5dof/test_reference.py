@@ -241,7 +241,7 @@ class TestGuard:
         assert {s: i[0] for s, i in out.items()} == {s: i[0] for s, i in expected.items()}
 
     def test_ranges(self) -> None:
-        """Motor gaps over the box of gap and angles; twice the stroke; the box itself."""
+        """Motor gaps over the box of gap and angles; twice the stroke; the box less 20 um at a motor."""
         assert reference_stage.LIMITS == {
             "y1": (0.0168, 0.0322),
             "y2": (0.0124, 0.0366),
@@ -249,11 +249,11 @@ class TestGuard:
             "y4": (0.0124, 0.0366),
             "x": (-0.1, 0.1),
             "z": (-0.1, 0.1),
-            "y_ref": (0.018, 0.031),
-            "x_ref": (-0.05, 0.05),
-            "z_ref": (-0.05, 0.05),
-            "phi_ref": (-0.003, 0.003),
-            "theta_ref": (-0.014, 0.014),
+            "y_ref": (0.018 + 20e-6, 0.031 - 20e-6),
+            "x_ref": (-0.05 + 20e-6, 0.05 - 20e-6),
+            "z_ref": (-0.05 + 20e-6, 0.05 - 20e-6),
+            "phi_ref": (-0.003 + 20e-6 / 0.397, 0.003 - 20e-6 / 0.397),
+            "theta_ref": (-0.014 + 20e-6 / 0.397, 0.014 - 20e-6 / 0.397),
         }
 
     def test_bounds_are_inside(self) -> None:
