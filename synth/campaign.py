@@ -43,6 +43,7 @@ class FaultCampaign:
     """Conditions, magnitudes and limits of a fault campaign.
 
     motion       {set-point: course} in motion, from rest at its start; by default each set-point swings as a sine
+    poses        {name: {set-point: value}} where the machine rests, too, besides its initial set-points
     period_s     period of the motion, over which the onsets are spread, and of the default motion
     settle_s     from the start of a run to the first onset; `watch_s` from the last onset to the end
     onsets       number of onsets in motion
@@ -56,6 +57,7 @@ class FaultCampaign:
     """
 
     motion: Mapping[str, Any] = field(default_factory=dict)
+    poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     period_s: float = 1.0
     settle_s: float = 1.0
     watch_s: float = 1.0

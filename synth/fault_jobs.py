@@ -131,7 +131,7 @@ def safe_output(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Ou
             f"design '{design.name}': of {len(runs)} lost sensors none latches; there is nothing to measure"
         )
     units = {s.name: per_second(s.unit) for s in stage.plant.states if s.name in latched[0].speeds}
-    conditions = {name: [run for run in latched if run.condition == name] for name in _conditions(stage)}
+    conditions = {name: [run for run in latched if run.condition == name] for name in campaign.condition_names(stage)}
     return SafeOutput(
         f"synth faults {design.name} --write",
         len({part.plant for part in parts}),
@@ -159,17 +159,13 @@ def _all_chunks(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Ou
 
 def _parts(stage: Stage, plant: int, what: str) -> Iterator[Part]:
     count = len(_faults(stage, what))
-    for condition in _conditions(stage):
+    for condition in campaign.condition_names(stage):
         yield from (Part(plant, condition, first, what) for first in range(0, count, CHUNK * PART))
 
 
 def _faults(stage: Stage, what: str) -> Sequence[Injection]:
     derived = injections.derive(stage)
     return derived if what != LOSSES else [i for i in derived if injections.is_loss(i)]
-
-
-def _conditions(stage: Stage) -> Sequence[str]:
-    return (campaign.AT_REST, campaign.IN_MOTION) if stage.interface.set_points else (campaign.AT_REST,)
 
 
 def _name(design: str, part: Part) -> str:

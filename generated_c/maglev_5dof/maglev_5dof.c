@@ -715,23 +715,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     0.0168f);
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4) ? residual_0 : 0.0f), 0.0366f),
                     0.0124f);
-                bool contradictory_y1 = isolated_y1;
-                bool contradictory_y2 = isolated_y2;
-                bool contradictory_y3 = isolated_y3;
-                bool contradictory_y4 = isolated_y4;
+                bool left_out_now_y1 = isolated_y1;
+                bool left_out_now_y2 = isolated_y2;
+                bool left_out_now_y3 = isolated_y3;
+                bool left_out_now_y4 = isolated_y4;
                 if (redundancy_contradictions_0 < excluded_from) {
-                    contradictory_y1 = false;
-                    contradictory_y2 = false;
-                    contradictory_y3 = false;
-                    contradictory_y4 = false;
+                    left_out_now_y1 = false;
+                    left_out_now_y2 = false;
+                    left_out_now_y3 = false;
+                    left_out_now_y4 = false;
                 }
-                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory_y1);
-                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_y2);
-                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_y3);
-                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_y4);
-                const uint32_t redundancy_stuck_0_sum = maglev_5dof_flag(repeats_y1 && contradictory_y1) +
-                    maglev_5dof_flag(repeats_y2 && contradictory_y2) + maglev_5dof_flag(repeats_y3 &&
-                    contradictory_y3) + maglev_5dof_flag(repeats_y4 && contradictory_y4) + redundancy_stuck_0;
+                redundancy_excluded_y1_next = maglev_5dof_flag(left_out_now_y1);
+                redundancy_excluded_y2_next = maglev_5dof_flag(left_out_now_y2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(left_out_now_y3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(left_out_now_y4);
+                const uint32_t redundancy_stuck_0_sum = maglev_5dof_flag(repeats_y1 && left_out_now_y1) +
+                    maglev_5dof_flag(repeats_y2 && left_out_now_y2) + maglev_5dof_flag(repeats_y3 && left_out_now_y3) +
+                    maglev_5dof_flag(repeats_y4 && left_out_now_y4) + redundancy_stuck_0;
                 redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_sum != 0u);
                 determined = waited == 0u;
                 redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
@@ -739,10 +739,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_undecided_0_next = waited;
             }
         } else {
-            const bool wrong_choice = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
-                good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
-                (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
-            const uint32_t doubted = (wrong_choice) ? 1u : redundancy_undecided_0;
+            const bool readmitted_y1 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y1 != 0u) && !same_y1 &&
+                good_y1;
+            const bool readmitted_y2 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y2 != 0u) && !same_y2 &&
+                good_y2;
+            const bool readmitted_y3 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y3 != 0u) && !same_y3 &&
+                good_y3;
+            const bool readmitted_y4 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y4 != 0u) && !same_y4 &&
+                good_y4;
+            const uint32_t doubted = (readmitted_y1 || readmitted_y2 || readmitted_y3 || readmitted_y4) ? 1u :
+                redundancy_undecided_0;
             suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
             suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
             suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
@@ -767,6 +773,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, 0.0322f), 0.0168f);
             y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, 0.0366f), 0.0124f);
             determined = missing_at_most_1 && (doubted == 0u);
+            redundancy_excluded_y1_next = maglev_5dof_flag((redundancy_excluded_y1 != 0u) && !readmitted_y1);
+            redundancy_excluded_y2_next = maglev_5dof_flag((redundancy_excluded_y2 != 0u) && !readmitted_y2);
+            redundancy_excluded_y3_next = maglev_5dof_flag((redundancy_excluded_y3 != 0u) && !readmitted_y3);
+            redundancy_excluded_y4_next = maglev_5dof_flag((redundancy_excluded_y4 != 0u) && !readmitted_y4);
             redundancy_undecided_0_next = doubted;
         }
         regular = z_monitor.trusted && x_monitor.trusted && determined;

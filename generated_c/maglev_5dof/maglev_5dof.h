@@ -23,6 +23,8 @@
  *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00044 m/s (z) and hits a stop at
  *     0.0054 m/s (y)
  *   - in motion the machine reaches 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)
+ *   - at rest, tilted at 18.5 mm the machine reaches 0.0019 m/s (z) and 0.22 rad/s (phi) and hits a stop at 0.0052 m/s
+ *     (y)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -61,9 +63,9 @@
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
- * one is not clear:    | samples in a row, or the excluded | use stay in use,   | readings as they are; then i_d of all
- * all of y1, y2, y3    | one moves again after it stood    | an excluded one    | 2.5 A, i_q 0 A, at measured angles
- * and y4 are suspects  | still                             | stays replaced     |
+ * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then i_d of all
+ * all of y1, y2, y3    | one moves again after it stood    | another excluded   | 2.5 A, i_q 0 A, at measured angles
+ * and y4 are suspects  | still: it is used again           | one stays replaced |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the gaps left do not tell
  * and y4 refused or    | sample                            | its observer       | of y, phi, theta is predicted; x and

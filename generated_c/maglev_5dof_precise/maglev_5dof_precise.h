@@ -61,9 +61,9 @@
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
- * one is not clear:    | samples in a row, or the excluded | use stay in use,   | readings as they are; then i_d of all
- * all of y1, y2, y3    | one moves again after it stood    | an excluded one    | 2.5 A, i_q 0 A, at measured angles
- * and y4 are suspects  | still                             | stays replaced     |
+ * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then i_d of all
+ * all of y1, y2, y3    | one moves again after it stood    | another excluded   | 2.5 A, i_q 0 A, at measured angles
+ * and y4 are suspects  | still: it is used again           | one stays replaced |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the gaps left do not tell
  * and y4 refused or    | sample                            | its observer       | of y, phi, theta is predicted; x and

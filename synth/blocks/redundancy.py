@@ -12,8 +12,9 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
 
 A sensor without a group has an `innovation_monitor` of its own, which says whether it is trusted.
 
-A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its code
-stood still, and whose code then moves, makes the group undecided: the choice was wrong.
+A sensor that is named for `persistent` samples in a row is excluded until init, unless it was excluded because its code
+stood still and the code moves: the choice was wrong. The sensor is then used again, so that the wrong one may be found,
+and the group is undecided.
 
 ``determined`` says that the groups measure their coordinates: at most one reading of each is replaced, and nothing is
 undecided. ``regular`` says that further no reading without a group is replaced. ``sufficient`` says that at most
@@ -161,15 +162,18 @@ def _vote(
     score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
     least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
     isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
-    final, moved = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0), ca.SX(0)
-    stuck_now = sum((ca.if_else(stands[n] >= FRESH, isolated[n] * final, 0.0) for n in names), start=ca.SX(0))
-    for n in names:
-        moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(excluded[n], ca.logic_not(u[f"fault_{n}"])))
-        moved = ca.if_else(moves, 1, moved)
+    final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
+    left_out_now = {n: isolated[n] * final for n in names}
+    stuck_now = sum((ca.if_else(stands[n] >= FRESH, left_out_now[n], 0.0) for n in names), start=ca.SX(0))
+    moves = {n: ca.logic_and(ca.logic_not(same[n]), ca.logic_not(u[f"fault_{n}"])) for n in names}
+    readmitted = {n: ca.logic_and(stuck, ca.logic_and(excluded[n], moves[n])) for n in names}
     missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
     waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
-    wrong_choice = ca.logic_and(stuck, moved)
+    wrong_choice = ca.SX(0)
+    for n in names:
+        wrong_choice = ca.logic_or(wrong_choice, readmitted[n])
     doubted = ca.if_else(wrong_choice, 1, undecided)
+    left_out = {n: ca.logic_and(excluded[n], ca.logic_not(readmitted[n])) for n in names}
     value, suspects = {}, {}
     for n, w in weights.items():
         predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
@@ -182,7 +186,7 @@ def _vote(
         ),
         f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
-        **{f"excluded_{n}": by_case(excluded[n], isolated[n] * final, excluded[n]) for n in names},
+        **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)

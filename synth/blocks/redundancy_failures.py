@@ -28,7 +28,10 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
         f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row, and one has by far "
         f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
     )
-    unclear = f"the same in {decision.undecided} samples in a row, or the excluded one moves again after it stood still"
+    unclear = (
+        f"the same in {decision.undecided} samples in a row, or an excluded one moves again after it stood still: "
+        "it is used again"
+    )
     group = f"of {enumeration(names, 'and')}"
     alone = "no relation is left: another wrong one is not noticed"
     return [
@@ -36,7 +39,7 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
         Failure("one_wrong", f"one {group} frozen, offset, drifting or jumping", wrong, PARITY, f"from then on {alone}",
                 (), names),
         Failure("unclear", f"the same, but which one is not clear: all {group} are suspects", unclear,
-                "nothing: those in use stay in use, an excluded one stays replaced", "", (), names),
+                "nothing: those in use stay in use, another excluded one stays replaced", "", (), names),
         Failure("several_lost", f"two {group} refused or excluded" if most == 2 else f"2 to {most} {group} refused or "
                 "excluded", "in that sample", PREDICTION, "", names, names),
         Failure("too_many_lost", f"more than {most} {group} refused or excluded", "in that sample", PREDICTION, "",

@@ -78,8 +78,8 @@ def readings(
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
     related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
-    changed = (~same[:g] & excluded[:g] & good[:g]).any(axis=0)
-    undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & changed)
+    readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
+    undecided = after["waited"] | readmitted.any(axis=0)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
     before = np.where(same[g:], rows(state, of.states("before")[g:]), expected[g:])
     unanswered = rows(state, [f"probe_{n}_attempt" for n in of.others]) >= attempts
@@ -114,7 +114,7 @@ def readings(
     jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
     next |= dict(zip(of.states("jumps")[g:], jump_counts, strict=True))
     next |= dict(zip(of.states("excluded")[g:], out, strict=True))
-    leave_out = excluded[:g] | after["excluded"]
+    leave_out = (excluded[:g] & ~readmitted) | after["excluded"]
     decisions = dict(zip(of.states("excluded")[:g], leave_out, strict=True))
     decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
     decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0) | out.any(axis=0)

@@ -20,6 +20,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.declaration import Stage
+from synth.errors import SignalError
 from synth.fault import LATCH_BIT
 from synth.plant import Plant
 from synth.progress import Counted, Progress
@@ -111,17 +113,54 @@ def with_stops(rig: Rig) -> Rig:
     return replace(rig, stage=replace(stage, velocities=rates, stops=domain | dict(stage.stops)))
 
 
+def condition_names(stage: Stage) -> tuple[str, ...]:
+    """Return the names of the conditions; a stage without set-points has one."""
+    if not stage.interface.set_points:
+        return (AT_REST,)
+    return AT_REST, IN_MOTION, *(f"{AT_REST}, {pose}" for pose in stage.faults.poses)
+
+
 def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
-    """Return the conditions "at rest" and "in motion"; a stage without set-points has no motion."""
+    """Return the conditions "at rest", "in motion" and at rest in each declared pose, as in `condition_names`.
+
+    Raises SignalError for a pose with an unknown set-point, or one out of its range.
+    """
     campaign, T = rig.stage.faults, rig.period_s
     first_onset = round(campaign.settle_s / T)
-    still = Condition(AT_REST, campaign.settle_s + campaign.watch_s, {}, {}, (first_onset,))
-    if not rig.stage.interface.set_points:
+    rest_s, names = campaign.settle_s + campaign.watch_s, condition_names(rig.stage)
+    still = Condition(AT_REST, rest_s, {}, {}, (first_onset,))
+    if names == (AT_REST,):
         return (still,)
     onsets = tuple(first_onset + round(i * campaign.period_s / campaign.onsets / T) for i in range(campaign.onsets))
     duration = onsets[-1] * T + campaign.watch_s
     courses = _motion(rig, sample_times(duration, T))
-    return still, Condition(IN_MOTION, duration, _start(rig, courses), courses, onsets)
+    poses = [_hold(rig, pose, len(sample_times(rest_s, T))) for pose in campaign.poses.values()]
+    return (
+        still,
+        Condition(IN_MOTION, duration, _start(rig, courses), courses, onsets),
+        *(
+            Condition(name, rest_s, _start(rig, held), held, (first_onset,))
+            for name, held in zip(names[2:], poses, strict=True)
+        ),
+    )
+
+
+def _hold(rig: Rig, pose: Values, n: int) -> dict[str, Array]:
+    """Return n samples of the set-points of a pose."""
+    points = {s.name: s for s in rig.stage.interface.set_points}
+    for name, value in pose.items():
+        if name not in points:
+            known = ", ".join(points)
+            raise SignalError(
+                f"a pose of the fault campaign gives '{name}', which is no set-point: give some of {known}"
+            )
+        low, high = points[name].low, points[name].high
+        if not low <= value <= high:
+            raise SignalError(
+                f"the fault campaign has a pose with {name} = {value:g}; its range is the range {low:g} .. {high:g}; "
+                "choose a value in it"
+            )
+    return {name: np.full(n, value) for name, value in pose.items()}
 
 
 def _motion(rig: Rig, time: Array) -> dict[str, Array]:

@@ -103,6 +103,20 @@ def test_one_sensor_that_moves_after_it_was_excluded_as_frozen_makes_the_group_u
     assert out["regular"] == 0 and all(out[f"suspect_{n}"] for n in "abc")
 
 
+def test_a_sensor_that_was_excluded_wrongly_is_used_again_and_the_frozen_one_is_found() -> None:
+    """The codes of a and b stand still, and a wrong prediction accuses a; then a moves."""
+    runner, names = Runner(BLOCK), [s.name for s in BLOCK.states]
+    for k in range(16):
+        readings = moving(k) | ({"b": moving(10)["b"], "a": moving(10)["a"]} if k > 10 else {})
+        predicted = moving(k) | {"b": readings["b"], "a": moving(10)["a"] - 0.02 * max(k - 10, 0)}
+        runner(**sample(readings, predicted))
+    assert [runner.state[names.index(f"redundancy_excluded_{n}")] for n in "abc"] == [1, 0, 0]
+    for k in range(16, 24):
+        out = runner(**sample(moving(k) | {"b": moving(10)["b"]}, moving(k)))
+    assert [runner.state[names.index(f"redundancy_excluded_{n}")] for n in "abc"] == [0, 1, 0]
+    assert out["b_held"] == pytest.approx(moving(23)["b"]) and out["determined"] == 0
+
+
 @pytest.mark.parametrize(("stuck", "error", "frozen"), [(0.1, 0.0, 1), (0.95, 0.0, 0), (0.1, 2e-3, 0)])
 def test_a_code_that_stands_still_while_its_prediction_moves_is_frozen(stuck: float, error: float, frozen: int) -> None:
     """It is not at a stop, and not where the prediction was wrong while the code moved, as after missing calls."""

@@ -1,5 +1,6 @@
 """Fault campaign of the two-axis levitator: derived from its interface, measured on the plant, planted defects fail."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -127,6 +128,31 @@ def test_a_lost_sensor_is_noticed_at_once_named_and_latches(rig: Rig) -> None:
         assert run.named and not run.wrong_names and run.harms
         short = one(rig, kind, "z", duration="short")
         assert short.notice_s == 0 and short.latch_s == np.inf and short.named and not short.harms
+
+
+def test_a_pose_is_a_further_condition_at_rest(rig: Rig) -> None:
+    tried = with_campaign(rig, replace(SHORT_RUNS, poses={"aside": {"x_ref": 3e-4}}))
+    still, moving, aside = campaign.motion_and_standstill(tried)
+    assert [still.name, moving.name, aside.name] == ["at rest", "in motion", "at rest, aside"]
+    assert campaign.condition_names(tried.stage) == (still.name, moving.name, aside.name)
+    lost = [i for i in injections.derive(tried.stage) if i.kind == "not finite" and i.target == "x"]
+    healthy, runs = campaign.run(tried, 0, aside, silent, lost)
+    assert healthy.alarms == 0 and runs[0].condition == "at rest, aside" and runs[0].notice_s == 0
+    run, _ = campaign.run_healthy(tried, aside)
+    assert run["x"][0] == 3e-4 and abs(run["x"][-1] - 3e-4) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        ({"y_ref": 0.0}, "'y_ref', which is no set-point: give some of z_ref, x_ref"),
+        ({"x_ref": 1.0}, "x_ref = 1; its range is .*; choose a value in it"),
+        ({"x_ref": math.nan}, "x_ref = nan"),
+    ],
+)
+def test_a_pose_that_the_set_points_cannot_hold_is_refused(rig: Rig, pose: dict[str, float], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        campaign.motion_and_standstill(with_campaign(rig, replace(SHORT_RUNS, poses={"aside": pose})))
 
 
 def test_a_frozen_sensor_in_motion_is_never_noticed_and_harms(rig: Rig) -> None:

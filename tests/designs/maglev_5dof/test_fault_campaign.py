@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.maglev import motions, platen
+from designs.maglev import fault_campaign, motions, platen
 from designs.maglev.fault_handling import DEGRADED
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
@@ -138,10 +138,29 @@ def test_a_tilted_platen_that_loses_x_near_its_upper_stop_lands_without_tilting_
         assert np.abs(run["x"]).max() < 5e-3 and run.impacts["y"] < 0.02 and run["y"][-1] == platen.GAP[1]
 
 
-def test_a_handover_that_does_not_wait_at_small_gaps_tilts_the_platen_to_its_stop() -> None:
+def test_the_campaign_sees_a_handover_that_does_not_wait_at_small_gaps() -> None:
+    """The planted defect: the platen tilts to its stop, at rest in the tilted pose alone."""
     rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
     planted = with_defect(rig, "held_by_spring = 0.022f", "held_by_spring = 0.0f")
-    assert lose_x_tilted(planted, 6, 0.0185).impacts["theta"] > 0.5  # rad/s
+    lost = [Injection("sensor", "x", "not finite", "permanent")]
+    for condition in campaign.motion_and_standstill(rig):
+        sound, spoilt = (campaign.run(r, 6, condition, silent, lost)[1] for r in (rig, planted))
+        assert not any(run.impacts["theta"] for run in sound)
+        assert (max(run.impacts["theta"] for run in spoilt) > 0.5) == (condition.name == fault_campaign.TILTED)  # rad/s
+
+
+def freeze_tilted(rig: Rig, plant: int, name: str) -> campaign.FaultRun:
+    """Return the run in which a gap encoder freezes at rest in the tilted pose."""
+    tilted = next(c for c in campaign.motion_and_standstill(rig) if c.name == fault_campaign.TILTED)
+    return campaign.run(rig, plant, tilted, silent, [Injection("sensor", name, "frozen", "permanent")])[1][0]
+
+
+def test_a_frozen_gap_encoder_of_which_another_one_was_accused_first_is_found_in_the_landing() -> None:
+    """At rest predictions follow the frozen code; only while the platen lands does it stand still alone."""
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    planted = with_defect(rig, "(redundancy_excluded_y3 != 0u) && !readmitted_y3", "redundancy_excluded_y3 != 0u")
+    assert max(freeze_tilted(rig, 14, "y4").impacts.values()) < 0.06  # m/s, rad/s
+    assert freeze_tilted(planted, 14, "y4").impacts["y"] > 0.3  # m/s
 
 
 def wait_on_the_stop(rig: Rig) -> float:
