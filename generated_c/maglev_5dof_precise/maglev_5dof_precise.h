@@ -23,6 +23,8 @@
  *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00027 m/s (x) and hits a stop at
  *     0.0056 m/s (y)
  *   - in motion the machine reaches 0.0044 m/s (z) and 0.45 rad/s (theta) and hits a stop at 0.016 m/s (y)
+ *   - at rest, tilted at 18.5 mm the machine reaches 0.0019 m/s (z) and 0.45 rad/s (phi) and hits a stop at 0.0053 m/s
+ *     (y) and 0.24 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
