@@ -9,9 +9,8 @@ from synth.campaign import FaultCampaign, FaultLimit
 POSE = {"y_ref": 0.0185, "x_ref": 0.02, "z_ref": -0.02, "phi_ref": 0.5e-3, "theta_ref": 3e-3}  # m, rad
 LEVEL, TILTED = ("at rest", "in motion"), "at rest, tilted at 18.5 mm"
 ENCODERS = ("y?", "x", "z")
-SWINGS = (
-    0.30  # rad/s, 0.12 m/s at the motors: phi of the precise design, which swings on while the platen lies on its stop
-)
+# rad/s, 0.12 m/s at the motors: phi of the precise design, which swings on while the platen lies on its lower stop
+SWINGS = 0.30
 GONE = ("not finite", "out of range", "frozen")
 LIMITS = (  # one encoder that fails does not harm the machine; docs/decisions/maglev_landing.md states what is not met
     FaultLimit("false_alarms", 0.0),

@@ -157,7 +157,7 @@ def _hold(rig: Rig, pose: Values, n: int) -> dict[str, Array]:
         low, high = points[name].low, points[name].high
         if not low <= value <= high:
             raise SignalError(
-                f"the fault campaign has a pose with {name} = {value:g}; its range is the range {low:g} .. {high:g}; "
+                f"the fault campaign has a pose with {name} = {value:g}; its range is {low:g} .. {high:g}; "
                 "choose a value in it"
             )
     return {name: np.full(n, value) for name, value in pose.items()}
