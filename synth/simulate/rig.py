@@ -138,8 +138,9 @@ class Rig:
     ) -> Trajectory:
         """Simulate from rest at `start` (plant states; others start as declared by the stage) under set-points by name.
 
-        A set-point is a constant or (N,); a missing one stays at the initial position, or as near as its range allows. `options` are
-        further fields of `Scenario`. A controller that reads the number of missed calls gets that of `missed`.
+        A set-point is a constant or (N,); a missing one stays at the initial position, or as near as its range allows.
+        `options` are further fields of `Scenario`. A controller that reads the number of missed calls gets that of
+        `missed`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
