@@ -231,7 +231,12 @@ def numbers(plant: Plant) -> list[Constant]:
             "slot_pull", "m/N", lambda p: _half_c_over_h2(p) * _slot_length(p), f"half_c_over_h2 beta, {beta}"
         ),
         plant.constant("gap_offset", "m", _gap_offset, f"b0/2 + h_m/mu_rec - beta, {beta}"),
-        Constant("discriminant_factor", 16.0, "1", "4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c"),
+        Constant(
+            "discriminant_factor",
+            16.0,
+            "1",
+            "4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4)",
+        ),
     ]
 
 

@@ -311,6 +311,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
+ * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
 MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
@@ -1292,7 +1293,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
         /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
         static const float half_c_over_h2 = 0.0007232277f;
-        static const float discriminant_factor = 16.0f;         /* 1; 4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c */
+        /* 1; 4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4) */
+        static const float discriminant_factor = 16.0f;
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */

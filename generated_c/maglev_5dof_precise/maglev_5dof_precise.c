@@ -1482,7 +1482,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; of x, z */
         static const float half_I_over_r = 0.66347605f;
         static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
-        static const float discriminant_factor = 16.0f;         /* 1; 4 a c = 16 half_a half_c in b^2 = h^2 + 4 a c */
+        /* 1; 4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4) */
+        static const float discriminant_factor = 16.0f;
         /* A; largest direct current, rms: a little below the current limit */
         static const float direct_limit = 4.9492526f;
         static const float squared_current_limit = 24.5f;       /* A^2; square of the current limit, 7 A peak */

@@ -54,7 +54,11 @@ def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: fl
         d = ca.if_else(u["ready"], q - x["q_prev"], 0)
         s = k["fade"] * x["s"] + d
         r = k["fade"] * x["r"] + s + k["rho"] * x["s"]
-        return Step({rate.name: k["h"] * r}, {"q_prev": q, "s": s, "r": r})
+        return Step(
+            {rate.name: k["h"] * r},
+            {"q_prev": q, "s": s, "r": r},
+            notes=[f"{rate.name} = h * r_next with h = {values['h']:.6g} 1/s; a gain on it is printed times h."],
+        )
 
     width = signal.high - signal.low
     faded, fastest = (1 + SLACK) * width / (1 - fade), (1 + 2 * SLACK) * width / (T * H[1, 0])
