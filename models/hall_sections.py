@@ -34,6 +34,9 @@ the first such sample determine the suspects, because no state has followed a wr
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
 
+Frozen channel. Where predictions come `from_forces`, a converter that repeats its code is found by
+`synth.blocks.repeated_codes` and is the only suspect.
+
 Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
 first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
@@ -58,7 +61,7 @@ from models import hall_calibration, planar_stage
 from models import hall_contradictions as contradictions
 from models import hall_pairs as pairs
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import dead_reckoning, safety
+from synth.blocks import dead_reckoning, repeated_codes, safety
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal
@@ -75,7 +78,10 @@ SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sens
 SCALE_RANGE = 0.84, 1.2  # of voltages
 SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
+SCALE_GAIN_BETWEEN = 3 * SCALE_GAIN  # where it does so between two watches, in one of three samples
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
+# Codes in a row with which a channel is frozen. Noise of 3 codes repeats one so often once in 15 years; 13 um are 15.
+REPEATS = 12
 MEMORY = 4  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
@@ -84,7 +90,8 @@ PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples befor
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
 LARGEST = RAW["phi"].high + PREDICTED["phi"].high
 INNOVATION = Signal("innovation_phi", "rad", -LARGEST, LARGEST, "raw yaw of the sample before less the predicted one")
-HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
+READ = tuple(Signal(name, "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
+HELD = tuple(replace(s, name=f"{s.name}_held") for s in READ)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
 FAR = PITCHES * planar_stage.plant().parameter("l").value
@@ -107,6 +114,8 @@ RESIDUALS = (
     ),
 )
 NOTES = (
+    f"One voltage is watched at a time, while it repeats its code: with {REPEATS} in a row it is frozen, and a "
+    "contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of both.",
     "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
     "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
     "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
@@ -191,25 +200,37 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             output[dead_reckoning.MEASURED.name] = accepted
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
-        next["scale"] = by_case(_clip_scale(scale - gain * (X.m + Y.m)), scale, scale)
+        corrected = _clip_scale(scale - gain * (X.m + Y.m))
+        if from_forces:
+            corrected = ca.if_else(repeated_codes.is_between(x, REPEATS), corrected, scale)
+        next["scale"] = by_case(corrected, scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
-        next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
+        noticed = confirmed
+        if from_forces:
+            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE)
+            next |= {name: by_case(value, x[name], x[name]) for name, value in watch.next.items()}
+            noticed = ca.if_else(watch.finds, 1, confirmed)
+        next["contradiction_confirmed"] = by_case(noticed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
         output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
         unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if from_forces else common
         for name, flag in contradictions.suspects(x, A, unassigned).items():
+            if from_forces:
+                is_frozen = ca.fabs(x[repeated_codes.FROZEN] - (HALL.index(name) + 1)) < 1
+                flag = ca.if_else(x[repeated_codes.FROZEN], is_frozen, flag)
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        numbers = [*_numbers(A, l, regularisation), *(contradictions.innovation_numbers(A) if from_forces else [])]
+        numbers = [*_numbers(A, l, regularisation), *(_motion_numbers(A) if from_forces else [])]
         return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
+    inputs += READ if from_forces else ()
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if from_forces else []
     states, constants = (
         [*_states(predicted, from_forces), State(SCALE, 1.0)],
-        [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal)],
+        [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal, SCALE_GAIN_BETWEEN if from_forces else SCALE_GAIN)],
     )
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
@@ -238,15 +259,16 @@ def _states(predicted: bool, from_forces: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted and not from_forces else [replace(RAW["phi"], about="raw yaw of the sample before")]
+    watch = repeated_codes.states(READ, REPEATS) if from_forces else []
     reals = (*shown, *OFFSETS, *([INNOVATION] if from_forces else WITHIN), *last)
-    return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
+    return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals), *watch]
 
 
-def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
+def _scale_gains(cal: hall_calibration.Calibration, gain: float) -> list[Constant]:
     per_scale = 1 / (4 * cal.power[0])
     return [
         Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 sensing_power_0): the whole error of the scale"),
-        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 sensing_power_0)"),
+        Constant("scale_gain", gain * per_scale, "1/V^2", f"{gain:g} / (4 sensing_power_0)"),
     ]
 
 
@@ -277,6 +299,12 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
             f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
         ),
     ]
+
+
+def _motion_numbers(A: float) -> list[Constant]:
+    """Return the further numbers where predictions come from the forces."""
+    repeats = Constant("repeats", REPEATS, "1", "codes in a row with which a voltage is frozen", ("watch_left",))
+    return [*contradictions.innovation_numbers(A), repeats]
 
 
 def _clip_scale(scale: ca.SX) -> ca.SX:

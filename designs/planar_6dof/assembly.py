@@ -26,6 +26,12 @@ CONTRADICTION = (
     "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
     "even if they agree again, so the latch follows."
 )
+REPEATED = (
+    f"A Hall voltage that repeats its value is frozen with {sensing.REPEATS} in a row. The voltages are watched one after "
+    f"the other, so it takes at most {3 * (len(planar_stage.HALL) - 1) + sensing.REPEATS + 1} samples. From then on it "
+    "is suspected, and all Hall voltages stay refused until init. Sound converters need noise: with 3 codes rms one "
+    "repeats so often once in 15 years. Simulated without noise, a platen at rest latches."
+)
 PREDICTED = "none of the six voltages: x, y and yaw are predicted (dead reckoning)"
 USED_INSTEAD = {"refused_not_held": PREDICTED, "suspected": PREDICTED}
 REACTIONS = {"suspected": "all Hall voltages stay refused until init, so the latch follows"}
@@ -60,7 +66,7 @@ def design(
         experiments=experiments,
         reactions=REACTIONS,
         used_instead=USED_INSTEAD,
-        header_notes=[f"(n) is equation (n) of {papers.YU}.", START, CONTRADICTION],
+        header_notes=[f"(n) is equation (n) of {papers.YU}.", START, CONTRADICTION, REPEATED],
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import cost_stimuli
+from designs.planar_6dof import cost_stimuli, motion
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -31,12 +31,13 @@ WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it 
 AMPLITUDE = 0.15  # standard deviation of the relative error of all voltages
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
+REPEATED = 0.5  # share of samples in which the watched voltage repeats its code
 RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
 TINY = 1e-100  # V: the square of a smaller voltage may underflow
 LAW = ("loop_", "lqg_", "delay_")  # its Blocks
 SENSING, UNCONSTRAINED = (
     ("sensing_", "filter_", "reckoning_"),
-    ("sensing_contradiction_left", "sensing_first_"),
+    ("sensing_contradiction_left", "sensing_first_", "sensing_watch_", "sensing_frozen"),
 )  # prefixes of states; any value of the latter is plausible
 PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     3e-5,
@@ -83,7 +84,15 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     error = {a: rng.normal(0, PART, n) * subject.size * _saturating_error(block, plant, a) for a in allocation.AXES}
     references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _with_wrong_voltage(cost_stimuli.sensor_values(pose), rng, n) | references
+    known["sensing_watch_code"] = _watched_codes(states, inputs, rng)
     return {s: known.get(s, random) for s, random in states.items()}, inputs
+
+
+def _watched_codes(states: Columns, inputs: Columns, rng: np.random.Generator) -> NDArray[Any]:
+    """Return codes (N,) that the watched voltages repeat, or any other."""
+    channel, code = np.asarray(states["sensing_watch_channel"]).astype(int), states["sensing_watch_code"]
+    repeated = np.choose(channel, [inputs[name] for name in planar_stage.HALL])
+    return np.where(_random_flags(rng, len(code), REPEATED) > 0, repeated, code)
 
 
 def _samples_left(block: Block, states: Columns, rng: np.random.Generator) -> NDArray[Any]:
@@ -121,7 +130,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
             f"reckoning_{a}_position": predicted[a],
             f"reckoning_{a}_rate": rng.normal(0, VELOCITY_STEP, n),
         }
-    return columns
+    return columns | {f"reckoning_{a}_mean": rng.normal(0, PREDICTED, n) for a in motion.BIAS}
 
 
 def _first_residuals(rng: np.random.Generator, n: int) -> Columns:

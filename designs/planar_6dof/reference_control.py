@@ -49,6 +49,7 @@ FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s
 FARTHEST = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad
 BRAKING = 24  # samples
 REMAINING = 0.5  # of the rate, after a braking sample
+MEAN = {"phi": 0.9975}  # pole of the mean innovation
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
 VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
@@ -145,7 +146,9 @@ def sample(
 ) -> dead_reckoning.Sample:
     """Return what a sample tells about x, y and phi, for the demands in A that act and bandwidths in rad/s."""
     axes = {
-        a: dead_reckoning.Axis(scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a])
+        a: dead_reckoning.Axis(
+            scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a], MEAN.get(a, 0.0), BAD_SAMPLES - 1 + BRAKING
+        )
         for a, inertia in INERTIAS.items()
     }
     return dead_reckoning.Sample(measured, trusted, acting, T, axes)
@@ -201,7 +204,7 @@ def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     loops = {f"loop_{axis}_{part}": np.array(0.0) for axis in axes for part in ("integral", "lead")}
     guarded = guard.initial_state(dict.fromkeys(LIMITS, (0.0, 0.0)), PHASES, BAD_SAMPLES + BRAKING, HALL)
-    return guarded | loops | dead_reckoning.initial_state(INERTIAS)
+    return guarded | loops | dead_reckoning.initial_state(INERTIAS, MEAN)
 
 
 def finish_step(

@@ -21,6 +21,8 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.reference import repeated_codes
+
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
@@ -46,6 +48,7 @@ MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
 BRIDGED = PITCH / 2 + 2e-3  # m: from the middle of the pitch, in samples that are not measured
 SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
+REPEATS, WATCHED = 12, 3  # codes in a row of a frozen channel; samples for which a sound one is watched
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -133,6 +136,7 @@ def initial_state() -> dict[str, Array]:
 def initial_state_with_innovation() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
+    rest |= repeated_codes.initial_state("sensing", REPEATS)
     return rest | {"sensing_phi_raw": np.array(0.0), "sensing_innovation_phi": np.array(0.0)}
 
 
@@ -186,7 +190,7 @@ def sense(
     A, (ready, complete) = k.amplitude, flags
     phi = state["sensing_phi_raw"] if from_forces else predicted["phi"]
     scale = state["sensing_scale"]
-    v = {name: scale * v[name] for name in HALL}
+    read, v = v, {name: scale * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
     y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
@@ -216,8 +220,14 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
-    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
-    after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
+    share, corrects = SCALE_SHARE, accepted
+    if from_forces:
+        watched, between, is_found = repeated_codes.next_state("sensing", state, read, HALL, accepted, REPEATS)
+        share, corrects = WATCHED * SCALE_SHARE, accepted & between
+        confirmed = after["sensing_contradiction_confirmed"]
+        after |= watched | {"sensing_contradiction_confirmed": np.where(is_found, 1.0, confirmed)}
+    pace = np.where(ready > 0, share, 1.0) / (4 * k.power[0])
+    after["sensing_scale"] = np.where(corrects, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
     e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
     after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if from_forces else {}
     out |= {"measured": accepted} if from_forces else {}
@@ -265,7 +275,9 @@ def suspects(state: Columns, A: float, from_forces: bool = False) -> dict[str, A
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
     is_any = is_ambiguous | is_amplitude(state, A) | (from_forces & (rho <= 1))
-    return {name: flag | is_any for name, flag in wrong.items()}
+    frozen = np.asarray(state["sensing_frozen"]) if from_forces else np.zeros_like(rho)
+    numbers = {name: k for k, name in enumerate(HALL, 1)}
+    return {name: np.where(frozen > 0, frozen == numbers[name], flag | is_any) for name, flag in wrong.items()}
 
 
 def is_amplitude(state: Columns, A: float) -> Array:

@@ -17,7 +17,8 @@
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00014 m/s (z) and 0.0034 rad/s
  *     (theta)
- *   - in motion the machine reaches 0.0039 m/s (x) and 0.071 rad/s (psi)
+ *   - in motion the machine reaches 0.0039 m/s (x) and 0.095 rad/s (phi)
+ *   - at rest, tilted, off the middle the machine reaches 0.0035 m/s (y) and 0.2 rad/s (psi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -61,6 +62,11 @@
  * first within 4 samples. Up to then no bit is set, the two samples are not used, and predictions take their place.
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
+ *
+ * A Hall voltage that repeats its value is frozen with 12 in a row. The voltages are watched one after the other, so it
+ * takes at most 28 samples. From then on it is suspected, and all Hall voltages stay refused until init. Sound
+ * converters need noise: with 3 codes rms one repeats so often once in 15 years. Simulated without noise, a platen at
+ * rest latches.
  *
  * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
  * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,
@@ -146,6 +152,10 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
+    uint32_t sensing_watch_channel;     /* 1, 0 .. 5: number of the watched channel, from 0 */
+    uint32_t sensing_watch_left;        /* 1, 0 .. 13: codes in a row that are still missing */
+    uint32_t sensing_frozen;            /* 1, 0 .. 6: number of the channel that repeats a code, 0 if none does */
+    float sensing_watch_code;           /* V, -5 .. 5: of the watched channel, at first */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_x_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
@@ -153,6 +163,7 @@ typedef struct {
     float reckoning_y_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.04 .. 0.04: predicted rate times the sample period */
+    float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
     float filter_x_p;                   /* m, -0.2 .. 0.2: predicted position */
     float filter_x_s;                   /* m, -0.00400004 .. 0.00400004: predicted velocity times T */
     float filter_x_h;                   /* m, -0.00400004 .. 0.00400004: predicted acceleration times T^2/2 */
@@ -186,11 +197,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 260u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 280u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_260[(sizeof(planar_6dof_leadlag_state_t) == 260u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_280[(sizeof(planar_6dof_leadlag_state_t) == 280u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

@@ -111,6 +111,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
         .guard_left = 29u,
+        .sensing_watch_left = 13u,
         .sensing_scale = 1.0f,
     };
 }
@@ -190,6 +191,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5)
+         * One voltage is watched at a time, while it repeats its code: with 12 in a row it is frozen, and a
+         * contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of
+         * both.
          * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
          * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
          * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
@@ -201,57 +205,76 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float small_m = 2.5838993f;
         static const float significant_m = 0.25838992f;         /* V^2; 0.03 V_0^2: a larger excess m is significant */
         static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
-        const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
+        const float first_r_2_size = fabsf(sensing_first_r_2);
+        const float sensing_first_r_1 = state->sensing_first_r_1;
+        const float first_r_1_size = fabsf(sensing_first_r_1);
         const float sensing_first_m_x = state->sensing_first_m_x;
-        const float sensing_first_m_y = state->sensing_first_m_y;
-        const float first_squared = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) +
-            (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool is_jump = squared_jump < first_squared;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
+        const float sensing_first_m_y = state->sensing_first_m_y;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const float first_r_2_size = fabsf(sensing_first_r_2);
-        const bool r_exceeds_x = significant_r < first_r_2_size;
-        const float first_r_1_size = fabsf(sensing_first_r_1);
-        const bool r_exceeds_y = significant_r < first_r_1_size;
-        bool indicated_x_V_ax;
-        bool indicated_y_V_ay;
-        bool indicated_x_V_bx = m_exceeds_x;
-        bool indicated_y_V_by;
-        bool indicated_x_V_cx;
-        bool indicated_y_V_cy = m_exceeds_y;
-        if (is_jump) {
-            const bool nearly_zero_x = size_x < nearly_zero_m;
-            const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            indicated_x_V_ax = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
-            const bool nearly_zero_y = size_y < nearly_zero_m;
-            const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            indicated_y_V_ay = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
-            indicated_x_V_bx = (change_x + nearly_zero_m) < size_x;
-            indicated_y_V_by = r_exceeds_y && nearly_zero_y;
-            indicated_x_V_cx = r_exceeds_x && nearly_zero_x;
-            indicated_y_V_cy = (change_y + nearly_zero_m) < size_y;
-        } else {
-            const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
-            indicated_x_V_ax = any_r_exceeds || m_exceeds_x;
-            indicated_y_V_ay = any_r_exceeds || m_exceeds_y;
-            indicated_y_V_by = any_r_exceeds;
-            indicated_x_V_cx = any_r_exceeds;
-        }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) &&
             (first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
-            (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
-        const bool suspect_V_ax = indicated_x_V_ax || is_any;
-        const bool suspect_V_ay = indicated_y_V_ay || is_any;
-        const bool suspect_V_bx = indicated_x_V_bx || is_any;
-        const bool suspect_V_by = indicated_y_V_by || is_any;
-        const bool suspect_V_cx = indicated_x_V_cx || is_any;
-        const bool suspect_V_cy = indicated_y_V_cy || is_any;
+        const uint32_t sensing_frozen = state->sensing_frozen;
+        bool suspect_V_ax;
+        bool suspect_V_ay;
+        bool suspect_V_bx;
+        bool suspect_V_by;
+        bool suspect_V_cx;
+        bool suspect_V_cy;
+        if (sensing_frozen != 0u) {
+            suspect_V_ax = fabsf((float)sensing_frozen - 1.0f) < 1.0f;
+            suspect_V_ay = fabsf((float)sensing_frozen - 2.0f) < 1.0f;
+            suspect_V_bx = fabsf((float)sensing_frozen - 3.0f) < 1.0f;
+            suspect_V_by = fabsf((float)sensing_frozen - 4.0f) < 1.0f;
+            suspect_V_cx = fabsf((float)sensing_frozen - 5.0f) < 1.0f;
+            suspect_V_cy = fabsf((float)sensing_frozen - 6.0f) < 1.0f;
+        } else {
+            const float first_squared = (sensing_first_r_1 * sensing_first_r_1) +
+                (sensing_first_r_2 * sensing_first_r_2) +
+                (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+            const bool is_jump = squared_jump < first_squared;
+            const bool r_exceeds_x = significant_r < first_r_2_size;
+            const bool r_exceeds_y = significant_r < first_r_1_size;
+            bool indicated_x_V_ax;
+            bool indicated_y_V_ay;
+            bool indicated_x_V_bx = m_exceeds_x;
+            bool indicated_y_V_by;
+            bool indicated_x_V_cx;
+            bool indicated_y_V_cy = m_exceeds_y;
+            if (is_jump) {
+                const bool nearly_zero_x = size_x < nearly_zero_m;
+                const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) +
+                    sensing_first_r_2));
+                indicated_x_V_ax = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+                const bool nearly_zero_y = size_y < nearly_zero_m;
+                const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) +
+                    sensing_first_r_1));
+                indicated_y_V_ay = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+                indicated_x_V_bx = (change_x + nearly_zero_m) < size_x;
+                indicated_y_V_by = r_exceeds_y && nearly_zero_y;
+                indicated_x_V_cx = r_exceeds_x && nearly_zero_x;
+                indicated_y_V_cy = (change_y + nearly_zero_m) < size_y;
+            } else {
+                const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
+                indicated_x_V_ax = any_r_exceeds || m_exceeds_x;
+                indicated_y_V_ay = any_r_exceeds || m_exceeds_y;
+                indicated_y_V_by = any_r_exceeds;
+                indicated_x_V_cx = any_r_exceeds;
+            }
+            const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
+                (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
+            suspect_V_ax = indicated_x_V_ax || is_any;
+            suspect_V_ay = indicated_y_V_ay || is_any;
+            suspect_V_bx = indicated_x_V_bx || is_any;
+            suspect_V_by = indicated_y_V_by || is_any;
+            suspect_V_cx = indicated_x_V_cx || is_any;
+            suspect_V_cy = indicated_y_V_cy || is_any;
+        }
         other_amplitude = common;
 
         /* guard: range acceptance, hold, latch (continued) */
@@ -351,6 +374,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
          *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
+         *     suspect_V_ax = |frozen - 1| < 1 if frozen is set, else indicated_x_V_ax or is_any
+         *     suspect_V_ay = |frozen - 2| < 1 if frozen is set, else indicated_y_V_ay or is_any
+         *     suspect_V_bx = |frozen - 3| < 1 if frozen is set, else indicated_x_V_bx or is_any
+         *     suspect_V_by = |frozen - 4| < 1 if frozen is set, else indicated_y_V_by or is_any
+         *     suspect_V_cx = |frozen - 5| < 1 if frozen is set, else indicated_x_V_cx or is_any
+         *     suspect_V_cy = |frozen - 6| < 1 if frozen is set, else indicated_y_V_cy or is_any
          *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
          *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
@@ -379,7 +408,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float sensing_amplitude_weight = 0.02322072f;
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
-        static const float sensing_scale_gain = 3.219408e-05f;  /* 1/V^2; 0.001 / (4 sensing_power_0) */
+        static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -517,11 +546,46 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                const uint32_t sensing_watch_left = state->sensing_watch_left;
+                bool finds = false;
+                if (12u < sensing_watch_left) {
+                    state->sensing_watch_left = 12u;
+                    const float sensing_scale_sum = sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain :
+                        sensing_scale_gain) * (m_x + m_y)) - scale_middle;
+                    state->sensing_scale = scale_middle + planar_6dof_lqg_limit(sensing_scale_sum, scale_half_range);
+                } else {
+                    const uint32_t sensing_watch_channel = state->sensing_watch_channel;
+                    const bool watch_channel_at_least_5 = 5u <= sensing_watch_channel;
+                    float code;
+                    if (3u <= sensing_watch_channel) {
+                        code = (4u <= sensing_watch_channel) ? ((watch_channel_at_least_5) ? in->V_cy : in->V_cx) :
+                            in->V_by;
+                    } else {
+                        code = (1u <= sensing_watch_channel) ? ((2u <= sensing_watch_channel) ? in->V_bx : in->V_ay) :
+                            in->V_ax;
+                    }
+                    const uint32_t sensing_frozen_next = sensing_watch_channel + 1u;
+                    if (12u <= sensing_watch_left) {
+                        state->sensing_watch_left = 11u;
+                        state->sensing_watch_code = (fabsf(code) <= 5.0f) ? code : 0.0f;
+                    } else if (fabsf(code - state->sensing_watch_code) <= 0.0f) {
+                        const bool is_last = sensing_watch_left < 2u;
+                        finds = is_last;
+                        if (is_last) {
+                            state->sensing_frozen = sensing_frozen_next;
+                        } else {
+                            state->sensing_watch_left = sensing_watch_left - 1u;
+                        }
+                    } else {
+                        state->sensing_watch_channel = (watch_channel_at_least_5) ? 0u : sensing_frozen_next;
+                        state->sensing_watch_left = 13u;
+                    }
+                }
+                if (finds) {
+                    state->sensing_contradiction_confirmed = 1u;
+                }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_scale_sum = sensing_scale -
-                    (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)) - scale_middle;
-                state->sensing_scale = scale_middle + planar_6dof_lqg_limit(sensing_scale_sum, scale_half_range);
             }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
@@ -548,7 +612,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
+         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
+         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
+         *         * phi_mean
+         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
+         *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
+         *         phi_limit) */
         static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
         static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
         static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
@@ -563,9 +633,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float reckoning_phi_rate_gain = 0.000225f; /* 1; (1 - r)^2, r = 0.985 */
         /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
         static const float reckoning_phi_half_step = 0.00017442106f;
+        static const float reckoning_phi_mean_gain = 0.0025f;   /* 1; 1 - r_m, r_m = 0.9975 */
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
+        const float reckoning_phi_mean = state->reckoning_phi_mean;
         float corrected_x = x_raw;
         float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;
@@ -573,13 +645,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float corrected_phi = phi_raw;
         float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
+            const float innovation_phi_2 = phi_raw - reckoning_phi_position;
+            const float phi_mean_next = reckoning_phi_mean +
+                (reckoning_phi_mean_gain * (innovation_phi_2 - reckoning_phi_mean));
+            /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
+            state->reckoning_phi_mean = phi_mean_next;
             const float innovation_x_2 = x_raw - reckoning_x_position;
             corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
             rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
             const float innovation_y_2 = y_raw - reckoning_y_position;
             corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
             rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
-            const float innovation_phi_2 = phi_raw - reckoning_phi_position;
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi_2);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi_2);
             state->sensing_innovation_phi = innovation_phi_2;
@@ -602,13 +678,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
         const float middle_phi = rate_phi + a_phi;
         const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_limit);
-        const float phi_advance = middle_phi + a_phi;
         state->reckoning_x_position = x_next;
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, rate_limit);
         state->reckoning_y_position = y_next;
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, rate_limit);
         state->reckoning_phi_position = phi_next;
-        state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, phi_limit);
+        const float advance_phi = middle_phi + a_phi;
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
         const bool brakes = guard_left < latch_certain_from;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
@@ -671,6 +747,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+        /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.985: a steady innovation is a rate that is not predicted */
+        static const float reckoning_phi_bias_gain = 0.0361875f;
         static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
@@ -687,6 +765,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool is_late_x_raw = false;
         bool is_late_y_raw = false;
         if (brakes) {
+            const float phi_advance = advance_phi + (reckoning_phi_bias_gain * reckoning_phi_mean);
+
             /* braking: braking before the latch
              * With sound sensors the law moves x at 0.137 m/s and y at 0.30 m/s at most, by largest_error.
              * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
@@ -702,6 +782,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->phi_advance = phi_advance;
+            }
+#endif
         } else {
             const float law_x = (lqg_x_error_gain * ((is_close_x_raw) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
                 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
@@ -924,7 +1009,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->phi_raw = phi_raw;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
-            diagnostics->phi_advance = phi_advance;
             diagnostics->d_phi = d_phi;
             diagnostics->d_x = d_x;
             diagnostics->d_y = d_y;

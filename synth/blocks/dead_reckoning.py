@@ -10,6 +10,13 @@ e = q - p:
 The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
 e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
 
+A constant d also leaves the predicted rate behind the true one by
+
+    b T = e ((1 - r^2) + (1 - r)^2 / 2),  and in n samples without measurement d adds n (1 - r)^2 e to it.
+
+Where an axis has a `bias`, the rate that is given contains b for e = m and a declared n, with the mean innovation
+m+ = m + (1 - r_m) (e - m) over measured samples. The prediction itself stays as it is.
+
 In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
 prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
@@ -35,6 +42,19 @@ MEASURED = Signal("measured", "1", 0, 1, "the positions are measured in this sam
 
 @arguments.checked
 @dataclass(frozen=True)
+class RateBias:
+    """What a constant disturbance does to a predicted rate.
+
+    pole         r_m of the mean innovation, between 0 and 1
+    unmeasured   n, the samples without measurement after which the rate is to be right
+    """
+
+    pole: float
+    unmeasured: int
+
+
+@arguments.checked
+@dataclass(frozen=True)
 class Axis:
     """One axis q'' = b f of a machine.
 
@@ -44,6 +64,7 @@ class Axis:
     acceleration  b, in units of acceleration per unit of f
     fastest       bound of the rate, in the unit of q per s
     pole          r, between 0 and 1
+    bias          what to add to the rate for a constant disturbance, None for nothing
     """
 
     name: str
@@ -53,6 +74,7 @@ class Axis:
     acceleration: float
     fastest: float
     pole: float
+    bias: RateBias | None = None
 
     @property
     def per_effort(self) -> str:
@@ -75,7 +97,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
-    that is not positive, or a prediction whose unit is not that of the position.
+    that is not positive, a negative number of samples, or a prediction whose unit is not that of the position.
     """
     _check(name, axes)
 
@@ -91,11 +113,19 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, q)
             rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
             middle = rate + a
-            output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
+            advance = middle + a
+            if axis.bias:
+                mean = x[f"{axis.name}_mean"]
+                learnt = clip(mean + k[f"{axis.name}_mean_gain"] * (innovation - mean), _mean(axis))
+                named.append((replace(_mean(axis), name=f"{axis.name}_mean_next"), learnt))
+                next[f"{axis.name}_mean"] = ca.if_else(corrects, learnt, mean)
+                advance += k[f"{axis.name}_bias_gain"] * mean
+            output |= {axis.predicted.name: p, axis.advance(time).name: advance}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
             next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
         certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
+        certified |= {f"{axis.name}_mean_next": partial(_largest_mean, axis.bias, axis) for axis in axes if axis.bias}
         return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
@@ -119,6 +149,21 @@ def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
     return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
 
 
+def _largest_innovation(axis: Axis) -> float:
+    return axis.predicted.high + max(abs(axis.measured.low), axis.measured.high)
+
+
+def _mean(axis: Axis) -> Signal:
+    """Return the mean innovation, with room for rounding: a mean of innovations does not exceed the largest one."""
+    most = 1.001 * _largest_innovation(axis)
+    return Signal(f"{axis.name}_mean", axis.measured.unit, -most, most, "mean innovation")
+
+
+def _largest_mean(bias: RateBias, axis: Axis, u: float, e: float) -> float:
+    r = bias.pole
+    return (r * _mean(axis).high + (1 - r) * _largest_innovation(axis)) * (1 + 16 * u)
+
+
 def _half_step(axis: Axis, time: Discrete) -> float:
     return axis.acceleration * time.period_s**2 / 2
 
@@ -126,15 +171,25 @@ def _half_step(axis: Axis, time: Discrete) -> float:
 def _states(axis: Axis, time: Discrete) -> list[State]:
     predicted = replace(axis.predicted, name=f"{axis.name}_position", about="position predicted for this sample")
     rate = replace(axis.advance(time), name=f"{axis.name}_rate")
-    return [State(predicted, min(max(0.0, predicted.low), predicted.high)), State(rate, 0.0)]
+    states = [State(predicted, min(max(0.0, predicted.low), predicted.high)), State(rate, 0.0)]
+    return [*states, State(_mean(axis), 0.0)] if axis.bias else states
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:
     r, per = axis.pole, quotient_unit(axis.measured.unit, axis.effort.unit)
-    return [
+    constants = [
         Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
         Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
         Constant(f"{axis.name}_half_step", _half_step(axis, time), per, f"T^2 / 2 times {axis.per_effort}"),
+    ]
+    if not axis.bias:
+        return constants
+    n, mean_gain = axis.bias.unmeasured, 1 - axis.bias.pole
+    gain, source = 1 - r**2 + (0.5 + n) * (1 - r) ** 2, f"(1 - r^2) + ({n} + 1/2) (1 - r)^2, r = {r:g}"
+    return [
+        *constants,
+        Constant(f"{axis.name}_mean_gain", mean_gain, "1", f"1 - r_m, r_m = {axis.bias.pole:g}"),
+        Constant(f"{axis.name}_bias_gain", gain, "1", f"{source}: a steady innovation is a rate that is not predicted"),
     ]
 
 
@@ -151,8 +206,11 @@ def _check(name: str, axes: Sequence[Axis]) -> None:
     if not axes:
         raise SignalError(f"'{name}' has no axis: give at least one")
     for axis in axes:
-        if not 0 < axis.pole < 1:
-            raise SignalError(f"the pole of axis '{axis.name}' is {axis.pole}: it must lie between 0 and 1")
+        for pole in (axis.pole, *([axis.bias.pole] if axis.bias else ())):
+            if not 0 < pole < 1:
+                raise SignalError(f"a pole of axis '{axis.name}' is {pole}: it must lie between 0 and 1")
+        if axis.bias and axis.bias.unmeasured < 0:
+            raise SignalError(f"axis '{axis.name}' is not measured for {axis.bias.unmeasured} samples: give 0 or more")
         if not axis.acceleration:
             raise SignalError(f"effort '{axis.effort.name}' accelerates axis '{axis.name}' by 0: give its acceleration")
         if not axis.fastest > 0:

@@ -7,6 +7,10 @@ Each axis is the double integrator q'' = b d, sampled with d held over a period:
 A measured position corrects the prediction by a Luenberger observer whose two poles coincide, placed by the
 characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it. d acts one sample late. While it
 brakes, d is what leaves a part of the predicted rate.
+
+Bias. The double integrator with a constant acceleration a besides b d is observed as well as possible in the steady
+state e = a T^2 / (1 - r)^2, with the error of the rate that follows from e = M e + T v + a T^2/2 - (what is predicted).
+The mean m of e tells a = m (1 - r)^2 / T^2, so the rate n samples later is in error by v + n a T.
 """
 
 from collections.abc import Iterable, Mapping
@@ -22,12 +26,17 @@ Columns = Mapping[str, Array]
 
 @dataclass(frozen=True)
 class Axis:
-    """The acceleration b per unit of demand, the bandwidth w in rad/s, and the bounds of rate and position."""
+    """The acceleration b per unit of demand, the bandwidth w in rad/s, and the bounds of rate and position.
+
+    `mean` is the pole of the mean innovation, 0 without one, and `unmeasured` is n.
+    """
 
     b: float
     w: float
     fastest: float
     farthest: float
+    mean: float = 0.0
+    unmeasured: int = 0
 
 
 @dataclass(frozen=True)
@@ -44,9 +53,10 @@ class Sample:
     axes: Mapping[str, Axis]
 
 
-def initial_state(axes: Iterable[str]) -> dict[str, Array]:
-    """Return the state after init, by name."""
-    return {f"reckoning_{axis}_{part}": np.array(0.0) for axis in axes for part in ("position", "rate")}
+def initial_state(axes: Iterable[str], with_mean: Iterable[str] = ()) -> dict[str, Array]:
+    """Return the state after init, by name; axes `with_mean` know the mean of their innovation."""
+    means = {f"reckoning_{axis}_mean": np.array(0.0) for axis in with_mean}
+    return {f"reckoning_{axis}_{part}": np.array(0.0) for axis in axes for part in ("position", "rate")} | means
 
 
 def predicted_pose(state: Columns, axes: Iterable[str]) -> dict[str, Array]:
@@ -60,20 +70,37 @@ def correct(axis: str, state: Columns, now: Sample) -> tuple[Array, Array]:
     At the first good sample, and where the sample is not complete, the position is that measured or bridged, and the
     rate stays as predicted.
     """
-    T, r, e = now.T, 1 - now.axes[axis].w * now.T, now.measured[axis] - state[f"reckoning_{axis}_position"]
+    e, M = now.measured[axis] - state[f"reckoning_{axis}_position"], observer_gain(now.axes[axis].w, now.T)
+    position, rate = (np.where(now.trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
+    return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / now.T + rate * e
+
+
+def observer_gain(w: float, T: float) -> Array:
+    """Return the gain M (2,) on position and rate."""
+    r = 1 - w * T
     A, C = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     characteristic = A @ A - 2 * r * A + r * r * np.eye(2)
-    M = np.linalg.solve(A, characteristic @ np.linalg.solve(np.vstack([C, C @ A]), [0.0, 1.0]))
-    position, rate = (np.where(now.trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
-    return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / T + rate * e
+    return np.asarray(np.linalg.solve(A, characteristic @ np.linalg.solve(np.vstack([C, C @ A]), [0.0, 1.0])))
+
+
+def rate_error(axis: Axis, T: float) -> float:
+    """Return the error of the rate for an innovation of 1, `unmeasured` samples after it.
+
+    The steady error (e, v) of the prediction is x = A (x - M e) + (T^2/2, T) a; its first row gives v.
+    """
+    M = observer_gain(axis.w, T)
+    a = M[1] / T  # of the second row: the correction of the rate is what a adds in a sample
+    v = (M[0] + T * M[1] - a * T**2 / 2) / T
+    return float(v + axis.unmeasured * a * T)
 
 
 def next_rates(state: Columns, now: Sample) -> dict[str, Array]:
-    """Return the rates of the next sample, when the demands of this one begin to act."""
+    """Return the rates of the next sample, when the demands of this one begin to act, less their bias."""
     rates = {}
-    for axis, acting in now.acting.items():
-        _, v = correct(axis, state, now)
-        rates[axis] = v + now.axes[axis].b * now.T * acting
+    for name, acting in now.acting.items():
+        axis, (_, v) = now.axes[name], correct(name, state, now)
+        bias = rate_error(axis, now.T) * state[f"reckoning_{name}_mean"] if axis.mean else 0.0
+        rates[name] = v + axis.b * now.T * acting + bias
     return rates
 
 
@@ -97,4 +124,7 @@ def next_state(state: Columns, now: Sample) -> dict[str, Array]:
         values = {"position": at + T * v + acting * T**2 / 2, "rate": (v + acting * T) * T}
         bounds = {"position": now.axes[axis].farthest, "rate": now.axes[axis].fastest * T}
         after |= {f"reckoning_{axis}_{n}": np.clip(u, -bounds[n], bounds[n]) for n, u in values.items()}
+        if r := now.axes[axis].mean:
+            m, e = state[f"reckoning_{axis}_mean"], now.measured[axis] - state[f"reckoning_{axis}_position"]
+            after[f"reckoning_{axis}_mean"] = np.where(now.trusted, r * m + (1 - r) * e, m)
     return after

@@ -20,6 +20,7 @@ from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
 Wires = Mapping[str, str | Mapping[str, float]]
+DITHER = 1e-4  # of the declared noise, of an ideal sensor
 
 
 class Simulate(Protocol):
@@ -113,8 +114,11 @@ class Rig:
 
     @property
     def ideal(self) -> "Rig":
-        """The same rig with ideal sensors: without noise and quantisation."""
-        return replace(self, quantised=False, noise=0.0)
+        """The same rig with ideal sensors: without quantisation, and with DITHER of the declared noise.
+
+        Without any noise the sensors of a machine at rest repeat their readings, as frozen ones do.
+        """
+        return replace(self, quantised=False, noise=DITHER)
 
     @property
     def without_drive(self) -> "Rig":

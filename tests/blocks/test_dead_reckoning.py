@@ -68,6 +68,38 @@ def test_an_unknown_acceleration_is_the_innovation() -> None:
     assert (q - predicted)[-1] == pytest.approx(d * T**2 / (1 - R) ** 2, rel=1e-6)
 
 
+BIASED = replace(AXIS, bias=dead_reckoning.RateBias(0.99, 30))
+
+
+def left_after_braking(axis: Axis, change: float = 1.0) -> float:
+    """Return the rate that is left of an axis at rest after 30 samples without measurement in which it brakes.
+
+    A feedback on the position holds it against an unknown acceleration; `change` scales the gain of the bias.
+    """
+    reckoning = dead_reckoning.block("reckoning", TIME, [axis])
+    constants = [replace(c, value=change * c.value) if c.name == "q_bias_gain" else c for c in reckoning.constants]
+    brakes = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, 0.5)
+    whole = compose("whole", [replace(reckoning, constants=tuple(constants)), brakes],
+                    inputs=["q", "f", "ready", "measured", "law_f", "brakes"],
+                    outputs=["d_f", "q_predicted"])  # fmt: skip
+    step, x, d, q, v, f, predicted = whole.function(), whole.initial, 2.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(2000):
+        blind = k >= 1970
+        inputs = [predicted if blind else q, f, float(k > 0), float(not blind), -8.0 * q - 1.0 * v, float(blind)]
+        x, y = (np.asarray(u).ravel() for u in step(x, inputs))
+        predicted = float(x[0])
+        q, v = q + T * v + (B * f + d) * T**2 / 2, v + (B * f + d) * T
+        f = float(np.clip(y[0], -2, 2))
+    return abs(v)
+
+
+def test_braking_leaves_an_axis_at_rest_that_a_constant_acceleration_pushes() -> None:
+    """Without its bias the predicted rate is off by 2 d T / (1 - r) and more, and braking makes it a real one."""
+    assert left_after_braking(AXIS) > 0.05
+    assert left_after_braking(BIASED) < 0.1 * left_after_braking(AXIS)
+    assert left_after_braking(BIASED, change=0.0) > 0.05 and left_after_braking(BIASED, change=2.0) > 0.05
+
+
 def bridge(repeated: bool) -> float:
     """Return the largest jump of q over 20 bad samples under an unknown acceleration.
 
@@ -150,6 +182,12 @@ def test_what_cannot_be_is_refused() -> None:
     for field, value, text in wrong:
         with pytest.raises(SignalError, match=text):
             dead_reckoning.block("reckoning", TIME, [replace(AXIS, **{field: value})])
+    for bias, text in (
+        (dead_reckoning.RateBias(1.0, 3), "between 0 and 1"),
+        (dead_reckoning.RateBias(0.9, -1), "-1 samples"),
+    ):
+        with pytest.raises(SignalError, match=text):
+            dead_reckoning.block("reckoning", TIME, [replace(AXIS, bias=bias)])
     with pytest.raises(SignalError, match="at least one"):
         dead_reckoning.block("reckoning", TIME, [])
     with pytest.raises(SignalError, match="one unit"):

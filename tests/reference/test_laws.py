@@ -69,11 +69,14 @@ def test_its_integral_ends_at_the_achieved_demand() -> None:
 B, BANDWIDTH, INERTIA, REMAINING = 13.0, 48.0, 1.5, 0.5
 Q = Signal("q", "m", -0.1, 0.1)
 ACTING = Signal("acting_q", "A", -2.0, 2.0)
-AXIS = dead_reckoning_block.Axis("q", Q, replace(Q, name="q_predicted", low=-0.2, high=0.2), ACTING, B, 2.0, 1 - 0.048)
+MEAN, UNMEASURED = 0.99, 28
+BIAS = dead_reckoning_block.RateBias(MEAN, UNMEASURED)
+PREDICTED = replace(Q, name="q_predicted", low=-0.2, high=0.2)
+AXIS = dead_reckoning_block.Axis("q", Q, PREDICTED, ACTING, B, 2.0, 1 - 0.048, BIAS)
 DEMANDS = {"q": (replace(D, name="law_q"), replace(D, name="d_q"))}
 
 
-def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING) -> float:
+def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING, unmeasured: int = UNMEASURED) -> float:
     blocks = [
         dead_reckoning_block.block("reckoning", TIME, [AXIS]),
         braking.block("braking", TIME, [AXIS], DEMANDS, 1 - REMAINING),
@@ -84,7 +87,7 @@ def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING) -> float:
     u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "brakes")}
     now = dead_reckoning.Sample(
         {"q": u["q"]}, (u["ready"] > 0) & (u["measured"] > 0), {"q": u["acting_q"]}, T,
-        {"q": dead_reckoning.Axis(B, w, 2.0, 0.2)},
+        {"q": dead_reckoning.Axis(B, w, 2.0, 0.2, MEAN, unmeasured)},
     )  # fmt: skip
     rates, force = dead_reckoning.next_rates(x, now), {"q": u["law_q"] * B * INERTIA}
     demand = dead_reckoning.brake(force, rates, u["brakes"] > 0, T, {"q": INERTIA}, remaining)
@@ -94,5 +97,6 @@ def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING) -> float:
 
 def test_dead_reckoning_and_braking_agree_with_their_blocks() -> None:
     assert reckoning_gap() < 1e-11
-    assert reckoning_gap(w=50.0) > 1e-4 and reckoning_gap(remaining=0.6) > 1e-4
-    assert set(dead_reckoning.initial_state("q")) == {"reckoning_q_position", "reckoning_q_rate"}
+    assert reckoning_gap(w=50.0) > 1e-4 and reckoning_gap(remaining=0.6) > 1e-4 and reckoning_gap(unmeasured=0) > 1e-4
+    states = {f"reckoning_q_{part}" for part in ("position", "rate", "mean")}
+    assert set(dead_reckoning.initial_state("q", "q")) == states

@@ -32,7 +32,7 @@ def run(
     rig: Rig,
     channel: str = "",
     samples: int = 0,
-    value: float = np.nan,
+    value: Array | float = np.nan,
     speed: Mapping[str, float] = SPEEDS[0],
     duration: float = DURATION,
 ) -> Trajectory:
@@ -42,8 +42,17 @@ def run(
     references = {axis: ramp(v, start[axis], time) for axis, v in speed.items()}
     first = round(FAILS / rig.period_s)
     bad = np.isin(np.arange(len(time)), range(first, first + samples))
-    overrides = {channel: Override(bad, np.full(len(time), value))} if channel else {}
+    overrides = {channel: Override(bad, np.broadcast_to(value, len(time)))} if channel else {}
     return loops.simulate(rig, duration, references, start, overrides=overrides)
+
+
+def stuck_value(rig: Rig, channel: str, speed: Mapping[str, float], duration: float) -> Array:
+    """Return what a channel reads (N,) whose field sticks at the failure: the noise stays, so no code repeats."""
+    healthy = run(rig, speed=speed, duration=FAILS + 0.1)
+    sensor = next(s for s in rig.stage.interface.sensors if s.name == channel)
+    noise = np.random.default_rng(1).normal(0, sensor.noise, len(sample_times(duration, rig.period_s)))
+    value = float(np.asarray(healthy.measured[channel])[round(FAILS / rig.period_s)])
+    return np.asarray(sensor.resolution * np.round((value + noise) / sensor.resolution))
 
 
 def excursion(one: Trajectory, other: Trajectory) -> float:
@@ -61,8 +70,7 @@ def after_sticking(rig: Rig, channel: str) -> Array:
     for size in (0.02, 0.08, 0.14):
         for direction in (0.5, 3.9):
             speed = {"x": size * np.cos(direction), "y": size * np.sin(direction)}
-            healthy = run(rig, speed=speed, duration=STUCK_DURATION)
-            value = float(np.asarray(healthy.measured[channel])[round(FAILS / rig.period_s)])
+            value = stuck_value(rig, channel, speed, STUCK_DURATION)
             result = run(rig, channel, 10_000, value, speed, STUCK_DURATION)
             at = int(np.argmax(result.faults >> 31 & 1)) + round(COAST / rig.period_s)
             left.append([r[min(at, len(r) - 1)] for r in rates(result)] if result.faults[-1] >> 31 else [9.0, 9.0])

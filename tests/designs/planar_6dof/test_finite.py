@@ -71,7 +71,7 @@ def test_psi_is_what_gets_noisier(all_runs: Runs) -> None:
         assert figures["true psi, urad rms"] == pytest.approx(noise, rel=0.05)
         assert figures["true psi, urad rms"] > 50 * figures["true psi on the closed law, urad rms"]
         assert figures["true x, um rms"] / figures["true x on the closed law, um rms"] == pytest.approx(1.085, abs=0.02)
-        assert figures["x wanders without noise by, um"] < 1e-3
+        assert figures["x wanders without noise by, um"] < 1e-2  # of the dither of ideal sensors
         assert figures["x settles without noise at, um"] == pytest.approx(2.145, abs=0.01)
 
 

@@ -148,7 +148,8 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
             x, u = [state[s.name] for s in block.states], [inputs[n] for n in signal_names(block.inputs)]
             after, y = (np.asarray(v).ravel() for v in block.function()(x, u))
             size = np.array([s.signal.high - s.signal.low for s in block.states])
-            assert np.abs(y).max() < 1e-3 and (np.abs(after - x) / size).max() < 1e-3
+            rests = [not s.name.startswith("sensing_watch_") for s in block.states]  # the watch over codes goes on
+            assert np.abs(y).max() < 1e-3 and (np.abs(after - x) / size)[rests].max() < 1e-3
             assert state["guard_ready"] == 1 and not state["guard_latched"]
 
 

@@ -34,7 +34,7 @@ def test_steps_in_operation_are_near_it(subject: Subject) -> None:
 
 def test_a_state_of_another_name_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(random_steps, "UNCONSTRAINED", ("sensing_first_",))
-    with pytest.raises(SignalError, match="has the states sensing_contradiction_left with no value"):
+    with pytest.raises(SignalError, match="has the states sensing_contradiction_left, sensing_watch_channel"):
         random_steps.operating_steps(SUBJECTS["lqg"], PLANT, 10)
 
 

@@ -21,7 +21,7 @@ from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
-from tests.designs.planar_6dof.faulty_runs import COAST, FAILS, STUCK_DURATION, rates, run
+from tests.designs.planar_6dof.faulty_runs import COAST, FAILS, STUCK_DURATION, rates, run, stuck_value
 
 CHANNEL, SPEED, DIRECTION = "V_ay", 0.08, 5 / 3 * np.pi  # the run with the largest yaw rate of 540 on the nominal stage
 UNEQUAL = 0.02  # of the sensitivity: what RESIDUAL_BOUND of the contradictions allows for
@@ -46,8 +46,7 @@ def stick(rig: Rig) -> Failure:
     """Run the failure with the largest yaw rate that is left."""
     speed = {"x": SPEED * np.cos(DIRECTION), "y": SPEED * np.sin(DIRECTION)}
     first = round(FAILS / rig.period_s)
-    healthy = run(rig, speed=speed, duration=FAILS + 0.1)
-    stuck = run(rig, CHANNEL, 10_000, float(np.asarray(healthy.measured[CHANNEL])[first]), speed, STUCK_DURATION)
+    stuck = run(rig, CHANNEL, 10_000, stuck_value(rig, CHANNEL, speed, STUCK_DURATION), speed, STUCK_DURATION)
     braking, latch = (int(np.argmax(stuck.faults >> bit & 1)) for bit in (BRAKING_BIT, LATCH_BIT))
     return Failure(stuck, first, braking, latch)
 

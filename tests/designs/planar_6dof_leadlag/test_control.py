@@ -6,6 +6,7 @@ import pytest
 from designs.planar_6dof import interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
 from models import planar_allocation as allocation
+from models import planar_stage
 from synth.blocks import safety
 from synth.emit import write
 from synth.execute import host
@@ -88,6 +89,8 @@ def test_a_bad_measurement_for_long_takes_the_currents_to_zero(c64: host.Control
     n = 40
     inputs = {g.signal.name: np.zeros(n) for g in interface.INPUTS}
     inputs |= {name: np.full(n, v) for name, v in ideal_runs.at_rest().items()} | {"x_ref": np.full(n, 1e-4)}
+    rng = np.random.default_rng(0)
+    inputs |= {name: inputs[name] + rng.normal(0, 1e-4, n) for name in planar_stage.HALL}  # no code repeats
     inputs["d1"][10:] = np.nan
     got = c64.replay(inputs)
     latched = got.faults >> safety.LATCH_BIT > 0

@@ -1,0 +1,107 @@
+"""Repeated codes: found in the promised time in every channel, and neither by noise nor by bad readings."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import Block, Exprs, Step, build
+from synth.blocks import repeated_codes
+from synth.blocks.dead_reckoning import MEASURED
+from synth.errors import ModelError, SignalError
+from synth.reference import repeated_codes as reference
+from synth.signals import Signal
+from synth.statespace import Array
+from synth.timing import Discrete
+
+N, RANGE = 6, 5.0
+NAMES = ("a", "b", "c", "d")
+CHANNELS = [Signal(name, "V", -RANGE, RANGE) for name in NAMES]
+FOUND_WITHIN = 3 * (len(NAMES) - 1) + N + 1
+
+
+def watch(repeats: int = N, watched: int = N) -> Block:
+    """Return a Block that watches in measured samples; `watched` is the number it counts to, `repeats` the declared."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        after = repeated_codes.watch(x, [u[name] for name in NAMES], watched, RANGE)
+        next = {name: ca.if_else(u[MEASURED.name], value, x[name]) for name, value in after.next.items()}
+        return Step({"found": after.finds}, next)
+
+    states = repeated_codes.states(CHANNELS, repeats)
+    found = Signal("found", "1", 0, 1)
+    return build("w", Discrete(1e-3), law, inputs=[*CHANNELS, MEASURED], outputs=[found], states=states)
+
+
+def run(block: Block, codes: Mapping[str, Array], measured: Array | None = None) -> list[dict[str, float]]:
+    """Return the states after each sample."""
+    n = len(next(iter(codes.values())))
+    step, x, after = block.function(), block.initial, []
+    for k in range(n):
+        u = [codes[name][k] for name in NAMES] + [1.0 if measured is None else float(measured[k])]
+        x = np.asarray(step(x, u)[0]).ravel()
+        after.append(dict(zip((s.name for s in block.states), x, strict=True)))
+    return after
+
+
+def noisy(n: int, seed: int = 0) -> dict[str, Array]:
+    """Return codes (n,) that never repeat."""
+    return {name: np.random.default_rng([seed, i]).permutation(n) * 1e-3 for i, name in enumerate(NAMES)}
+
+
+@pytest.mark.parametrize("onset", range(20, 32))
+def test_a_frozen_channel_is_found_in_the_promised_time(onset: int) -> None:
+    for number, name in enumerate(NAMES, 1):
+        codes = noisy(60)
+        codes[name][onset:] = codes[name][onset]
+        found = [state["frozen"] for state in run(watch(), codes)]
+        assert found[-1] == number and max(found[: onset + N - 1]) == 0
+        assert int(np.argmax(np.array(found) > 0)) - onset <= FOUND_WITHIN
+
+
+def test_what_repeats_less_often_is_not_frozen_and_one_that_counts_less_finds_it() -> None:
+    """The planted defect: a watch that counts to one code fewer."""
+    codes = noisy(400)
+    for k in range(0, 400 - N, N + 1):  # so that a watch begins at each place of a row
+        codes["b"][k : k + N - 1] = codes["b"][k]
+    assert run(watch(), codes)[-1]["frozen"] == 0
+    assert run(watch(watched=N - 1), codes)[-1]["frozen"] == 2
+
+
+def test_samples_that_are_not_measured_do_not_count() -> None:
+    codes = noisy(80)
+    codes["c"][:] = 1.0
+    assert run(watch(), codes, np.zeros(80))[-1]["frozen"] == 0
+    assert run(watch(), codes, np.arange(80) % 2)[-1]["frozen"] == 3
+
+
+def test_a_reading_that_is_no_number_or_out_of_range_is_not_kept() -> None:
+    for bad in (np.nan, np.inf, 7.0):
+        codes = noisy(60) | {name: np.full(60, bad) for name in NAMES}
+        states = run(watch(), codes)
+        assert all(abs(s["watch_code"]) <= RANGE and s["frozen"] == 0 for s in states)
+
+
+def test_it_agrees_with_the_reference() -> None:
+    rng = np.random.default_rng(2)
+    codes = {name: np.round(rng.normal(0, 0.7, 3000)) for name in NAMES}
+    measured = rng.uniform(size=3000) < 0.8
+    state = reference.initial_state("w", N)
+    for k, after in enumerate(run(watch(), codes, measured)):
+        read = {name: codes[name][k] for name in NAMES}
+        next, between, found = reference.next_state("w", state, read, NAMES, measured[k], N)
+        assert {name: next[f"w_{name}"] for name in after} == after
+        assert between == (measured[k] and state["w_watch_left"] == N + 1) and not (found and between)
+        state = next
+    assert state["w_frozen"] > 0
+
+
+def test_what_cannot_be_watched_is_refused() -> None:
+    with pytest.raises(SignalError, match="two channels or more"):
+        repeated_codes.states(CHANNELS[:1], N)
+    with pytest.raises(SignalError, match="one range about 0"):
+        repeated_codes.states([CHANNELS[0], replace(CHANNELS[1], high=6.0)], N)
+    with pytest.raises(ModelError, match="2"):
+        repeated_codes.states(CHANNELS, 1)
