@@ -63,8 +63,8 @@ def test_a_frozen_channel_is_found_in_the_promised_time(onset: int) -> None:
 
 def test_what_repeats_less_often_is_not_frozen_and_one_that_counts_less_finds_it() -> None:
     """The planted defect: a watch that counts to one code fewer."""
-    codes = noisy(400)
-    for k in range(0, 400 - N, N + 1):  # so that a watch begins at each place of a row
+    codes, gaps = noisy(900), np.random.default_rng(1).integers(N, N + 4, 90)
+    for k in np.cumsum(gaps):  # at random, so that a watch begins at each place of a row
         codes["b"][k : k + N - 1] = codes["b"][k]
     assert run(watch(), codes)[-1]["frozen"] == 0
     assert run(watch(watched=N - 1), codes)[-1]["frozen"] == 2
