@@ -207,9 +207,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         noticed = confirmed
         if from_forces:
-            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE)
+            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE, confirmed)
             next |= {name: by_case(value, x[name], x[name]) for name, value in watch.next.items()}
-            noticed = ca.if_else(watch.finds, 1, confirmed)
+            noticed = watch.flag
         next["contradiction_confirmed"] = by_case(noticed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
         output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}

@@ -578,7 +578,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
                 const uint32_t sensing_watch_left = state->sensing_watch_left;
-                bool finds = false;
                 if (12u < sensing_watch_left) {
                     state->sensing_watch_left = 12u;
                     const float sensing_scale_sum = sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain :
@@ -601,9 +600,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                         state->sensing_watch_left = 11u;
                         state->sensing_watch_code = (fabsf(code) <= 5.0f) ? code : 0.0f;
                     } else if (fabsf(code - state->sensing_watch_code) <= 0.0f) {
-                        const bool is_last = sensing_watch_left < 2u;
-                        finds = is_last;
-                        if (is_last) {
+                        if (sensing_watch_left < 2u) {
+                            state->sensing_contradiction_confirmed = 1u;
                             state->sensing_frozen = sensing_frozen_next;
                         } else {
                             state->sensing_watch_left = sensing_watch_left - 1u;
@@ -612,9 +610,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                         state->sensing_watch_channel = (watch_channel_at_least_5) ? 0u : sensing_frozen_next;
                         state->sensing_watch_left = 13u;
                     }
-                }
-                if (finds) {
-                    state->sensing_contradiction_confirmed = 1u;
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;

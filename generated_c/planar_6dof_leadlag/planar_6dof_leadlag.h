@@ -63,10 +63,9 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
- * A Hall voltage that repeats its value is frozen with 12 in a row. The voltages are watched one at a time, so it takes
- * at most 28 samples. From then on it is suspected, and all Hall voltages stay refused until init. Sound converters
- * need noise: with 3 codes rms one repeats so often once in 15 years. Simulated without noise, a platen at rest
- * latches.
+ * A Hall voltage with the same value 12 times in a row is frozen. They are watched one at a time, so that takes at most
+ * 28 samples. From then on it is suspected, and all Hall voltages stay refused until init. Sound converters need noise:
+ * with 3 codes rms one repeats so often once in 15 years. Simulated without noise, a platen at rest latches.
  *
  * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
  * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,

@@ -35,10 +35,10 @@ LEFT, FROZEN = "watch_left", "frozen"
 
 @dataclass(frozen=True)
 class Watch:
-    """The next states of a watch, and whether it finds a frozen channel, 0 or 1."""
+    """The next states of a watch, and the flag that a frozen channel sets."""
 
     next: Exprs
-    finds: ca.SX
+    flag: ca.SX
 
 
 @arguments.checked
@@ -57,10 +57,10 @@ def states(channels: Sequence[Signal], repeats: int) -> list[State]:
     ]
 
 
-def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float) -> Watch:
+def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, flag: ca.SX) -> Watch:
     """Return what follows from the codes of a measured sample, for N `repeats` and a range of +-`largest`.
 
-    `x` has the states by name.
+    `x` has the states by name. A sample that finds a frozen channel sets the `flag`.
     """
     channel, left, found, last = x["watch_channel"], x[LEFT], x[FROZEN], len(codes) - 1
     code, kept = _select(channel, codes, 0), x["watch_code"]
@@ -76,7 +76,7 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float) -> Wat
         FROZEN: by_case(found, found, ca.if_else(is_last, channel + 1, found), found),
         "watch_code": by_case(kept, ca.if_else(ca.fabs(code) <= largest, code, 0), kept, kept),
     }
-    return Watch(next, by_case(0, 0, ca.if_else(is_last, 1, 0), 0))
+    return Watch(next, by_case(flag, flag, ca.if_else(is_last, 1, flag), flag))
 
 
 def is_between(x: Exprs, repeats: int) -> ca.SX:

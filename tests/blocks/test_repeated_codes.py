@@ -26,9 +26,9 @@ def watch(repeats: int = N, watched: int = N) -> Block:
     """Return a Block that watches in measured samples; `watched` is the number it counts to, `repeats` the declared."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        after = repeated_codes.watch(x, [u[name] for name in NAMES], watched, RANGE)
+        after = repeated_codes.watch(x, [u[name] for name in NAMES], watched, RANGE, ca.SX(0))
         next = {name: ca.if_else(u[MEASURED.name], value, x[name]) for name, value in after.next.items()}
-        return Step({"found": after.finds}, next)
+        return Step({"found": after.flag}, next)
 
     states = repeated_codes.states(CHANNELS, repeats)
     found = Signal("found", "1", 0, 1)
