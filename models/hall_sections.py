@@ -303,8 +303,7 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
 
 def _motion_numbers(A: float) -> list[Constant]:
     """Return the further numbers where predictions come from the forces."""
-    repeats = Constant("repeats", REPEATS, "1", "codes in a row with which a voltage is frozen", ("watch_left",))
-    return [*contradictions.innovation_numbers(A), repeats]
+    return [*contradictions.innovation_numbers(A), *repeated_codes.numbers(READ, REPEATS)]
 
 
 def _clip_scale(scale: ca.SX) -> ca.SX:

@@ -27,8 +27,8 @@ CONTRADICTION = (
     "even if they agree again, so the latch follows."
 )
 REPEATED = (
-    f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. They are watched one at a time, so "
-    f"that takes at most {3 * (len(planar_stage.HALL) - 1) + sensing.REPEATS + 1} samples. From then on it is "
+    f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. They are watched one at a time, "
+    f"which takes at most {3 * (len(planar_stage.HALL) - 1) + sensing.REPEATS + 1} samples. From then on it is "
     "suspected, and all Hall voltages stay refused until init. Sound converters need noise: with 3 codes rms one "
     "repeats so often once in 15 years. Simulated without noise, a platen at rest latches."
 )

@@ -424,6 +424,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
         static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
         static const uint32_t memory = 4u;                      /* 1; samples for which a contradiction is remembered */
+        static const uint32_t repeats = 12u;                    /* 1; codes in a row with which a channel is frozen */
+        static const uint32_t number_of_V_by = 3u;              /* 1; of the channels, from 0 */
+        static const uint32_t number_of_V_cx = 4u;              /* 1; of the channels, from 0 */
+        static const uint32_t number_of_V_cy = 5u;              /* 1; of the channels, from 0 */
+        static const uint32_t number_of_V_bx = 2u;              /* 1; of the channels, from 0 */
+        static const uint32_t between_watches = 13u;            /* 1; repeats + 1: no code is compared */
+        static const uint32_t code_kept = 11u;                  /* 1; repeats - 1: its first code is kept */
         static const float scale_middle = 1.02f;                /* 1; middle of the range of the scale, 0.84 .. 1.2 */
         static const float scale_half_range = 0.18f;            /* 1; half of the range of the scale, 0.84 .. 1.2 */
         static const float sensing_position_1 = 0.009938624f;   /* m; fit of the position in the calculated field */
@@ -578,29 +585,29 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
                 const uint32_t sensing_watch_left = state->sensing_watch_left;
-                if (12u < sensing_watch_left) {
-                    state->sensing_watch_left = 12u;
+                if (repeats < sensing_watch_left) {
+                    state->sensing_watch_left = repeats;
                     const float sensing_scale_sum = sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain :
                         sensing_scale_gain) * (m_x + m_y)) - scale_middle;
                     state->sensing_scale = scale_middle +
                         planar_6dof_leadlag_limit(sensing_scale_sum, scale_half_range);
                 } else {
                     const uint32_t sensing_watch_channel = state->sensing_watch_channel;
-                    const bool watch_channel_at_least_5 = 5u <= sensing_watch_channel;
+                    const bool watch_channel_at_least_5 = number_of_V_cy <= sensing_watch_channel;
                     float code;
-                    if (3u <= sensing_watch_channel) {
-                        code = (4u <= sensing_watch_channel) ? ((watch_channel_at_least_5) ? in->V_cy : in->V_cx) :
-                            in->V_by;
+                    if (number_of_V_by <= sensing_watch_channel) {
+                        code = (number_of_V_cx <= sensing_watch_channel) ?
+                            ((watch_channel_at_least_5) ? in->V_cy : in->V_cx) : in->V_by;
                     } else {
-                        code = (1u <= sensing_watch_channel) ? ((2u <= sensing_watch_channel) ? in->V_bx : in->V_ay) :
-                            in->V_ax;
+                        code = (1u <= sensing_watch_channel) ?
+                            ((number_of_V_bx <= sensing_watch_channel) ? in->V_bx : in->V_ay) : in->V_ax;
                     }
                     const uint32_t sensing_frozen_next = sensing_watch_channel + 1u;
-                    if (12u <= sensing_watch_left) {
-                        state->sensing_watch_left = 11u;
+                    if (repeats <= sensing_watch_left) {
+                        state->sensing_watch_left = code_kept;
                         state->sensing_watch_code = (fabsf(code) <= 5.0f) ? code : 0.0f;
                     } else if (fabsf(code - state->sensing_watch_code) <= 0.0f) {
-                        if (sensing_watch_left < 2u) {
+                        if (sensing_watch_left <= 1u) {
                             state->sensing_contradiction_confirmed = 1u;
                             state->sensing_frozen = sensing_frozen_next;
                         } else {
@@ -608,7 +615,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                         }
                     } else {
                         state->sensing_watch_channel = (watch_channel_at_least_5) ? 0u : sensing_frozen_next;
-                        state->sensing_watch_left = 13u;
+                        state->sensing_watch_left = between_watches;
                     }
                 }
                 state->sensing_offset_x = offset_x;

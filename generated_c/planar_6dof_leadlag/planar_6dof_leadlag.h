@@ -63,7 +63,7 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
- * A Hall voltage with the same value 12 times in a row is frozen. They are watched one at a time, so that takes at most
+ * A Hall voltage with the same value 12 times in a row is frozen. They are watched one at a time, which takes at most
  * 28 samples. From then on it is suspected, and all Hall voltages stay refused until init. Sound converters need noise:
  * with 3 codes rms one repeats so often once in 15 years. Simulated without noise, a platen at rest latches.
  *

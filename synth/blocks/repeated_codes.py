@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from synth import arguments, numeric
-from synth.block import Exprs, State
+from synth.block import Constant, Exprs, State
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
 
@@ -64,7 +64,7 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, flag: 
     """
     channel, left, found, last = x["watch_channel"], x[LEFT], x[FROZEN], len(codes) - 1
     code, kept = _select(channel, codes, 0), x["watch_code"]
-    same, is_last = ca.fabs(code - kept) <= 0, left < 2
+    same, is_last = ca.fabs(code - kept) <= 0, left <= 1
 
     def by_case(between: ca.SX | int, begins: ca.SX | int, repeated: ca.SX | int, differs: ca.SX | int) -> ca.SX:
         watched = ca.if_else(left >= repeats, begins, ca.if_else(same, repeated, differs))
@@ -77,6 +77,21 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, flag: 
         "watch_code": by_case(kept, ca.if_else(ca.fabs(code) <= largest, code, 0), kept, kept),
     }
     return Watch(next, by_case(flag, flag, ca.if_else(is_last, 1, flag), flag))
+
+
+def numbers(channels: Sequence[Signal], repeats: int) -> list[Constant]:
+    """Return the numbers that the C names, without 0 and 1."""
+    counts = {
+        "repeats": (repeats, "codes in a row with which a channel is frozen"),
+        "code_kept": (repeats - 1, "repeats - 1: its first code is kept"),
+        "between_watches": (repeats + 1, "repeats + 1: no code is compared"),
+    }
+    of_channels = (
+        Constant(f"number_of_{s.name}", k, "1", "of the channels, from 0", ("channel",))
+        for k, s in enumerate(channels)
+        if k > 1
+    )
+    return [*(Constant(name, n, "1", about, ("watch",)) for name, (n, about) in counts.items()), *of_channels]
 
 
 def is_between(x: Exprs, repeats: int) -> ca.SX:
