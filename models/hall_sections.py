@@ -198,6 +198,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
             output[dead_reckoning.MEASURED.name] = accepted
+            by_residuals = ca.logic_and(confirmed, x[repeated_codes.FROZEN] < 1)
+            output[dead_reckoning.CONTRADICTED.name] = by_residuals
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         corrected = _clip_scale(scale - gain * (X.m + Y.m))
@@ -227,7 +229,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     inputs += READ if from_forces else ()
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
-    outputs += [dead_reckoning.MEASURED] if from_forces else []
+    outputs += [dead_reckoning.MEASURED, dead_reckoning.CONTRADICTED] if from_forces else []
     states, constants = (
         [*_states(predicted, from_forces), State(SCALE, 1.0)],
         [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal, SCALE_GAIN_BETWEEN if from_forces else SCALE_GAIN)],

@@ -64,7 +64,7 @@ def sample(state: Columns, pose: Columns) -> dead_reckoning.Sample:
     trusted = (np.asarray(state["guard_ready"]) > 0) & pose["measured"]
     measured = {axis: pose[f"{axis}_raw"] for axis in GAIN}
     acting = {axis: state[f"delay_{axis}"] for axis in GAIN}
-    return shared.sample(measured, trusted, acting, float(PERIOD), BANDWIDTH)
+    return shared.sample(state, measured, trusted, acting, float(PERIOD), BANDWIDTH)
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:

@@ -137,7 +137,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
     measured = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}
     acting = {axis: state[f"lqg_{axis}_achieved"] for axis in HORIZONTAL}
-    now = shared.sample(measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
+    now = shared.sample(state, measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
     demands = shared.brake(demands, state, now, guarded.braked)
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])

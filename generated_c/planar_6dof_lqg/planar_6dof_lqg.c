@@ -153,10 +153,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
      *         <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left - 1)
      *     ready_next = 1 if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005,
      *         else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
-    /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
-    static const uint32_t braking_from = 24u;
-    /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
-    static const uint32_t latch_samples = 29u;
     static const float guard_refused_V_ax = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_ay = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_bx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
@@ -187,24 +183,25 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         &faults);
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
     const uint32_t guard_left = state->guard_left;
+
+    /* sensing: position and yaw, (1)-(5)
+     * One voltage is watched at a time, while it repeats its code: with 12 in a row it is frozen, and a
+     * contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of both.
+     * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that
+     * the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last
+     * one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted
+     * sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
+    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
+    static const float significant_r = 0.07043498f;             /* V; 0.024 V_0: a larger residual r is significant */
+    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
+    /* V^2; 0.3 V_0^2: largest change of a squared sine voltage that is small */
+    static const float small_m = 2.5838993f;
+    static const float significant_m = 0.25838992f;             /* V^2; 0.03 V_0^2: a larger excess m is significant */
+    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    const uint32_t sensing_frozen = state->sensing_frozen;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5)
-         * One voltage is watched at a time, while it repeats its code: with 12 in a row it is frozen, and a
-         * contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of
-         * both.
-         * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
-         * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
-         * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
-         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
-        static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
-        static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
-        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
-        /* V^2; 0.3 V_0^2: largest change of a squared sine voltage that is small */
-        static const float small_m = 2.5838993f;
-        static const float significant_m = 0.25838992f;         /* V^2; 0.03 V_0^2: a larger excess m is significant */
-        static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float first_r_2_size = fabsf(sensing_first_r_2);
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -219,7 +216,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) &&
             (first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const uint32_t sensing_frozen = state->sensing_frozen;
         bool suspect_V_ax;
         bool suspect_V_ay;
         bool suspect_V_bx;
@@ -309,6 +305,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
+
+    /* guard: range acceptance, hold, latch (continued) */
+    /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
+    static const uint32_t braking_from = 24u;
+    /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
+    static const uint32_t latch_samples = 29u;
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -615,9 +617,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
-         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
-         *         * phi_mean
          *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
          *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
          *         phi_limit) */
@@ -767,7 +766,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool is_late_x_raw = false;
         bool is_late_y_raw = false;
         if (brakes) {
-            const float phi_advance = advance_phi + (reckoning_phi_bias_gain * reckoning_phi_mean);
+            const bool contradicted = (sensing_contradiction_confirmed != 0u) && (sensing_frozen < 1u);
+            const float phi_advance = advance_phi +
+                ((contradicted) ? 0.0f : (reckoning_phi_bias_gain * reckoning_phi_mean));
 
             /* braking: braking before the latch
              * With sound sensors the law moves x at 0.137 m/s and y at 0.30 m/s at most, by largest_error.
@@ -786,6 +787,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_y = braking_y_gain * y_advance;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
+                diagnostics->contradicted = contradicted ? 1.0f : 0.0f;
                 diagnostics->phi_advance = phi_advance;
             }
 #endif
