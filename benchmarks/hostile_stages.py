@@ -9,7 +9,16 @@ from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import parity, robustness
 from synth.block import Constant
-from synth.blocks import axis, dead_reckoning, following, glsdc_estimator, landing, missed_calls, probe, redundancy
+from synth.blocks import (
+    axis,
+    dead_reckoning,
+    following,
+    glsdc_estimator,
+    landing,
+    missed_calls,
+    probe,
+    redundancy,
+)
 from synth.blocks.glsdc_model import Unknown
 from synth.plant import Plant
 from synth.signals import Signal
@@ -55,6 +64,10 @@ def examples() -> Mapping[str, Call]:
     return {
         "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
         "dead_reckoning.Axis": fields(moving),
+        "dead_reckoning.RateBias": {"pole": 0.99, "unmeasured": 28},
+        "repeated_codes.states": {"channels": coils, "repeats": 6},
+        "repeated_codes.numbers": {"channels": coils, "repeats": 6},
+        "repeated_codes.longest": {"channels": 6, "repeats": 14},
         "following.Axis": fields(behind),
         "following.block": {"time": Discrete(1e-3), "axes": [behind]},
         "dead_reckoning.block": {"axes": [moving]},

@@ -34,13 +34,13 @@ the first such sample determine the suspects, because no state has followed a wr
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
 
-Frozen channel. Where predictions come `from_forces`, a converter that repeats its code is found by
-`synth.blocks.repeated_codes` and is the only suspect.
+Frozen channel. Where predictions come `from_forces`, `synth.blocks.repeated_codes` watches the converters. The first
+that is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as for a
+refused voltage: what a torque has in it is more than what a frozen channel has added.
 
-Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
-first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
-amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
-amplitude of all voltages explains has its own bit and suspects all six.
+Amplitude. The voltages are multiplied by the scale of `models.hall_scale`; with a watch it changes between two:
+temperature, height and amplifiers change it slowly; a failed sensor changes m_x or m_y at once. A contradiction that
+another amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions `from_forces`, the raw pose less the predicted one counts in rho, over INNOVATION_BOUND: a
 channel that sticks shows a motion that the currents do not explain, long before the voltages contradict each other. An
@@ -57,9 +57,10 @@ from dataclasses import replace
 
 import casadi as ca
 
-from models import hall_calibration, planar_stage
+from models import hall_calibration, hall_scale, planar_stage
 from models import hall_contradictions as contradictions
 from models import hall_pairs as pairs
+from models.hall_scale import SCALE
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import dead_reckoning, repeated_codes, safety
 from synth.fault import Fault
@@ -75,13 +76,10 @@ EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise an
 # Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
 REGULARISATION, REGULARISATION_FROM_FORCES = 0.01, 2.5e-5  # the latter with predictions from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
-SCALE_RANGE = 0.84, 1.2  # of voltages
-SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
-SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
-SCALE_GAIN_BETWEEN = 3 * SCALE_GAIN  # where it does so between two watches, in one of three samples
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
-# Codes in a row with which a channel is frozen. Noise of 3 codes repeats one so often once in 15 years; 13 um are 15.
-REPEATS = 12
+# Codes in a row with which a channel is frozen. Noise of 3 codes has so many by chance once in 90 years or more; that
+# of 13 um is 15 codes.
+REPEATS = 14
 MEMORY = 4  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
@@ -114,8 +112,8 @@ RESIDUALS = (
     ),
 )
 NOTES = (
-    f"One voltage is watched at a time, while it repeats its code: with {REPEATS} in a row it is frozen, and a "
-    "contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of both.",
+    f"One voltage is watched at a time, while it repeats its code: with {REPEATS} in a row it is frozen and suspected. "
+    "The scale is corrected between two watches alone, so that no sample has the cost of both.",
     "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
     "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
     "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
@@ -125,7 +123,6 @@ SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each ot
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
 AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
-SCALE = Signal("scale", "1", *SCALE_RANGE, "nominal amplitude of the voltages over the estimated one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
@@ -202,19 +199,20 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             output[dead_reckoning.CONTRADICTED.name] = by_residuals
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
-        corrected = _clip_scale(scale - gain * (X.m + Y.m))
+        corrected = hall_scale.limit_scale(scale - gain * (X.m + Y.m))
         if from_forces:
             corrected = ca.if_else(repeated_codes.is_between(x, REPEATS), corrected, scale)
         next["scale"] = by_case(corrected, scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         noticed = confirmed
         if from_forces:
-            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE, confirmed)
+            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE, u["ready"], confirmed)
             next |= {name: by_case(value, x[name], x[name]) for name, value in watch.next.items()}
             noticed = watch.flag
         next["contradiction_confirmed"] = by_case(noticed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
-        output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
+        is_common = ca.logic_and(common, x[repeated_codes.FROZEN] < 1) if from_forces else common
+        output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, is_common, 0)}
         unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if from_forces else common
         for name, flag in contradictions.suspects(x, A, unassigned).items():
             if from_forces:
@@ -230,10 +228,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     inputs += READ if from_forces else ()
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED, dead_reckoning.CONTRADICTED] if from_forces else []
-    states, constants = (
-        [*_states(predicted, from_forces), State(SCALE, 1.0)],
-        [*pairs.constants(cal, EXCESS_WEIGHT), *_scale_gains(cal, SCALE_GAIN_BETWEEN if from_forces else SCALE_GAIN)],
-    )
+    states = [*_states(predicted, from_forces), State(SCALE, 1.0)]
+    scale_gains = hall_scale.gains(cal, repeated_codes.WATCHED if from_forces else 1)
+    constants = [*pairs.constants(cal, EXCESS_WEIGHT), *scale_gains]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
@@ -266,14 +263,6 @@ def _states(predicted: bool, from_forces: bool) -> list[State]:
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals), *watch]
 
 
-def _scale_gains(cal: hall_calibration.Calibration, gain: float) -> list[Constant]:
-    per_scale = 1 / (4 * cal.power[0])
-    return [
-        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 sensing_power_0): the whole error of the scale"),
-        Constant("scale_gain", gain * per_scale, "1/V^2", f"{gain:g} / (4 sensing_power_0)"),
-    ]
-
-
 def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
     """Return the numbers that the C names."""
     return [
@@ -288,29 +277,13 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         ),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
         Constant("max_within", WITHIN[0].high, "m", f"half of the pitch, and {BRIDGED:g} m for bad samples in a row"),
-        Constant(
-            "scale_middle",
-            SCALE_MIDDLE,
-            "1",
-            f"middle of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
-        ),
-        Constant(
-            "scale_half_range",
-            SCALE_HALF_RANGE,
-            "1",
-            f"half of the range of the scale, {SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}",
-        ),
+        *hall_scale.numbers(),
     ]
 
 
 def _motion_numbers(A: float) -> list[Constant]:
     """Return the further numbers where predictions come from the forces."""
     return [*contradictions.innovation_numbers(A), *repeated_codes.numbers(READ, REPEATS)]
-
-
-def _clip_scale(scale: ca.SX) -> ca.SX:
-    """Return a scale within its range, by its distance to the middle: one comparison where it is inside."""
-    return SCALE_MIDDLE + clip(scale - SCALE_MIDDLE, Signal("distance", "1", -SCALE_HALF_RANGE, SCALE_HALF_RANGE))
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

@@ -10,6 +10,7 @@ from designs.planar_6dof.random_steps import Subject
 from models import halbach, papers, planar_stage
 from models import hall_sections as sensing
 from synth import stage, standard_tasks
+from synth.blocks import repeated_codes
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
@@ -26,11 +27,13 @@ CONTRADICTION = (
     "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
     "even if they agree again, so the latch follows."
 )
+KNOWN_AFTER = repeated_codes.longest(len(planar_stage.HALL), sensing.REPEATS)
 REPEATED = (
-    f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. They are watched one at a time, "
-    f"which takes at most {3 * (len(planar_stage.HALL) - 1) + sensing.REPEATS + 1} samples. From then on it is "
-    "suspected, and all Hall voltages stay refused until init. Sound converters need noise: with 3 codes rms one "
-    "repeats so often once in 15 years. Simulated without noise, a platen at rest latches."
+    f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. One is watched at a time, so it "
+    f"becomes a suspect after {KNOWN_AFTER} samples, and one more for each value that a sound one repeats by chance. "
+    "The first that is frozen is named; the others are not examined. All Hall voltages then stay refused until init. "
+    "Sound converters need noise: with 3 codes rms one is taken for frozen once in 90 years, with 2 twice a year. "
+    "Simulated without noise, a platen at rest latches."
 )
 PREDICTED = "none of the six voltages: x, y and yaw are predicted (dead reckoning)"
 USED_INSTEAD = {"refused_not_held": PREDICTED, "suspected": PREDICTED}

@@ -6,10 +6,11 @@
 The demand d that was achieved in the sample before acts until the next one. The LQG law has it as a state, another law
 needs `delay`. Each axis is q'' = b d with d in A; b follows from force constant, arm and inertia. Both poles of an axis
 are r = 1 - w T. The bandwidths w are a compromise of each design: a faster filter has forgotten the motion when a
-channel that sticks is noticed, a slower one contradicts a sound measurement where the force differs from its model. So
-slow a filter takes the torque that the vertical currents of a tilted platen make for a yaw rate where there is none;
-braking adds the rate that the mean innovation tells. A converter that repeats its code is found before it shows in the
-motion. Figures: docs/decisions/planar_faults.md.
+channel that sticks is noticed, a slower one contradicts a sound measurement where the force differs from its model.
+
+So slow a filter predicts a yaw rate at standstill, where the vertical currents of a tilted platen make a torque about
+Z. The mean innovation shows that rate, and braking takes it into account. A converter that repeats its code is detected
+by that, if the motion does not show it earlier. Figures: docs/decisions/planar_faults.md.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +30,8 @@ Bandwidth = Mapping[str, float]  # of x, y and phi, rad/s
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
-# A mean over 400 samples, and the samples until the latch.
+# A mean over 400 samples, and the samples until the latch. A lost laser leaves the yaw measured until then: its rate is
+# corrected by a sixth too much.
 BIAS = {"phi": dead_reckoning.RateBias(0.9975, interface.BAD_SAMPLES - 1 + interface.BRAKING)}
 
 

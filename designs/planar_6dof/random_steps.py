@@ -31,13 +31,13 @@ WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it 
 AMPLITUDE = 0.15  # standard deviation of the relative error of all voltages
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
-REPEATED = 0.5  # share of samples in which the watched voltage repeats its code
+REPEATED, FROZEN = 0.5, 0.3  # shares of samples: the watched voltage repeats its code, a channel is frozen
 RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
 TINY = 1e-100  # V: the square of a smaller voltage may underflow
 LAW = ("loop_", "lqg_", "delay_")  # its Blocks
 SENSING, UNCONSTRAINED = (
     ("sensing_", "filter_", "reckoning_"),
-    ("sensing_contradiction_left", "sensing_first_", "sensing_watch_", "sensing_frozen"),
+    ("sensing_contradiction_left", "sensing_first_", "sensing_watch_"),
 )  # prefixes of states; any value of the latter is plausible
 PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     3e-5,
@@ -85,6 +85,7 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _with_wrong_voltage(cost_stimuli.sensor_values(pose), rng, n) | references
     known["sensing_watch_code"] = _watched_codes(states, inputs, rng)
+    known["sensing_frozen"] = states["sensing_frozen"] * _random_flags(rng, n, FROZEN)
     return {s: known.get(s, random) for s, random in states.items()}, inputs
 
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import reference_sensing
+from designs.planar_6dof import reference_sensing, reference_suspects
 from synth.reference import dead_reckoning, guard, lead_lag
 
 Array = NDArray[Any]
@@ -125,12 +125,12 @@ def guard_inputs(state: Columns, inputs: Columns) -> Guarded:
     accepted = guard.accept(state, inputs, {s: (-high, high) for s, high in LIMITS.items()}, HALL)
     good = accepted.good
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
-    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), True)
-    common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
+    suspected = reference_suspects.suspects(state, reference_sensing.harmonic(1), True)
+    common = reference_suspects.is_amplitude(state, reference_sensing.harmonic(1))
     word = accepted.word + np.sum(
         [(1 << len(good) + k) * (confirmed & suspected[s]) for k, s in enumerate(HALL)], axis=0
     )
-    word = word + (1 << 29) * (confirmed & common)
+    word = word + (1 << 29) * (confirmed & common & (np.asarray(state["sensing_frozen"]) == 0))
     before = np.asarray(state["guard_left"])
     all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > BRAKING)
     after = accepted.after | guard.count(state, all_good, BAD_SAMPLES + BRAKING)

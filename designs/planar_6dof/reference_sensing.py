@@ -40,15 +40,13 @@ COUNT, FARTHEST = 2, 0.16  # pitches to either side; m: of a raw position
 EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
 REGULARISATION = 0.01  # of the yaw
 REGULARISATION_FROM_FORCES = 2.5e-5  # where predictions come from the demands
-RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
-SIGNIFICANT_M, SIGNIFICANT_R, JUMP, MAX_KNOWN_YAW = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
+RESIDUAL_BOUND, EXCESS_BOUND = 0.08, 0.15  # of A, of A^2
 INNOVATION, YAW_INNOVATION = 6e-4, 0.4  # m; of A, times the square root of the yaw's information
 CONFIRMATION = 0.5  # of rho
-MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
 BRIDGED = PITCH / 2 + 2e-3  # m: from the middle of the pitch, in samples that are not measured
 SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
-REPEATS, WATCHED = 12, 3  # codes in a row of a frozen channel; samples for which a sound one is watched
+REPEATS, WATCHED = 14, 3  # codes in a row of a frozen channel; samples for which a sound one is watched
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -222,10 +220,12 @@ def sense(
     }
     share, corrects = SCALE_SHARE, accepted
     if from_forces:
-        watched, between, is_found = repeated_codes.next_state("sensing", state, read, HALL, accepted, REPEATS)
+        watched, between, is_frozen = repeated_codes.next_state(
+            "sensing", state, read, HALL, accepted, ready > 0, REPEATS
+        )
         share, corrects = WATCHED * SCALE_SHARE, accepted & between
         confirmed = after["sensing_contradiction_confirmed"]
-        after |= watched | {"sensing_contradiction_confirmed": np.where(is_found, 1.0, confirmed)}
+        after |= watched | {"sensing_contradiction_confirmed": np.where(is_frozen, 1.0, confirmed)}
     pace = np.where(ready > 0, share, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(corrects, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
     e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
@@ -251,41 +251,6 @@ def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
     off = place + offset - predicted
     counted = offset + np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
     return np.where(np.abs(counted) <= COUNT * PITCH, counted, offset)
-
-
-def suspects(state: Columns, A: float, from_forces: bool = False) -> dict[str, Array]:
-    """Return whether each voltage may be wrong, from the first contradiction; of motion alone all may."""
-    first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
-    least_r, least_m, nearly, small = (
-        SIGNIFICANT_R * RESIDUAL_BOUND * A,
-        SIGNIFICANT_M * EXCESS_BOUND * A**2,
-        NEARLY_ZERO * A**2,
-        SMALL_CHANGE * A**2,
-    )
-    m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
-    m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
-    rho = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0))
-    is_jump = rho > JUMP
-    is_ambiguous = (np.abs(first["phi"]) > MAX_KNOWN_YAW) | (~is_jump & np.all(m_exceeds, axis=0))
-    any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
-    for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
-        before = first["s_x" if i == 0 else "s_y"]
-        change = np.abs((before + r[i]) ** 2 - before**2)
-        wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
-        wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
-        wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    is_any = is_ambiguous | is_amplitude(state, A) | (from_forces & (rho <= 1))
-    frozen = np.asarray(state["sensing_frozen"]) if from_forces else np.zeros_like(rho)
-    numbers = {name: k for k, name in enumerate(HALL, 1)}
-    return {name: np.where(frozen > 0, frozen == numbers[name], flag | is_any) for name, flag in wrong.items()}
-
-
-def is_amplitude(state: Columns, A: float) -> Array:
-    """Return whether the amplitude of all voltages explains the first contradiction; then all are wrong."""
-    m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
-    is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > SIGNIFICANT_M * EXCESS_BOUND * A**2
-    is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > SIGNIFICANT_R * RESIDUAL_BOUND * A
-    return np.asarray(is_large & ~is_yaw & (np.abs(m_x - m_y) < MAX_SPREAD * np.abs(m_x + m_y)))
 
 
 def filter_positions(

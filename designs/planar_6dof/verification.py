@@ -39,8 +39,9 @@ LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
 TILTS = {"phi": 5e-3, "z": 5e-5, "theta": 5e-4, "psi": 5e-4}  # m, rad
 SHORT = 1.0  # s
-# m, rad: single against double with noise but ideal converters, at most 1 % of the noise of raw x, y or phi, and
-# half of the laser noise in z, theta or psi
+# m, rad: single against double with noise but ideal converters, at most 1 % of the noise of raw x or y, 2 % of phi, and
+# half of the laser noise in z, theta or psi. Without converters a voltage repeats in single precision now and then; the
+# watch over repeated codes then goes on a sample later, and so does the scale, which turns the raw yaw.
 LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-5, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
 # m, rad rms: with converters, where a count of 0.84 um or 0.1 mrad sometimes differs; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}

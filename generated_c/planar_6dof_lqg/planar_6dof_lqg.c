@@ -111,7 +111,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
         .guard_left = 29u,
-        .sensing_watch_left = 13u,
+        .sensing_watch_left = 15u,
         .sensing_scale = 1.0f,
     };
 }
@@ -185,8 +185,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t guard_left = state->guard_left;
 
     /* sensing: position and yaw, (1)-(5)
-     * One voltage is watched at a time, while it repeats its code: with 12 in a row it is frozen, and a
-     * contradiction is confirmed. The scale advances between two watches, so that no sample has the cost of both.
+     * One voltage is watched at a time, while it repeats its code: with 14 in a row it is frozen and suspected. The
+     * scale is corrected between two watches alone, so that no sample has the cost of both.
      * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that
      * the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last
      * one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted
@@ -199,6 +199,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 V_0^2: a larger excess m is significant */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
     const uint32_t sensing_frozen = state->sensing_frozen;
+    const bool frozen_below_1 = sensing_frozen < 1u;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
@@ -271,7 +272,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_cx = indicated_x_V_cx || is_any;
             suspect_V_cy = indicated_y_V_cy || is_any;
         }
-        other_amplitude = common;
+        other_amplitude = common && frozen_below_1;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
@@ -395,13 +396,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
         static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
         static const uint32_t memory = 4u;                      /* 1; samples for which a contradiction is remembered */
-        static const uint32_t repeats = 12u;                    /* 1; codes in a row with which a channel is frozen */
-        static const uint32_t number_of_V_by = 3u;              /* 1; of the channels, from 0 */
-        static const uint32_t number_of_V_cx = 4u;              /* 1; of the channels, from 0 */
-        static const uint32_t number_of_V_cy = 5u;              /* 1; of the channels, from 0 */
-        static const uint32_t number_of_V_bx = 2u;              /* 1; of the channels, from 0 */
-        static const uint32_t between_watches = 13u;            /* 1; repeats + 1: no code is compared */
-        static const uint32_t code_kept = 11u;                  /* 1; repeats - 1: its first code is kept */
+        static const uint32_t repeats = 14u;                    /* 1; codes in a row with which a channel is frozen */
+        static const uint32_t index_of_V_by = 3u;               /* 1; among the channels, from 0 */
+        static const uint32_t index_of_V_cx = 4u;               /* 1; among the channels, from 0 */
+        static const uint32_t index_of_V_cy = 5u;               /* 1; among the channels, from 0 */
+        static const uint32_t index_of_V_bx = 2u;               /* 1; among the channels, from 0 */
+        static const uint32_t between_watches = 15u;            /* 1; repeats + 1: no code is compared */
+        static const uint32_t code_stored = 13u;                /* 1; repeats - 1: its first code is stored */
         static const float scale_middle = 1.02f;                /* 1; middle of the range of the scale, 0.84 .. 1.2 */
         static const float scale_half_range = 0.18f;            /* 1; half of the range of the scale, 0.84 .. 1.2 */
         static const float sensing_position_1 = 0.009938624f;   /* m; fit of the position in the calculated field */
@@ -557,24 +558,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
                 const uint32_t sensing_watch_left = state->sensing_watch_left;
                 if (repeats < sensing_watch_left) {
-                    state->sensing_watch_left = repeats;
+                    state->sensing_watch_left = (uint32_t)((guard_ready != 0u) ? 14.0f : 15.0f);
                     const float sensing_scale_sum = sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain :
                         sensing_scale_gain) * (m_x + m_y)) - scale_middle;
                     state->sensing_scale = scale_middle + planar_6dof_lqg_limit(sensing_scale_sum, scale_half_range);
                 } else {
                     const uint32_t sensing_watch_channel = state->sensing_watch_channel;
-                    const bool watch_channel_at_least_5 = number_of_V_cy <= sensing_watch_channel;
+                    const bool watch_channel_at_least_5 = index_of_V_cy <= sensing_watch_channel;
                     float code;
-                    if (number_of_V_by <= sensing_watch_channel) {
-                        code = (number_of_V_cx <= sensing_watch_channel) ?
+                    if (index_of_V_by <= sensing_watch_channel) {
+                        code = (index_of_V_cx <= sensing_watch_channel) ?
                             ((watch_channel_at_least_5) ? in->V_cy : in->V_cx) : in->V_by;
                     } else {
                         code = (1u <= sensing_watch_channel) ?
-                            ((number_of_V_bx <= sensing_watch_channel) ? in->V_bx : in->V_ay) : in->V_ax;
+                            ((index_of_V_bx <= sensing_watch_channel) ? in->V_bx : in->V_ay) : in->V_ax;
                     }
                     const uint32_t sensing_frozen_next = sensing_watch_channel + 1u;
                     if (repeats <= sensing_watch_left) {
-                        state->sensing_watch_left = code_kept;
+                        state->sensing_watch_left = code_stored;
                         state->sensing_watch_code = (fabsf(code) <= 5.0f) ? code : 0.0f;
                     } else if (fabsf(code - state->sensing_watch_code) <= 0.0f) {
                         if (sensing_watch_left <= 1u) {
@@ -766,7 +767,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool is_late_x_raw = false;
         bool is_late_y_raw = false;
         if (brakes) {
-            const bool contradicted = (sensing_contradiction_confirmed != 0u) && (sensing_frozen < 1u);
+            const bool contradicted = (sensing_contradiction_confirmed != 0u) && frozen_below_1;
             const float phi_advance = advance_phi +
                 ((contradicted) ? 0.0f : (reckoning_phi_bias_gain * reckoning_phi_mean));
 

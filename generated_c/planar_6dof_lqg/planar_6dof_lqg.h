@@ -63,9 +63,11 @@
  * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
  * again, so the latch follows.
  *
- * A Hall voltage with the same value 12 times in a row is frozen. They are watched one at a time, which takes at most
- * 28 samples. From then on it is suspected, and all Hall voltages stay refused until init. Sound converters need noise:
- * with 3 codes rms one repeats so often once in 15 years. Simulated without noise, a platen at rest latches.
+ * A Hall voltage with the same value 14 times in a row is frozen. One is watched at a time, so it becomes a suspect
+ * after 30 samples, and one more for each value that a sound one repeats by chance. The first that is frozen is named;
+ * the others are not examined. All Hall voltages then stay refused until init. Sound converters need noise: with 3
+ * codes rms one is taken for frozen once in 90 years, with 2 twice a year. Simulated without noise, a platen at rest
+ * latches.
  *
  * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
  * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,
@@ -146,9 +148,9 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
-    uint32_t sensing_watch_channel;     /* 1, 0 .. 5: number of the watched channel, from 0 */
-    uint32_t sensing_watch_left;        /* 1, 0 .. 13: codes in a row that are still missing */
-    uint32_t sensing_frozen;            /* 1, 0 .. 6: number of the channel that repeats a code, 0 if none does */
+    uint32_t sensing_watch_channel;     /* 1, 0 .. 5: index of the watched channel, from 0 */
+    uint32_t sensing_watch_left;        /* 1, 0 .. 15: 1 .. N: codes in a row that are still missing; N + 1 between two watches */
+    uint32_t sensing_frozen;            /* 1, 0 .. 6: number of the channel whose code repeats, from 1; 0: none */
     float sensing_watch_code;           /* V, -5 .. 5: of the watched channel, at first */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
@@ -252,7 +254,7 @@ typedef struct {
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
     float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
     float measured;                     /* 1: the positions are measured in this sample */
-    float contradicted;                 /* 1: innovations were those of a wrong measurement */
+    float contradicted;                 /* 1: the residuals contradict a measurement */
     float x_advance;                    /* m: predicted rate times the sample period */
     float y_advance;                    /* m: predicted rate times the sample period */
     float phi_advance;                  /* rad: predicted rate times the sample period */

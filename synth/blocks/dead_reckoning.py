@@ -14,9 +14,9 @@ A constant d also leaves the predicted rate behind the true one by
 
     b T = e ((1 - r^2) + (1 - r)^2 / 2),  and in n samples without measurement d adds n (1 - r)^2 e to it.
 
-Where an axis has a `bias`, the rate that is given contains b for e = m and a declared n, with the mean innovation
-m+ = m + (1 - r_m) (e - m) over measured samples. Once a measurement is ``contradicted``, m is what it has taught, and b
-is left out. The prediction itself stays as it is.
+Where an axis has a `bias`, its output rate includes b, computed with n and with the mean innovation of measured samples
+as e, m+ = m + (1 - r_m) (e - m). Once a measurement is ``contradicted``, m is wrong, too, and b is omitted. The
+prediction itself stays as it is.
 
 In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
 prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
@@ -39,7 +39,7 @@ from synth.timing import Discrete
 
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 MEASURED = Signal("measured", "1", 0, 1, "the positions are measured in this sample")
-CONTRADICTED = Signal("contradicted", "1", 0, 1, "innovations were those of a wrong measurement")
+CONTRADICTED = Signal("contradicted", "1", 0, 1, "the residuals contradict a measurement")
 
 
 @arguments.checked

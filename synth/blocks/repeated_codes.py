@@ -1,20 +1,22 @@
 """Repeated codes of converters: one channel is watched at a time, in the samples that are measured.
 
     n = N + 1   between two watches: n = N
-    n = N       a watch begins: the code of channel i is kept, y = y_i(k), and n = N - 1
+    n = N       a watch begins: the code of channel i is stored, y = y_i(k), and n = N - 1
     n < N       n = n - 1 while y_i(k) = y, and i is frozen once n was 1; else n = N + 1, and the next channel follows
 
-So a channel is frozen at its N-th code in a row. A sound converter is watched for three samples, so that a frozen one
-of m is found within 3 (m - 1) + N + 1 samples. `screening` compares all channels at once, which takes a state for each.
+So a channel is frozen at its N-th code in a row. A sound converter is watched for three samples, and for one more with
+each code that it repeats by chance. Without that a frozen one of m is known after 3 (m - 1) + N + 1 measured samples.
+The others are not examined any more. `screening` compares all channels at once, which takes a state for each of them.
 The samples between two watches are left to slow estimates, so no sample has the cost of both.
 
-The noise of a sound converter, with a standard deviation sigma of a code or more, repeats a code N - 1 times in a row
-with probability p^(N - 1), p = code / (2 sqrt(pi) sigma). Without noise, as in a simulation of ideal sensors, a body at
-rest is indistinguishable from a frozen converter.
+A sound converter whose noise has a standard deviation of sigma codes, 1 or more, has N equal codes in a row with
+probability (sqrt(2 pi) sigma)^(1 - N) / sqrt(N). Without noise, as in a simulation of ideal sensors, a body at rest is
+indistinguishable from a frozen converter.
 
 This is no Block: the one that decides whether a sample is measured has these states, and takes their next values there.
 It passes the codes as they are read. What a guard passes on would have to be kept until then, which costs more than the
-comparison. A code out of range is not kept, and NaN differs from every code.
+comparison. In a measured sample no code is out of range, since the guard has refused such ones; its limit makes the
+range of the stored code provable.
 
 Source: Gertler, "Fault Detection and Diagnosis in Engineering Systems", section 1.3 (limit and plausibility checks).
 """
@@ -29,7 +31,8 @@ from synth.block import Constant, Exprs, State
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
 
-MOST_REPEATS = 1000
+MOST_REPEATS = 1000  # 1 s at 1 kHz: a machine must not move unseen for longer
+WATCHED = 3  # samples for which a sound channel is watched
 LEFT, FROZEN = "watch_left", "frozen"
 
 
@@ -50,44 +53,57 @@ def states(channels: Sequence[Signal], repeats: int) -> list[State]:
     first, last, n = channels[0], len(channels) - 1, numeric.whole("the number of repeats", repeats, 2, MOST_REPEATS)
     _check(channels)
     return [
-        State(Signal("watch_channel", "1", 0, last, "number of the watched channel, from 0"), 0, True),
-        State(Signal(LEFT, "1", 0, n + 1, "codes in a row that are still missing"), n + 1, True),
-        State(Signal(FROZEN, "1", 0, last + 1, "number of the channel that repeats a code, 0 if none does"), 0, True),
+        State(Signal("watch_channel", "1", 0, last, "index of the watched channel, from 0"), 0, True),
+        State(
+            Signal(LEFT, "1", 0, n + 1, "1 .. N: codes in a row that are still missing; N + 1 between two watches"),
+            n + 1,
+            True,
+        ),
+        State(Signal(FROZEN, "1", 0, last + 1, "number of the channel whose code repeats, from 1; 0: none"), 0, True),
         State(Signal("watch_code", first.unit, first.low, first.high, "of the watched channel, at first"), 0.0),
     ]
 
 
-def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, flag: ca.SX) -> Watch:
+def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, goes_on: ca.SX, flag: ca.SX) -> Watch:
     """Return what follows from the codes of a measured sample, for N `repeats` and a range of +-`largest`.
 
-    `x` has the states by name. A sample that finds a frozen channel sets the `flag`.
+    `x` has the states by name. No watch begins until it `goes_on`. A sample that shows a channel to be frozen sets the
+    `flag`.
     """
-    channel, left, found, last = x["watch_channel"], x[LEFT], x[FROZEN], len(codes) - 1
-    code, kept = _select(channel, codes, 0), x["watch_code"]
-    same, is_last = ca.fabs(code - kept) <= 0, left <= 1
+    channel, left, frozen, last = x["watch_channel"], x[LEFT], x[FROZEN], len(codes) - 1
+    code, stored = _select(channel, codes, 0), x["watch_code"]
+    is_same, is_last = ca.fabs(code - stored) <= 0, left <= 1
 
-    def by_case(between: ca.SX | int, begins: ca.SX | int, repeated: ca.SX | int, differs: ca.SX | int) -> ca.SX:
-        watched = ca.if_else(left >= repeats, begins, ca.if_else(same, repeated, differs))
+    def by_phase(between: ca.SX | int, first: ca.SX | int, same: ca.SX | int, other: ca.SX | int) -> ca.SX:
+        watched = ca.if_else(left >= repeats, first, ca.if_else(is_same, same, other))
         return ca.if_else(is_between(x, repeats), between, watched)
 
+    begun = ca.if_else(goes_on, repeats, repeats + 1)
     next = {
-        "watch_channel": by_case(channel, channel, channel, ca.if_else(channel >= last, 0, channel + 1)),
-        LEFT: by_case(repeats, repeats - 1, ca.if_else(is_last, left, left - 1), repeats + 1),
-        FROZEN: by_case(found, found, ca.if_else(is_last, channel + 1, found), found),
-        "watch_code": by_case(kept, ca.if_else(ca.fabs(code) <= largest, code, 0), kept, kept),
+        "watch_channel": by_phase(channel, channel, channel, ca.if_else(channel >= last, 0, channel + 1)),
+        LEFT: by_phase(begun, repeats - 1, ca.if_else(is_last, left, left - 1), repeats + 1),
+        FROZEN: by_phase(frozen, frozen, ca.if_else(is_last, channel + 1, frozen), frozen),
+        "watch_code": by_phase(stored, ca.if_else(ca.fabs(code) <= largest, code, 0), stored, stored),
     }
-    return Watch(next, by_case(flag, flag, ca.if_else(is_last, 1, flag), flag))
+    return Watch(next, by_phase(flag, flag, ca.if_else(is_last, 1, flag), flag))
 
 
+@arguments.checked
+def longest(channels: int, repeats: int) -> int:
+    """Return the measured samples after which one of so many channels is known to be frozen."""
+    return WATCHED * (channels - 1) + repeats + 1
+
+
+@arguments.checked
 def numbers(channels: Sequence[Signal], repeats: int) -> list[Constant]:
     """Return the numbers that the C names, without 0 and 1."""
     counts = {
         "repeats": (repeats, "codes in a row with which a channel is frozen"),
-        "code_kept": (repeats - 1, "repeats - 1: its first code is kept"),
+        "code_stored": (repeats - 1, "repeats - 1: its first code is stored"),
         "between_watches": (repeats + 1, "repeats + 1: no code is compared"),
     }
     of_channels = (
-        Constant(f"number_of_{s.name}", k, "1", "of the channels, from 0", ("channel",))
+        Constant(f"index_of_{s.name}", k, "1", "among the channels, from 0", ("channel",))
         for k, s in enumerate(channels)
         if k > 1
     )

@@ -114,11 +114,11 @@ class Rig:
 
     @property
     def ideal(self) -> "Rig":
-        """The same rig with ideal sensors: without quantisation, and with DITHER of the declared noise.
+        """The same rig with ideal sensors: without quantisation, and with at most DITHER of the declared noise.
 
         Without any noise the sensors of a machine at rest repeat their readings, as frozen ones do.
         """
-        return replace(self, quantised=False, noise=DITHER)
+        return replace(self, quantised=False, noise=min(self.noise, DITHER))
 
     @property
     def without_drive(self) -> "Rig":

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import filtering, reference_sensing
+from designs.planar_6dof import filtering, reference_sensing, reference_suspects
 from models import hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
@@ -107,9 +107,9 @@ def reference_step(
     state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
-    suspicion = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
+    suspicion = {f"suspect_{name}": one for name, one in reference_suspects.suspects(state, A).items()}
     confirmed = state["sensing_contradiction_confirmed"]
-    is_amplitude = (confirmed > 0) & reference_sensing.is_amplitude(state, A)
+    is_amplitude = (confirmed > 0) & reference_suspects.is_amplitude(state, A)
     suspicion |= {"suspected": confirmed, "other_amplitude": is_amplitude}
     if predicted:
         poses = {axis: state[f"filter_{axis}_p"] for axis in filtering.AXES}

@@ -17,6 +17,7 @@ from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, hall_calibration, hall_sections, planar_stage, planar_voltages
 from models import planar_allocation as allocation
 from synth.block import Block
+from synth.blocks import repeated_codes
 from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.experiment import Experiment
 from synth.simulate.failure import Failure
@@ -180,7 +181,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:  # at rest, where no motion shows it
         f = failures.fail(lead, channel, "stuck")
         assert f.samples_to_detection is not None and not f.others
-        assert f.samples_to_detection <= 3 * (len(failures.HALL) - 1) + hall_sections.REPEATS + 2
+        assert f.samples_to_detection <= repeated_codes.longest(len(failures.HALL), hall_sections.REPEATS) + 3
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import reference_sensing
+from designs.planar_6dof import reference_sensing, reference_suspects
 from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.statespace import Array
@@ -67,7 +67,7 @@ def disagreement(n: int, columns: int, predicted: bool = True) -> float:
         apart = np.maximum(np.abs(np.vstack([y, x]) - expected), np.abs(by_c - expected))
         gap, size = np.maximum(gap, apart.max(axis=1)), np.maximum(size, np.abs(expected).max(axis=1))
     assert size[names.index("sensing_contradiction_left") + len(outputs)] >= sensing.MEMORY
-    assert all(one.any() for one in reference_sensing.suspects(state, A).values())  # every branch was taken
+    assert all(one.any() for one in reference_suspects.suspects(state, A).values())  # every branch was taken
     return float((gap / size).max())
 
 
