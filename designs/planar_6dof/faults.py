@@ -21,6 +21,7 @@ LIMITS = (
     FaultLimit("false_alarms", 0.0),
     *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
     *(FaultLimit(f"speed_{q}", v, "V_*", kind, duration="permanent") for q, v in RATES.items() for kind in LOST),
+    *(FaultLimit(f"speed_{q}", v, "d*", kind, duration="permanent") for q, v in RATES.items() for kind in REFUSED),
     *(FaultLimit(f"final_speed_{q}", v, "V_*", "frozen", duration="permanent") for q, v in RATES.items()),
 )
 # Torques of the vertical currents, and slopes of the Hall voltages that differ from those in the middle.
