@@ -78,6 +78,7 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
         plant, pose, rng, n
     )
     known |= _random_law_states(subject, plant, pose, rng, n)
+    known["sensing_frozen"] = states["sensing_frozen"] * _random_flags(rng, n, FROZEN)
     if unknown := [s for s in states if s.startswith(SENSING) and s not in known and not s.startswith(UNCONSTRAINED)]:
         listed = ", ".join(unknown)
         raise SignalError(f"'{block.name}' has the states {listed} with no value for a known pose: add them here")
@@ -85,7 +86,6 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _with_wrong_voltage(cost_stimuli.sensor_values(pose), rng, n) | references
     known["sensing_watch_code"] = _watched_codes(states, inputs, rng)
-    known["sensing_frozen"] = states["sensing_frozen"] * _random_flags(rng, n, FROZEN)
     return {s: known.get(s, random) for s, random in states.items()}, inputs
 
 

@@ -50,8 +50,8 @@ def states(channels: Sequence[Signal], repeats: int) -> list[State]:
 
     Raises SignalError for fewer than two channels, other ranges or units, ModelError for `repeats` out of 2 .. 1000.
     """
-    first, last, n = channels[0], len(channels) - 1, numeric.whole("the number of repeats", repeats, 2, MOST_REPEATS)
     _check(channels)
+    first, last, n = channels[0], len(channels) - 1, numeric.whole("the number of repeats", repeats, 2, MOST_REPEATS)
     return [
         State(Signal("watch_channel", "1", 0, last, "index of the watched channel, from 0"), 0, True),
         State(

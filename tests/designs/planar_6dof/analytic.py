@@ -19,6 +19,7 @@ from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
 from models import halbach, hall_calibration, hall_scale
 from models import hall_sections as sensing
+from synth.blocks import repeated_codes
 from synth.plant import Plant
 from synth.timing import Discrete
 
@@ -60,7 +61,7 @@ def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level, scale = sum(n * a for n, a in A.items()), sum(A.values()), 1.0
-    for share in (1.0, hall_scale.SCALE_GAIN):
+    for share in (1.0, repeated_codes.WATCHED * hall_scale.SCALE_GAIN):
         scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
     slope, level = scale * slope, scale * level
     if axis != "phi":

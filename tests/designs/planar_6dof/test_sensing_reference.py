@@ -93,9 +93,8 @@ def test_block_and_c_agree_with_the_reference_over_1e5_samples(predicted: bool) 
     ],
 )
 def test_another_reference_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        reference_sensing, name, (2.0 if name.startswith("SIGNIFICANT") else 1.1) * getattr(reference_sensing, name)
-    )
+    module = reference_sensing if hasattr(reference_sensing, name) else reference_suspects
+    monkeypatch.setattr(module, name, (2.0 if name.startswith("SIGNIFICANT") else 1.1) * getattr(module, name))
     assert disagreement(100, 400) > 1e-6
 
 
