@@ -71,7 +71,8 @@ def design(
         used_instead=USED_INSTEAD,
         header_notes=[f"(n) is equation (n) of {papers.YU}.", START, CONTRADICTION, REPEATED],
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
-        limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
+        # The last pitch of the travel, and the largest yaw: a voltage that has failed may show a larger one.
+        limited=(*verification.COUNTS, "sensing_phi_raw"),
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,
         faults=faults.CAMPAIGN,
