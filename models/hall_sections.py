@@ -206,7 +206,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         noticed = confirmed
         if from_forces:
-            watch = repeated_codes.watch(x, [u[s.name] for s in READ], REPEATS, VOLTAGE, u["ready"], confirmed)
+            watch = repeated_codes.watch(x, [u[s.name] for s in HELD], REPEATS, u["ready"], confirmed)
             next |= {name: by_case(value, x[name], x[name]) for name, value in watch.next.items()}
             noticed = watch.flag
         next["contradiction_confirmed"] = by_case(noticed, ca.if_else(left, 1, confirmed), confirmed)
@@ -225,7 +225,6 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
-    inputs += READ if from_forces else ()
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED, dead_reckoning.CONTRADICTED] if from_forces else []
     states = [*_states(predicted, from_forces), State(SCALE, 1.0)]

@@ -596,28 +596,28 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                         planar_6dof_leadlag_limit(sensing_scale_sum, scale_half_range);
                 } else {
                     const uint32_t sensing_watch_channel = state->sensing_watch_channel;
-                    const bool watch_channel_at_least_5 = index_of_V_cy <= sensing_watch_channel;
-                    float code;
+                    float code = V_ax_held;
+                    uint32_t other = index_of_V_cy;
+                    if (1u <= sensing_watch_channel) {
+                        code = (index_of_V_bx <= sensing_watch_channel) ? V_bx_held : V_ay_held;
+                        other = sensing_watch_channel - 1u;
+                    }
                     if (index_of_V_by <= sensing_watch_channel) {
                         code = (index_of_V_cx <= sensing_watch_channel) ?
-                            ((watch_channel_at_least_5) ? in->V_cy : in->V_cx) : in->V_by;
-                    } else {
-                        code = (1u <= sensing_watch_channel) ?
-                            ((index_of_V_bx <= sensing_watch_channel) ? in->V_bx : in->V_ay) : in->V_ax;
+                            ((index_of_V_cy <= sensing_watch_channel) ? V_cy_held : V_cx_held) : V_by_held;
                     }
-                    const uint32_t sensing_frozen_next = sensing_watch_channel + 1u;
                     if (repeats <= sensing_watch_left) {
                         state->sensing_watch_left = code_stored;
-                        state->sensing_watch_code = (fabsf(code) <= 5.0f) ? code : 0.0f;
+                        state->sensing_watch_code = code;
                     } else if (fabsf(code - state->sensing_watch_code) <= 0.0f) {
                         if (sensing_watch_left <= 1u) {
                             state->sensing_contradiction_confirmed = 1u;
-                            state->sensing_frozen = sensing_frozen_next;
+                            state->sensing_frozen = sensing_watch_channel + 1u;
                         } else {
                             state->sensing_watch_left = sensing_watch_left - 1u;
                         }
                     } else {
-                        state->sensing_watch_channel = (watch_channel_at_least_5) ? 0u : sensing_frozen_next;
+                        state->sensing_watch_channel = other;
                         state->sensing_watch_left = between_watches;
                     }
                 }

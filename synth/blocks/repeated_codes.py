@@ -14,9 +14,7 @@ probability (sqrt(2 pi) sigma)^(1 - N) / sqrt(N). Without noise, as in a simulat
 indistinguishable from a frozen converter.
 
 This is no Block: the one that decides whether a sample is measured has these states, and takes their next values there.
-It passes the codes as they are read. What a guard passes on would have to be kept until then, which costs more than the
-comparison. In a measured sample no code is out of range, since the guard has refused such ones; its limit makes the
-range of the stored code provable.
+It passes the codes as the guard does.
 
 Source: Gertler, "Fault Detection and Diagnosis in Engineering Systems", section 1.3 (limit and plausibility checks).
 """
@@ -64,8 +62,8 @@ def states(channels: Sequence[Signal], repeats: int) -> list[State]:
     ]
 
 
-def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, goes_on: ca.SX, flag: ca.SX) -> Watch:
-    """Return what follows from the codes of a measured sample, for N `repeats` and a range of +-`largest`.
+def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, goes_on: ca.SX, flag: ca.SX) -> Watch:
+    """Return what follows from the codes of a measured sample, for N `repeats`.
 
     `x` has the states by name. No watch begins until it `goes_on`. A sample that shows a channel to be frozen sets the
     `flag`.
@@ -80,10 +78,10 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, largest: float, goes_o
 
     begun = ca.if_else(goes_on, repeats, repeats + 1)
     next = {
-        "watch_channel": by_phase(channel, channel, channel, ca.if_else(channel >= last, 0, channel + 1)),
+        "watch_channel": by_phase(channel, channel, channel, ca.if_else(channel >= 1, channel - 1, last)),
         LEFT: by_phase(begun, repeats - 1, ca.if_else(is_last, left, left - 1), repeats + 1),
         FROZEN: by_phase(frozen, frozen, ca.if_else(is_last, channel + 1, frozen), frozen),
-        "watch_code": by_phase(stored, ca.if_else(ca.fabs(code) <= largest, code, 0), stored, stored),
+        "watch_code": by_phase(stored, code, stored, stored),
     }
     return Watch(next, by_phase(flag, flag, ca.if_else(is_last, 1, flag), flag))
 

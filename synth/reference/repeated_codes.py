@@ -41,7 +41,7 @@ def next_state(
     is_last = repeated & (left <= 1)
     phases = [between & goes_on, begins, is_last, repeated, differs]
     after = {
-        "watch_channel": np.where(differs, (i + 1) % len(channels), i),
+        "watch_channel": np.where(differs, (i - 1) % len(channels), i),
         "watch_left": np.select(phases, [repeats, repeats - 1, left, left - 1, repeats + 1], left),
         "frozen": np.where(is_last, i + 1, frozen),
         "watch_code": np.where(begins, code, stored),

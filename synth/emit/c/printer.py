@@ -230,11 +230,8 @@ class _Printer:
         self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
 
     def _is_guarded(self, k: int) -> bool:
-        """Tell whether a guard reads an input.
-
-        What else reads it reads the member again: as a local it would stay live over the whole step.
-        """
-        return any(self.p.nodes[user].op == "guard" for user in self.users[k])
+        """Tell whether only a guard reads an input."""
+        return len(self.users[k]) == 1 and self.p.nodes[self.users[k][0]].op == "guard"
 
     def _call(self, node: Node, depth: int) -> None:
         """Call a routine; its one result has the name of a signal, several are members of a struct."""
