@@ -2,7 +2,7 @@
 
     n = N + 1   between two watches: n = N
     n = N       a watch begins: the code of channel i is stored, y = y_i(k), and n = N - 1
-    n < N       n = n - 1 while y_i(k) = y, and i is frozen once n was 1; else n = N + 1, and the next channel follows
+    n < N       n = n - 1 while y_i(k) = y, and i is frozen once n was 1; else n = N + 1, and another channel follows
 
 So a channel is frozen at its N-th code in a row. A sound converter is watched for three samples, and for one more with
 each code that it repeats by chance. Without that a frozen one of m is known after 3 (m - 1) + N + 1 measured samples.

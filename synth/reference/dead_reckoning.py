@@ -8,9 +8,9 @@ A measured position corrects the prediction by a Luenberger observer whose two p
 characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it. d acts one sample late. While it
 brakes, d is what leaves a part of the predicted rate.
 
-Bias. The double integrator with a constant acceleration a besides b d is observed as well as possible in the steady
-state e = a T^2 / (1 - r)^2, with the error of the rate that follows from e = M e + T v + a T^2/2 - (what is predicted).
-The mean m of e tells a = m (1 - r)^2 / T^2, so the rate n samples later is in error by v + n a T.
+Bias. A constant acceleration a besides b d leaves a steady error (e, v) of position and rate. After the correction it is
+(e, v) - M e, after the prediction (e, v) again, which gives a and v for an e. The mean of e estimates it, and n samples
+later, none of them measured, the rate is in error by v + n a T.
 """
 
 from collections.abc import Iterable, Mapping

@@ -2,7 +2,7 @@
 
 One channel is watched at a time, in measured samples. A sample between two watches compares nothing; the first watch
 waits until it goes on. Then the code is stored, and each further sample counts while it repeats the code. With N equal
-codes in a row the channel is frozen; a different code ends the watch, and the next channel follows. ``watch_left`` is
+codes in a row the channel is frozen; a different code ends the watch, and the channel before follows. ``watch_left`` is
 N + 1 between two watches, then N less the equal codes so far.
 """
 
