@@ -8,9 +8,9 @@ A measured position corrects the prediction by a Luenberger observer whose two p
 characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it. d acts one sample late. While it
 brakes, d is what leaves a part of the predicted rate.
 
-Bias. A constant acceleration a besides b d leaves a steady error (e, v) of position and rate. After the correction it is
-(e, v) - M e, after the prediction (e, v) again, which gives a and v for an e. The mean of e estimates it, and n samples
-later, none of them measured, the rate is in error by v + n a T.
+Bias. A constant acceleration a besides b d leaves a steady error (e, v) of position and rate. It is (e, v) - M e after
+the correction and (e, v) again after the prediction, which gives a and v for an e. The mean of e estimates it, and n
+samples later, none of them measured, the rate is in error by v + n a T.
 """
 
 from collections.abc import Iterable, Mapping
