@@ -40,8 +40,10 @@ JUMP = 1.5  # of rho: a larger one at once means that a voltage jumped
 NEARLY_ZERO, SMALL_CHANGE = 0.1, 0.3  # of A^2: of m, and of the change of s^2 that r explains
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y: their difference where the amplitude of all voltages is off
 MAX_KNOWN_YAW = 0.01  # rad
-# m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
-INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
+INNOVATION_BOUND = 6e-4  # m, of x and y
+# Of the yaw's innovation of the sample before. Times the root of its sum of squares, the change is bounded as r_1 and
+# r_2 are, and an innovation that lasts by 0.4 A: rated amplifiers at rest lead to 0.3 to 0.4 A.
+LASTING = 0.8
 
 
 def numbers(A: float, confirmation: float) -> list[Constant]:
@@ -71,18 +73,17 @@ def numbers(A: float, confirmation: float) -> list[Constant]:
 
 
 def innovation_numbers(A: float) -> list[Constant]:
-    """Return the weights of squared innovations as numbers that the C names, for the amplitude A in V."""
-    x_weight, yaw_weight = innovation_weights(A)
-    x_bound, yaw_bound = INNOVATION_BOUND.values()
+    """Return the numbers of the innovations that the C names, for the amplitude A in V."""
+    weight = f"({RESIDUAL_BOUND:g} V_0 / {INNOVATION_BOUND:g} m)^2"
     return [
-        Constant("innovation_weight", x_weight, "V^2/m^2", f"({RESIDUAL_BOUND:g} V_0 / {x_bound:g} m)^2"),
-        Constant("yaw_innovation_weight", yaw_weight, "1", f"({RESIDUAL_BOUND:g} / {yaw_bound:g})^2"),
+        Constant("innovation_weight", innovation_weight(A), "V^2/m^2", weight),
+        Constant("lasting", LASTING, "1", "share of the innovation of the yaw that an unmodelled torque repeats"),
     ]
 
 
-def innovation_weights(A: float) -> tuple[float, float]:
-    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
-    return (RESIDUAL_BOUND * A / INNOVATION_BOUND["x"]) ** 2, (RESIDUAL_BOUND / INNOVATION_BOUND["phi"]) ** 2
+def innovation_weight(A: float) -> float:
+    """Return the weight of the squared innovations of x and y, V^2/m^2, beside the residuals of voltages."""
+    return (RESIDUAL_BOUND * A / INNOVATION_BOUND) ** 2
 
 
 def squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
@@ -131,7 +132,6 @@ def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
             other: ca.logic_and(r_exceeds[a], nearly_zero),
         }
         after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
-        for name, jumped in after_jump.items():
-            indicated = ca.if_else(is_jump, jumped, after_drift[name])
-            flags[name] = ca.logic_or(indicated, is_any)
+        for name, flag in after_jump.items():
+            flags[name] = ca.logic_or(ca.if_else(is_jump, flag, after_drift[name]), is_any)
     return flags

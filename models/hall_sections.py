@@ -44,8 +44,10 @@ another amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions `from_forces`, the raw pose less the predicted one counts in rho, over INNOVATION_BOUND: a
 channel that sticks shows a motion that the currents do not explain, long before the voltages contradict each other. An
-unmodelled torque shifts the predicted yaw by an almost constant innovation. A sample that is not complete takes the
-predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the innovation to 0.
+unmodelled torque shifts the predicted yaw by an almost constant innovation e. So e - LASTING e- counts, with e- of the
+sample before: a voltage that jumps shows at once in it, and one that drifts shows once e is large. A sample that is not
+complete takes the predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the
+innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -158,10 +160,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if from_forces:
-            innovation = {a: value - u[f"{a}_predicted"] for a, value in measured.items()}
-            x_weight, yaw_weight = contradictions.innovation_weights(A)
-            squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            squared += yaw_weight * (information * innovation["phi"] ** 2)
+            squared += contradictions.innovation_weight(A) * sum((measured[a] - u[f"{a}_predicted"]) ** 2 for a in "xy")
+            expected_yaw = u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name]
+            squared += information * (measured["phi"] - expected_yaw) ** 2
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -195,10 +196,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
             next[INNOVATION.name] = e
             output[dead_reckoning.MEASURED.name] = accepted
-            by_residuals = ca.logic_and(confirmed, x[repeated_codes.FROZEN] < 1)
-            output[dead_reckoning.CONTRADICTED.name] = by_residuals
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
-        gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
+        gain = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])
         corrected = hall_scale.limit_scale(scale - gain * (X.m + Y.m))
         if from_forces:
             corrected = ca.if_else(repeated_codes.is_between(x, REPEATS), corrected, scale)
@@ -216,8 +215,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if from_forces else common
         for name, flag in contradictions.suspects(x, A, unassigned).items():
             if from_forces:
-                is_frozen = ca.fabs(x[repeated_codes.FROZEN] - (HALL.index(name) + 1)) < 1
-                flag = ca.if_else(x[repeated_codes.FROZEN], is_frozen, flag)
+                number = x[repeated_codes.FROZEN]
+                flag = ca.if_else(number, number == HALL.index(name) + 1, flag)
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
@@ -226,7 +225,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
-    outputs += [dead_reckoning.MEASURED, dead_reckoning.CONTRADICTED] if from_forces else []
+    outputs += [dead_reckoning.MEASURED] if from_forces else []
     states = [*_states(predicted, from_forces), State(SCALE, 1.0)]
     scale_gains = hall_scale.gains(cal, repeated_codes.WATCHED if from_forces else 1)
     constants = [*pairs.constants(cal, EXCESS_WEIGHT), *scale_gains]

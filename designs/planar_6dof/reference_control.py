@@ -145,14 +145,13 @@ def sample(
     state: Columns, measured: Columns, trusted: Array, acting: Columns, T: float, bandwidth: Mapping[str, float]
 ) -> dead_reckoning.Sample:
     """Return what a sample tells about x, y and phi, for the demands in A that act and bandwidths in rad/s."""
-    contradicted = (state["sensing_contradiction_confirmed"] > 0) & (state["sensing_frozen"] == 0)
     axes = {
         a: dead_reckoning.Axis(
             scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a], MEAN.get(a, 0.0), BAD_SAMPLES - 1 + BRAKING
         )
         for a, inertia in INERTIAS.items()
     }
-    return dead_reckoning.Sample(measured, trusted, acting, T, axes, contradicted)
+    return dead_reckoning.Sample(measured, trusted, acting, T, axes)
 
 
 def brake(demands: Columns, state: Columns, now: dead_reckoning.Sample, stops: Array) -> dict[str, Array]:

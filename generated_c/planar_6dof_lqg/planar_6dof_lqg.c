@@ -153,6 +153,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
      *         <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left - 1)
      *     ready_next = 1 if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005,
      *         else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+    /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
+    static const uint32_t braking_from = 24u;
+    /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
+    static const uint32_t latch_samples = 29u;
     static const float guard_refused_V_ax = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_ay = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_bx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
@@ -183,26 +187,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         &faults);
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
     const uint32_t guard_left = state->guard_left;
-
-    /* sensing: position and yaw, (1)-(5)
-     * One voltage is watched at a time, while it repeats its code: with 14 in a row it is frozen and suspected. The
-     * scale is corrected between two watches alone, so that no sample has the cost of both.
-     * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that
-     * the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last
-     * one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted
-     * sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
-    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
-    static const float significant_r = 0.07043498f;             /* V; 0.024 V_0: a larger residual r is significant */
-    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
-    /* V^2; 0.3 V_0^2: largest change of a squared sine voltage that is small */
-    static const float small_m = 2.5838993f;
-    static const float significant_m = 0.25838992f;             /* V^2; 0.03 V_0^2: a larger excess m is significant */
-    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
-    const uint32_t sensing_frozen = state->sensing_frozen;
-    const bool frozen_below_1 = sensing_frozen < 1u;
     bool complete = false;
     bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
+        /* sensing: position and yaw, (1)-(5)
+         * One voltage is watched at a time, while it repeats its code: with 14 in a row it is frozen and suspected.
+         * The scale is corrected between two watches alone, so that no sample has the cost of both.
+         * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
+         * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
+         * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
+         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
+        static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
+        static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
+        static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
+        /* V^2; 0.3 V_0^2: largest change of a squared sine voltage that is small */
+        static const float small_m = 2.5838993f;
+        static const float significant_m = 0.25838992f;         /* V^2; 0.03 V_0^2: a larger excess m is significant */
+        static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
+        static const uint32_t number_of_V_ay = 2u;              /* 1; among the channels, from 1 */
+        static const uint32_t number_of_V_bx = 3u;              /* 1; among the channels, from 1 */
+        static const uint32_t number_of_V_by = 4u;              /* 1; among the channels, from 1 */
+        static const uint32_t number_of_V_cx = 5u;              /* 1; among the channels, from 1 */
+        static const uint32_t number_of_V_cy = 6u;              /* 1; among the channels, from 1 */
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float first_r_2_size = fabsf(sensing_first_r_2);
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -217,6 +223,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) &&
             (first_r_2_size <= significant_r) &&
             (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const uint32_t sensing_frozen = state->sensing_frozen;
         bool suspect_V_ax;
         bool suspect_V_ay;
         bool suspect_V_bx;
@@ -224,12 +231,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool suspect_V_cx;
         bool suspect_V_cy;
         if (sensing_frozen != 0u) {
-            suspect_V_ax = fabsf((float)sensing_frozen - 1.0f) < 1.0f;
-            suspect_V_ay = fabsf((float)sensing_frozen - 2.0f) < 1.0f;
-            suspect_V_bx = fabsf((float)sensing_frozen - 3.0f) < 1.0f;
-            suspect_V_by = fabsf((float)sensing_frozen - 4.0f) < 1.0f;
-            suspect_V_cx = fabsf((float)sensing_frozen - 5.0f) < 1.0f;
-            suspect_V_cy = fabsf((float)sensing_frozen - 6.0f) < 1.0f;
+            suspect_V_ax = sensing_frozen == 1u;
+            suspect_V_ay = sensing_frozen == number_of_V_ay;
+            suspect_V_bx = sensing_frozen == number_of_V_bx;
+            suspect_V_by = sensing_frozen == number_of_V_by;
+            suspect_V_cx = sensing_frozen == number_of_V_cx;
+            suspect_V_cy = sensing_frozen == number_of_V_cy;
         } else {
             const float first_squared = (sensing_first_r_1 * sensing_first_r_1) +
                 (sensing_first_r_2 * sensing_first_r_2) +
@@ -237,42 +244,42 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const bool is_jump = squared_jump < first_squared;
             const bool r_exceeds_x = significant_r < first_r_2_size;
             const bool r_exceeds_y = significant_r < first_r_1_size;
-            bool indicated_x_V_ax;
-            bool indicated_y_V_ay;
-            bool indicated_x_V_bx = m_exceeds_x;
-            bool indicated_y_V_by;
-            bool indicated_x_V_cx;
-            bool indicated_y_V_cy = m_exceeds_y;
+            bool suspect_V_ax_test;
+            bool suspect_V_ay_test;
+            bool suspect_V_bx_test = m_exceeds_x;
+            bool suspect_V_by_test;
+            bool suspect_V_cx_test;
+            bool suspect_V_cy_test = m_exceeds_y;
             if (is_jump) {
                 const bool nearly_zero_x = size_x < nearly_zero_m;
                 const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) +
                     sensing_first_r_2));
-                indicated_x_V_ax = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+                suspect_V_ax_test = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
                 const bool nearly_zero_y = size_y < nearly_zero_m;
                 const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) +
                     sensing_first_r_1));
-                indicated_y_V_ay = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
-                indicated_x_V_bx = (change_x + nearly_zero_m) < size_x;
-                indicated_y_V_by = r_exceeds_y && nearly_zero_y;
-                indicated_x_V_cx = r_exceeds_x && nearly_zero_x;
-                indicated_y_V_cy = (change_y + nearly_zero_m) < size_y;
+                suspect_V_ay_test = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+                suspect_V_bx_test = (change_x + nearly_zero_m) < size_x;
+                suspect_V_by_test = r_exceeds_y && nearly_zero_y;
+                suspect_V_cx_test = r_exceeds_x && nearly_zero_x;
+                suspect_V_cy_test = (change_y + nearly_zero_m) < size_y;
             } else {
                 const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
-                indicated_x_V_ax = any_r_exceeds || m_exceeds_x;
-                indicated_y_V_ay = any_r_exceeds || m_exceeds_y;
-                indicated_y_V_by = any_r_exceeds;
-                indicated_x_V_cx = any_r_exceeds;
+                suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
+                suspect_V_ay_test = any_r_exceeds || m_exceeds_y;
+                suspect_V_by_test = any_r_exceeds;
+                suspect_V_cx_test = any_r_exceeds;
             }
             const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) ||
                 (both_m_exceed_suspect_V_ax && !is_jump) || common || (first_squared <= squared_residual_limit);
-            suspect_V_ax = indicated_x_V_ax || is_any;
-            suspect_V_ay = indicated_y_V_ay || is_any;
-            suspect_V_bx = indicated_x_V_bx || is_any;
-            suspect_V_by = indicated_y_V_by || is_any;
-            suspect_V_cx = indicated_x_V_cx || is_any;
-            suspect_V_cy = indicated_y_V_cy || is_any;
+            suspect_V_ax = suspect_V_ax_test || is_any;
+            suspect_V_ay = suspect_V_ay_test || is_any;
+            suspect_V_bx = suspect_V_bx_test || is_any;
+            suspect_V_by = suspect_V_by_test || is_any;
+            suspect_V_cx = suspect_V_cx_test || is_any;
+            suspect_V_cy = suspect_V_cy_test || is_any;
         }
-        other_amplitude = common && frozen_below_1;
+        other_amplitude = common && (sensing_frozen < 1u);
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_V_ax) {
@@ -306,12 +313,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
-
-    /* guard: range acceptance, hold, latch (continued) */
-    /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
-    static const uint32_t braking_from = 24u;
-    /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
-    static const uint32_t latch_samples = 29u;
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
@@ -370,19 +371,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
         const float reckoning_y_position = state->reckoning_y_position;
-        const float sensing_offset_y = state->sensing_offset_y;
-        const float expected_y = reckoning_y_position - sensing_offset_y;
-        const float reckoning_phi_position = state->reckoning_phi_position;
 
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
          *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
-         *     suspect_V_ax = |frozen - 1| < 1 if frozen is set, else indicated_x_V_ax or is_any
-         *     suspect_V_ay = |frozen - 2| < 1 if frozen is set, else indicated_y_V_ay or is_any
-         *     suspect_V_bx = |frozen - 3| < 1 if frozen is set, else indicated_x_V_bx or is_any
-         *     suspect_V_by = |frozen - 4| < 1 if frozen is set, else indicated_y_V_by or is_any
-         *     suspect_V_cx = |frozen - 5| < 1 if frozen is set, else indicated_x_V_cx or is_any
-         *     suspect_V_cy = |frozen - 6| < 1 if frozen is set, else indicated_y_V_cy or is_any
+         *     suspect_V_bx = frozen == number_of_V_bx if frozen is set, else (change_x + nearly_zero_m < size_x if
+         *         is_jump, else m_exceeds_x) or is_any
+         *     suspect_V_by = frozen == number_of_V_by if frozen is set, else (r_exceeds_y and nearly_zero_y if
+         *         is_jump, else any_r_exceeds) or is_any
+         *     suspect_V_cx = frozen == number_of_V_cx if frozen is set, else (r_exceeds_x and nearly_zero_x if
+         *         is_jump, else any_r_exceeds) or is_any
+         *     suspect_V_cy = frozen == number_of_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
+         *         is_jump, else m_exceeds_y) or is_any
          *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
          *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
@@ -391,7 +391,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
         static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
         static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 V_0^2: keeps a divisor from 0 */
-        static const float yaw_innovation_weight = 0.04f;       /* 1; (0.08 / 0.4)^2 */
+        static const float lasting = 0.8f; /* 1; share of the innovation of the yaw that an unmodelled torque repeats */
         static const float squared_confirmation = 0.013780796f; /* V^2; rho = 0.5 */
         static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
         static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
@@ -419,6 +419,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
         static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
+        const float sensing_offset_y = state->sensing_offset_y;
+        const float expected_y = reckoning_y_position - sensing_offset_y;
+        const uint32_t sensing_watch_left = state->sensing_watch_left;
+        const float reckoning_phi_position = state->reckoning_phi_position;
+        const float sensing_innovation_phi = state->sensing_innovation_phi;
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -489,7 +494,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float measured_x = in_pitch_x + offset_x;
-            const float innovation_x = measured_x - reckoning_x_position;
+            const float measured_x_minus_x_position = measured_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
@@ -521,16 +526,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float measured_y = in_pitch_y + offset_y;
-            const float innovation_y = measured_y - reckoning_y_position;
+            const float measured_y_minus_y_position = measured_y - reckoning_y_position;
             const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float measured_phi = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
-            const float innovation_phi = measured_phi - reckoning_phi_position;
+            const float measured_sum = measured_phi - (reckoning_phi_position + (lasting * sensing_innovation_phi));
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
-                (yaw_innovation_weight * (information * (innovation_phi * innovation_phi)));
+                (innovation_weight * ((measured_x_minus_x_position * measured_x_minus_x_position) +
+                (measured_y_minus_y_position * measured_y_minus_y_position))) +
+                (information * (measured_sum * measured_sum));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -556,11 +562,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                const uint32_t sensing_watch_left = state->sensing_watch_left;
                 if (repeats < sensing_watch_left) {
-                    state->sensing_watch_left = (uint32_t)((guard_ready != 0u) ? 14.0f : 15.0f);
-                    const float sensing_scale_sum = sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain :
-                        sensing_scale_gain) * (m_x + m_y)) - scale_middle;
+                    state->sensing_watch_left = (guard_ready != 0u) ? repeats : sensing_watch_left;
+                    const float sensing_scale_sum = sensing_scale - (((guard_ready != 0u) ? sensing_scale_gain :
+                        sensing_first_scale_gain) * (m_x + m_y)) - scale_middle;
                     state->sensing_scale = scale_middle + planar_6dof_lqg_limit(sensing_scale_sum, scale_half_range);
                 } else {
                     const uint32_t sensing_watch_channel = state->sensing_watch_channel;
@@ -601,7 +606,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         } else {
-            last = state->sensing_innovation_phi;
+            last = sensing_innovation_phi;
         }
         if (!measured) {
             const float passed_x = planar_6dof_lqg_limit(expected_x, max_within);
@@ -618,6 +623,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
+         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
+         *         * phi_mean
          *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
          *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
          *         phi_limit) */
@@ -647,20 +655,20 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float corrected_phi = phi_raw;
         float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
-            const float innovation_phi_2 = phi_raw - reckoning_phi_position;
+            const float innovation_phi = phi_raw - reckoning_phi_position;
             const float phi_mean_next = reckoning_phi_mean +
-                (reckoning_phi_mean_gain * (innovation_phi_2 - reckoning_phi_mean));
+                (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
             /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
             state->reckoning_phi_mean = phi_mean_next;
-            const float innovation_x_2 = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
-            const float innovation_y_2 = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
-            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi_2);
-            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi_2);
-            state->sensing_innovation_phi = innovation_phi_2;
+            const float innovation_x = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x);
+            const float innovation_y = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y);
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
+            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
+            state->sensing_innovation_phi = innovation_phi;
         } else {
             state->sensing_innovation_phi = 0.0f;
         }
@@ -767,9 +775,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool is_late_x_raw = false;
         bool is_late_y_raw = false;
         if (brakes) {
-            const bool contradicted = (sensing_contradiction_confirmed != 0u) && frozen_below_1;
-            const float phi_advance = advance_phi +
-                ((contradicted) ? 0.0f : (reckoning_phi_bias_gain * reckoning_phi_mean));
+            const float phi_advance = advance_phi + (reckoning_phi_bias_gain * reckoning_phi_mean);
 
             /* braking: braking before the latch
              * With sound sensors the law moves x at 0.137 m/s and y at 0.30 m/s at most, by largest_error.
@@ -788,7 +794,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_y = braking_y_gain * y_advance;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
-                diagnostics->contradicted = contradicted ? 1.0f : 0.0f;
                 diagnostics->phi_advance = phi_advance;
             }
 #endif

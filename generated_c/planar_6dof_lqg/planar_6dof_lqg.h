@@ -254,7 +254,6 @@ typedef struct {
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
     float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
     float measured;                     /* 1: the positions are measured in this sample */
-    float contradicted;                 /* 1: the residuals contradict a measurement */
     float x_advance;                    /* m: predicted rate times the sample period */
     float y_advance;                    /* m: predicted rate times the sample period */
     float phi_advance;                  /* rad: predicted rate times the sample period */

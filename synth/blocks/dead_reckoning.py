@@ -15,8 +15,7 @@ A constant d also leaves the predicted rate behind the true one by
     b T = e ((1 - r^2) + (1 - r)^2 / 2),  and in n samples without measurement d adds n (1 - r)^2 e to it.
 
 Where an axis has a `bias`, its output rate includes b, computed with n and with the mean innovation of measured samples
-as e, m+ = m + (1 - r_m) (e - m). Once a measurement is ``contradicted``, m is wrong, too, and b is omitted. The
-prediction itself stays as it is.
+as e, m+ = m + (1 - r_m) (e - m). The prediction itself stays as it is.
 
 In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
 prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
@@ -39,7 +38,6 @@ from synth.timing import Discrete
 
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 MEASURED = Signal("measured", "1", 0, 1, "the positions are measured in this sample")
-CONTRADICTED = Signal("contradicted", "1", 0, 1, "the residuals contradict a measurement")
 
 
 @arguments.checked
@@ -94,9 +92,9 @@ class Axis:
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
-    The flags are ``ready`` of the guard, ``measured`` of the Block that measures or bridges the positions, and its
-    ``contradicted`` where an axis has a bias. The prediction is a state, so a Block that measures the position may read
-    it. Until ``ready`` is 1 the machine is assumed to be at rest at the measured position.
+    The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The
+    prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
+    assumed to be at rest at the measured position.
 
     Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
     that is not positive, a negative number of samples, or a prediction whose unit is not that of the position.
@@ -121,7 +119,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
                 learnt = clip(mean + k[f"{axis.name}_mean_gain"] * (innovation - mean), _mean(axis))
                 named.append((replace(_mean(axis), name=f"{axis.name}_mean_next"), learnt))
                 next[f"{axis.name}_mean"] = ca.if_else(corrects, learnt, mean)
-                advance += ca.if_else(u[CONTRADICTED.name], 0, k[f"{axis.name}_bias_gain"] * mean)
+                advance += k[f"{axis.name}_bias_gain"] * mean
             output |= {axis.predicted.name: p, axis.advance(time).name: advance}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
@@ -134,10 +132,9 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
     states = [s for axis in axes for s in _states(axis, time)]
     constants = [c for axis in axes for c in _constants(axis, time)]
-    flags = [READY, MEASURED, *([CONTRADICTED] if any(axis.bias for axis in axes) else ())]
     tag = "alpha-beta filter, dead reckoning"
     return build(
-        name, time, law, inputs=[*inputs, *flags], outputs=outputs, states=states, constants=constants, tag=tag
+        name, time, law, inputs=[*inputs, READY, MEASURED], outputs=outputs, states=states, constants=constants, tag=tag
     )
 
 

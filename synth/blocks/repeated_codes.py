@@ -76,7 +76,7 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, goes_on: ca.SX, flag: 
         watched = ca.if_else(left >= repeats, first, ca.if_else(is_same, same, other))
         return ca.if_else(is_between(x, repeats), between, watched)
 
-    begun = ca.if_else(goes_on, repeats, repeats + 1)
+    begun = ca.if_else(goes_on, repeats, left)
     next = {
         "watch_channel": by_phase(channel, channel, channel, ca.if_else(channel >= 1, channel - 1, last)),
         LEFT: by_phase(begun, repeats - 1, ca.if_else(is_last, left, left - 1), repeats + 1),
@@ -100,12 +100,13 @@ def numbers(channels: Sequence[Signal], repeats: int) -> list[Constant]:
         "code_stored": (repeats - 1, "repeats - 1: its first code is stored"),
         "between_watches": (repeats + 1, "repeats + 1: no code is compared"),
     }
-    of_channels = (
-        Constant(f"index_of_{s.name}", k, "1", "among the channels, from 0", ("channel",))
+    named = [
+        Constant(f"{what}_of_{s.name}", k + first, "1", f"among the channels, from {first}", of)
+        for what, first, of in (("index", 0, ("channel",)), ("number", 1, ("frozen",)))
         for k, s in enumerate(channels)
-        if k > 1
-    )
-    return [*(Constant(name, n, "1", about, ("watch",)) for name, (n, about) in counts.items()), *of_channels]
+        if k + first > 1
+    ]
+    return [*(Constant(name, n, "1", about, ("watch",)) for name, (n, about) in counts.items()), *named]
 
 
 def is_between(x: Exprs, repeats: int) -> ca.SX:

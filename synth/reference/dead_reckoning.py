@@ -43,8 +43,7 @@ class Axis:
 class Sample:
     """What a sample tells about the motion: measured positions, whether to trust them, and the demands that act.
 
-    `T` is the period in s, and `axes` has the model of each axis. Where the measurements were `contradicted`, no bias
-    follows from them.
+    `T` is the period in s, and `axes` has the model of each axis.
     """
 
     measured: Columns
@@ -52,7 +51,6 @@ class Sample:
     acting: Columns
     T: float
     axes: Mapping[str, Axis]
-    contradicted: Array | bool = False
 
 
 def initial_state(axes: Iterable[str], with_mean: Iterable[str] = ()) -> dict[str, Array]:
@@ -101,8 +99,7 @@ def next_rates(state: Columns, now: Sample) -> dict[str, Array]:
     rates = {}
     for name, acting in now.acting.items():
         axis, (_, v) = now.axes[name], correct(name, state, now)
-        mean = np.where(now.contradicted, 0.0, state[f"reckoning_{name}_mean"]) if axis.mean else 0.0
-        bias = rate_error(axis, now.T) * mean
+        bias = rate_error(axis, now.T) * state[f"reckoning_{name}_mean"] if axis.mean else 0.0
         rates[name] = v + axis.b * now.T * acting + bias
     return rates
 

@@ -84,10 +84,10 @@ def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING, unmeasured
     open_inputs = [s.name for b in blocks for s in b.inputs if s.name not in signal_names(blocks[0].outputs)]
     block = whole(blocks, list(dict.fromkeys(open_inputs)), ["q_predicted", "d_q"])
     x, u = sampling.anywhere(block, np.random.default_rng(0), N)
-    u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "contradicted", "brakes")}
+    u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "brakes")}
     now = dead_reckoning.Sample(
         {"q": u["q"]}, (u["ready"] > 0) & (u["measured"] > 0), {"q": u["acting_q"]}, T,
-        {"q": dead_reckoning.Axis(B, w, 2.0, 0.2, MEAN, unmeasured)}, u["contradicted"] > 0,
+        {"q": dead_reckoning.Axis(B, w, 2.0, 0.2, MEAN, unmeasured)},
     )  # fmt: skip
     rates, force = dead_reckoning.next_rates(x, now), {"q": u["law_q"] * B * INERTIA}
     demand = dead_reckoning.brake(force, rates, u["brakes"] > 0, T, {"q": INERTIA}, remaining)
