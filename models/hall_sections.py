@@ -46,8 +46,8 @@ Motion. With predictions `from_forces`, the raw pose less the predicted one coun
 channel that sticks shows a motion that the currents do not explain, long before the voltages contradict each other. An
 unmodelled torque shifts the predicted yaw by an almost constant innovation e. So e - LASTING e- counts, with e- of the
 sample before: a voltage that jumps shows at once in it, and one that drifts shows once e is large. A sample that is not
-complete takes the predicted yaw plus the last innovation, so the yaw does not jump. A contradicted one sets the
-innovation to 0.
+complete takes the predicted yaw plus the last innovation, so the yaw does not jump, and a contradicted one the mean of
+the innovation. Both set the innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -90,6 +90,7 @@ PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples befor
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
 LARGEST = RAW["phi"].high + PREDICTED["phi"].high
 INNOVATION = Signal("innovation_phi", "rad", -LARGEST, LARGEST, "raw yaw of the sample before less the predicted one")
+MEAN = Signal("phi_mean", "rad", -1.001 * LARGEST, 1.001 * LARGEST, "mean innovation of the yaw")
 READ = tuple(Signal(name, "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 HELD = tuple(replace(s, name=f"{s.name}_held") for s in READ)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
@@ -119,7 +120,7 @@ NOTES = (
     "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
     "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
     "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
-    "nothing either, since the wrong voltage has already shifted the last innovation.",
+    "the mean of the innovation instead, since the wrong voltage may have shifted the last one.",
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 AMPLITUDE_BIT = 29
@@ -177,7 +178,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
-        bridge = _bridge(u, x, phi, predicted, from_forces)
+        last = x[INNOVATION.name] if from_forces else zero  # 0 after a bad sample, which has added its own
+        # The mean in a contradicted sample: a wrong channel may have shifted the last innovation.
+        added = by_case(zero, ca.if_else(ca.fabs(last) > 0, u[MEAN.name], 0), last) if from_forces else zero
+        bridge = _bridge(u, x, phi, added, predicted, from_forces)
         raw_yaw = or_bridge(measured["phi"], bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
@@ -223,7 +227,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         numbers = [*_numbers(A, l, regularisation), *(_motion_numbers(A) if from_forces else [])]
         return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
-    inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
+    inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE, *([MEAN] if from_forces else ())]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if from_forces else []
     states = [*_states(predicted, from_forces), State(SCALE, 1.0)]
@@ -234,16 +238,14 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     return replace(block, faults=AMPLITUDE_FAULTS)
 
 
-def _bridge(u: Exprs, x: Exprs, phi: ca.SX, predicted: bool, from_forces: bool) -> dict[str, ca.SX]:
+def _bridge(u: Exprs, x: Exprs, phi: ca.SX, added: ca.SX, predicted: bool, from_forces: bool) -> dict[str, ca.SX]:
     """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
     if not predicted:
         return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
     if not from_forces:
         return {a: clip(u[s.name], RAW[a]) for a, s in PREDICTED.items()}
     predictions = {a: u[s.name] for a, s in PREDICTED.items()}
-    # Not in a contradicted sample: a wrong channel has shifted the last innovation.
-    last = ca.if_else(u["complete"], 0, x[INNOVATION.name])
-    return predictions | {"phi": predictions["phi"] + last}
+    return predictions | {"phi": predictions["phi"] + added}
 
 
 def _states(predicted: bool, from_forces: bool) -> list[State]:

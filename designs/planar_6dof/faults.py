@@ -15,7 +15,7 @@ BRIDGED = 5e-5  # m: of a Hall channel that is bad for four samples
 LEFT, LEFT_YAW = 0.05, 0.2  # m/s, rad/s
 
 MOTION = {"x_ref": Sine(AMPLITUDE, 2 * pi), "y_ref": Sine(AMPLITUDE, 2 * pi, pi / 2)}
-REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen")
+REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen", "bit flipped", "bit stuck")
 RATES = {"x": LEFT, "y": LEFT, "phi": LEFT_YAW}
 LIMITS = (
     FaultLimit("false_alarms", 0.0),

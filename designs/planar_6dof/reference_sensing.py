@@ -173,6 +173,12 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
+def _steady_innovation(state: Columns, complete: Array) -> Array:
+    """Return what a steady torque adds to the predicted yaw in the first bad sample: last or mean innovation."""
+    last, mean = np.asarray(state["sensing_innovation_phi"]), state["reckoning_phi_mean"]
+    return np.where(complete, np.where(last == 0, 0.0, mean), last)
+
+
 def sense(
     state: Columns,
     v: Columns,
@@ -211,7 +217,7 @@ def sense(
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    bridge = predicted["phi"] + (np.where(complete, 0, state["sensing_innovation_phi"]) if from_forces else 0)
+    bridge = predicted["phi"] + (_steady_innovation(state, complete) if from_forces else 0)
     out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, bridge), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(

@@ -229,7 +229,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
          * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
          * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
-         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
+         * contradicted sample adds the mean of the innovation instead, since the wrong voltage may have shifted the
+         * last one. */
         static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
         static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
         static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
@@ -405,6 +406,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
         const float reckoning_phi_position = state->reckoning_phi_position;
+        const float sensing_innovation_phi = state->sensing_innovation_phi;
+        const float reckoning_phi_mean = state->reckoning_phi_mean;
 
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
@@ -453,12 +456,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
         static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
-        const float sensing_innovation_phi = state->sensing_innovation_phi;
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
         float raw_yaw = 0.0f;
-        float last = 0.0f;
+        float added = sensing_innovation_phi;
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
@@ -571,6 +573,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = memory;
+                added = (0.0f < fabsf(sensing_innovation_phi)) ? reckoning_phi_mean : 0.0f;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
                 } else {
@@ -587,6 +590,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 x_raw = measured_x;
                 y_raw = measured_y;
                 raw_yaw = measured_phi;
+                added = 0.0f;
                 within_x = in_pitch_x;
                 within_y = in_pitch_y;
                 if (1u <= sensing_contradiction_left) {
@@ -640,15 +644,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 diagnostics->r_2 = r_2;
             }
 #endif
-        } else {
-            last = sensing_innovation_phi;
         }
         if (!measured) {
             const float passed_x = planar_6dof_leadlag_limit(expected_x, max_within);
             x_raw = passed_x + sensing_offset_x;
             const float passed_y = planar_6dof_leadlag_limit(expected_y, max_within);
             y_raw = passed_y + sensing_offset_y;
-            raw_yaw = reckoning_phi_position + last;
+            raw_yaw = reckoning_phi_position + added;
             within_x = passed_x;
             within_y = passed_y;
         }
@@ -797,7 +799,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
-        const float reckoning_phi_mean = state->reckoning_phi_mean;
         float corrected_x = x_raw;
         float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;

@@ -196,7 +196,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
          * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
          * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
-         * contradicted sample adds nothing either, since the wrong voltage has already shifted the last innovation. */
+         * contradicted sample adds the mean of the innovation instead, since the wrong voltage may have shifted the
+         * last one. */
         static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
         static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
         static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
@@ -424,11 +425,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const uint32_t sensing_watch_left = state->sensing_watch_left;
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float sensing_innovation_phi = state->sensing_innovation_phi;
+        const float reckoning_phi_mean = state->reckoning_phi_mean;
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
         float raw_yaw = 0.0f;
-        float last = 0.0f;
+        float added = sensing_innovation_phi;
         float within_x = 0.0f;
         float within_y = 0.0f;
         if (complete) {
@@ -541,6 +543,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = memory;
+                added = (0.0f < fabsf(sensing_innovation_phi)) ? reckoning_phi_mean : 0.0f;
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
                 } else {
@@ -557,6 +560,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 x_raw = measured_x;
                 y_raw = measured_y;
                 raw_yaw = measured_phi;
+                added = 0.0f;
                 within_x = in_pitch_x;
                 within_y = in_pitch_y;
                 if (1u <= sensing_contradiction_left) {
@@ -605,15 +609,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 diagnostics->r_2 = r_2;
             }
 #endif
-        } else {
-            last = sensing_innovation_phi;
         }
         if (!measured) {
             const float passed_x = planar_6dof_lqg_limit(expected_x, max_within);
             x_raw = passed_x + sensing_offset_x;
             const float passed_y = planar_6dof_lqg_limit(expected_y, max_within);
             y_raw = passed_y + sensing_offset_y;
-            raw_yaw = reckoning_phi_position + last;
+            raw_yaw = reckoning_phi_position + added;
             within_x = passed_x;
             within_y = passed_y;
         }
@@ -647,7 +649,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
-        const float reckoning_phi_mean = state->reckoning_phi_mean;
         float corrected_x = x_raw;
         float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;

@@ -92,6 +92,8 @@ class Axis:
 def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
     """Return the Block from positions, efforts and flags to the predicted position and advance of each axis.
 
+    An axis with a bias also outputs the mean innovation, a state.
+
     The flags are ``ready`` of the guard and ``measured`` of the Block that measures or bridges the positions. The
     prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
     assumed to be at rest at the measured position.
@@ -120,6 +122,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
                 named.append((replace(_mean(axis), name=f"{axis.name}_mean_next"), learnt))
                 next[f"{axis.name}_mean"] = ca.if_else(corrects, learnt, mean)
                 advance += k[f"{axis.name}_bias_gain"] * mean
+                output[_mean(axis).name] = mean
             output |= {axis.predicted.name: p, axis.advance(time).name: advance}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
@@ -129,7 +132,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
-    outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
+    outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time), *([_mean(axis)] if axis.bias else ()))]
     states = [s for axis in axes for s in _states(axis, time)]
     constants = [c for axis in axes for c in _constants(axis, time)]
     tag = "alpha-beta filter, dead reckoning"
