@@ -71,6 +71,7 @@ def examples() -> Mapping[str, Call]:
         "following.Axis": fields(behind),
         "following.block": {"time": Discrete(1e-3), "axes": [behind]},
         "dead_reckoning.block": {"axes": [moving]},
+        "dead_reckoning.mean_innovation": {"measured": GAP, "predicted": GAP},
         "glsdc_estimator.estimator": resolver,
         "glsdc_estimator.guarded": guarded,
         "glsdc_model.covariance": {"noise": [1e-3, 1e-3], "model_error": [1e-3, 0.0]},

@@ -90,7 +90,7 @@ PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples befor
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * MAX_RAW_YAW, 2 * MAX_RAW_YAW, "from the samples before")
 LARGEST = RAW["phi"].high + PREDICTED["phi"].high
 INNOVATION = Signal("innovation_phi", "rad", -LARGEST, LARGEST, "raw yaw of the sample before less the predicted one")
-MEAN = Signal("phi_mean", "rad", -1.001 * LARGEST, 1.001 * LARGEST, "mean innovation of the yaw")
+MEAN = dead_reckoning.mean_innovation("phi", RAW["phi"], PREDICTED["phi"])
 READ = tuple(Signal(name, "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 HELD = tuple(replace(s, name=f"{s.name}_held") for s in READ)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")

@@ -156,10 +156,15 @@ def _largest_innovation(axis: Axis) -> float:
     return axis.predicted.high + max(abs(axis.measured.low), axis.measured.high)
 
 
+@arguments.checked
+def mean_innovation(name: str, measured: Signal, predicted: Signal) -> Signal:
+    """Return ``<name>_mean``, with room for rounding: a mean of innovations does not exceed the largest one."""
+    most = 1.001 * (predicted.high + max(abs(measured.low), measured.high))
+    return Signal(f"{name}_mean", measured.unit, -most, most, "mean innovation")
+
+
 def _mean(axis: Axis) -> Signal:
-    """Return the mean innovation, with room for rounding: a mean of innovations does not exceed the largest one."""
-    most = 1.001 * _largest_innovation(axis)
-    return Signal(f"{axis.name}_mean", axis.measured.unit, -most, most, "mean innovation")
+    return mean_innovation(axis.name, axis.measured, axis.predicted)
 
 
 def _largest_mean(bias: RateBias, axis: Axis, u: float, e: float) -> float:

@@ -10,6 +10,7 @@ from synth import standard_tasks
 from synth.block import Block
 from synth.progress import silent
 from synth.simulate import campaign, injections
+from synth.simulate.campaign import FaultRun
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
@@ -21,6 +22,7 @@ FAILS, DURATION = 0.4, 0.9  # s
 STUCK_DURATION, COAST = 2.4, 0.5  # s; after the latch
 LARGEST_SPEED, LARGEST_YAW_RATE = 0.05, 0.2  # m/s, rad/s
 SHORT_LOSS = "V_ax", "not finite", "short"
+MOVING, OFF_THE_MIDDLE = 1, 2  # conditions of the campaign
 
 
 def ramp(rate: float, start: float, time: Array) -> Array:
@@ -77,12 +79,19 @@ def after_sticking(rig: Rig, channel: str) -> Array:
     return np.array(left)
 
 
-def campaign_excursions(design: Design, block: Block, plant: int) -> Array:
-    """Return the excursions (2, 2) of x and y, m, after four bad samples of V_ax in the campaign's motion."""
+def campaign_runs(
+    design: Design, block: Block, plant: int, condition: int, fault: tuple[str, str, str]
+) -> list[FaultRun]:
+    """Return the runs of a fault, with target, kind and duration, in a condition of the campaign."""
     assert design.stage is not None
     declared = standard_tasks.rig(design.stage, design.scalar)
     stage = campaign.with_stops(replace(declared, controller=loops.of(block).controller))
-    moving = next(c for c in campaign.motion_and_standstill(stage) if c.name == campaign.IN_MOTION)
-    losses = [i for i in injections.derive(stage.stage) if (i.target, i.kind, i.duration) == SHORT_LOSS]
-    _, runs = campaign.run(stage, plant, moving, silent, losses)
+    injected = [i for i in injections.derive(stage.stage) if (i.target, i.kind, i.duration) == fault]
+    _, runs = campaign.run(stage, plant, campaign.motion_and_standstill(stage)[condition], silent, injected)
+    return list(runs)
+
+
+def campaign_excursions(design: Design, block: Block, plant: int) -> Array:
+    """Return the excursions (2, 2) of x and y, m, after four bad samples of V_ax in the campaign's motion."""
+    runs = campaign_runs(design, block, plant, MOVING, SHORT_LOSS)
     return np.array([[r.excursion[axis] for axis in "xy"] for r in runs])
