@@ -161,9 +161,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         }
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if from_forces:
-            squared += contradictions.innovation_weight(A) * sum((measured[a] - u[f"{a}_predicted"]) ** 2 for a in "xy")
-            expected_yaw = u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name]
-            squared += information * (measured["phi"] - expected_yaw) ** 2
+            innovation = {a: measured[a] - u[f"{a}_predicted"] for a in "xy"}
+            unexpected_yaw = measured["phi"] - (u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name])
+            squared += contradictions.innovation_weight(A) * (innovation["x"] ** 2 + innovation["y"] ** 2)
+            squared += information * unexpected_yaw**2
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.

@@ -496,7 +496,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float measured_x = in_pitch_x + offset_x;
-            const float measured_x_minus_x_position = measured_x - reckoning_x_position;
+            const float innovation_x = measured_x - reckoning_x_position;
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
                 (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
@@ -528,17 +528,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             const float measured_y = in_pitch_y + offset_y;
-            const float measured_y_minus_y_position = measured_y - reckoning_y_position;
+            const float innovation_y = measured_y - reckoning_y_position;
             const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
             const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) +
                 least_information;
             const float measured_phi = sensing_phi_raw +
                 (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
-            const float measured_sum = measured_phi - (reckoning_phi_position + (lasting * sensing_innovation_phi));
+            const float unexpected_yaw = measured_phi - (reckoning_phi_position + (lasting * sensing_innovation_phi));
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-                (innovation_weight * ((measured_x_minus_x_position * measured_x_minus_x_position) +
-                (measured_y_minus_y_position * measured_y_minus_y_position))) +
-                (information * (measured_sum * measured_sum));
+                (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
+                (information * (unexpected_yaw * unexpected_yaw));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -661,12 +660,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
             /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
             state->reckoning_phi_mean = phi_mean_next;
-            const float innovation_x = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x);
-            const float innovation_y = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y);
+            const float innovation_x_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
+            const float innovation_y_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
             state->sensing_innovation_phi = innovation_phi;
