@@ -41,8 +41,8 @@ NEARLY_ZERO, SMALL_CHANGE = 0.1, 0.3  # of A^2: of m, and of the change of s^2 t
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y: their difference where the amplitude of all voltages is off
 MAX_KNOWN_YAW = 0.01  # rad
 INNOVATION_BOUND = 6e-4  # m, of x and y
-# Of the yaw's innovation of the sample before. Times the root of its sum of squares, the change is bounded as r_1 and
-# r_2 are, and an innovation that lasts by 0.4 A: rated amplifiers at rest lead to 0.3 to 0.4 A.
+# The part of the yaw's last innovation that is expected again. What is unexpected, times the root of the yaw's sum of
+# squares, has the bound of r_1 and r_2, and a steady innovation 0.4 A: rated amplifiers at rest lead to 0.3 to 0.4 A.
 LASTING = 0.8
 
 
@@ -77,7 +77,7 @@ def innovation_numbers(A: float) -> list[Constant]:
     weight = f"({RESIDUAL_BOUND:g} V_0 / {INNOVATION_BOUND:g} m)^2"
     return [
         Constant("innovation_weight", innovation_weight(A), "V^2/m^2", weight),
-        Constant("lasting", LASTING, "1", "share of the innovation of the yaw that an unmodelled torque repeats"),
+        Constant("lasting", LASTING, "1", "part of the last innovation of the yaw that is expected again"),
     ]
 
 

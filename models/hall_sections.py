@@ -46,8 +46,8 @@ Motion. With predictions `from_forces`, the raw pose less the predicted one coun
 channel that sticks shows a motion that the currents do not explain, long before the voltages contradict each other. An
 unmodelled torque shifts the predicted yaw by an almost constant innovation e. So e - LASTING e- counts, with e- of the
 sample before: a voltage that jumps shows at once in it, and one that drifts shows once e is large. A sample that is not
-complete takes the predicted yaw plus the last innovation, so the yaw does not jump, and a contradicted one the mean of
-the innovation. Both set the innovation to 0.
+complete takes the predicted yaw plus the last innovation, so the yaw does not jump; a contradicted one takes the mean
+innovation, or the last one where that is smaller. Both set the innovation to 0.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -120,7 +120,7 @@ NOTES = (
     "A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the "
     "prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else "
     "the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds "
-    "the mean of the innovation instead, since the wrong voltage may have shifted the last one.",
+    "the mean of the innovation instead, if it is smaller, since the wrong voltage may have shifted the last one.",
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 AMPLITUDE_BIT = 29
@@ -179,10 +179,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
-        last = x[INNOVATION.name] if from_forces else zero  # 0 after a bad sample, which has added its own
-        # The mean in a contradicted sample: a wrong channel may have shifted the last innovation.
-        added = by_case(zero, ca.if_else(ca.fabs(last) > 0, u[MEAN.name], 0), last) if from_forces else zero
-        bridge = _bridge(u, x, phi, added, predicted, from_forces)
+        last = x[INNOVATION.name] if from_forces else zero  # about 0 after a bad sample
+        # In a contradicted sample the mean, if smaller: a wrong channel may have shifted the last innovation.
+        mean = ca.fmax(-ca.fabs(last), ca.fmin(u[MEAN.name], ca.fabs(last))) if from_forces else zero
+        bridge = _bridge(u, x, phi, by_case(zero, mean, last), predicted, from_forces)
         raw_yaw = or_bridge(measured["phi"], bridge["phi"])
         output = {yaw: clip(raw_yaw, RAW["phi"])}
         next: dict[str, ca.SX] = {}
@@ -240,7 +240,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
 
 
 def _bridge(u: Exprs, x: Exprs, phi: ca.SX, added: ca.SX, predicted: bool, from_forces: bool) -> dict[str, ca.SX]:
-    """Return x, y and the yaw of a bad sample: as predicted, the yaw plus its innovation, or as before."""
+    """Return x, y and the yaw of a bad sample: as predicted, with what is `added` to the yaw, or as before."""
     if not predicted:
         return {a: x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"} | {"phi": phi}
     if not from_forces:

@@ -15,12 +15,14 @@ BRIDGED = 5e-5  # m: of a Hall channel that is bad for four samples
 LEFT, LEFT_YAW = 0.05, 0.2  # m/s, rad/s
 
 MOTION = {"x_ref": Sine(AMPLITUDE, 2 * pi), "y_ref": Sine(AMPLITUDE, 2 * pi, pi / 2)}
-REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen", "bit flipped", "bit stuck")
+REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen")
+JUMPED, AFTER_JUMP = ("bit flipped", "bit stuck"), {"x": 0.05, "y": 0.05, "phi": 0.25}  # m/s, rad/s
 RATES = {"x": LEFT, "y": LEFT, "phi": LEFT_YAW}
 LIMITS = (
     FaultLimit("false_alarms", 0.0),
     *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
     *(FaultLimit(f"speed_{q}", v, "V_*", kind, duration="permanent") for q, v in RATES.items() for kind in LOST),
+    *(FaultLimit(f"speed_{q}", v, "V_*", kind, duration="permanent") for q, v in AFTER_JUMP.items() for kind in JUMPED),
     *(FaultLimit(f"speed_{q}", v, "d*", kind, duration="permanent") for q, v in RATES.items() for kind in REFUSED),
     *(FaultLimit(f"final_speed_{q}", v, "V_*", "frozen", duration="permanent") for q, v in RATES.items()),
 )

@@ -174,9 +174,9 @@ class Pair:
 
 
 def _steady_innovation(state: Columns, complete: Array) -> Array:
-    """Return what a steady torque adds to the predicted yaw in the first bad sample: last or mean innovation."""
-    last, mean = np.asarray(state["sensing_innovation_phi"]), state["reckoning_phi_mean"]
-    return np.where(complete, np.where(last == 0, 0.0, mean), last)
+    """Return what is added to the predicted yaw: the last innovation; once contradicted, its mean, if smaller."""
+    last = np.asarray(state["sensing_innovation_phi"])
+    return np.where(complete, np.clip(state["reckoning_phi_mean"], -np.abs(last), np.abs(last)), last)
 
 
 def sense(

@@ -229,8 +229,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque
          * that the prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the
          * last one, else the yaw would jump. The prediction goes on from there, and later samples add nothing. A
-         * contradicted sample adds the mean of the innovation instead, since the wrong voltage may have shifted the
-         * last one. */
+         * contradicted sample adds the mean of the innovation instead, if it is smaller, since the wrong voltage may
+         * have shifted the last one. */
         static const float squared_jump = 0.12402716f;          /* V^2; rho = 1.5: a voltage jumped */
         static const float significant_r = 0.07043498f;         /* V; 0.024 V_0: a larger residual r is significant */
         static const float nearly_zero_m = 0.8612997f;          /* V^2; 0.1 V_0^2: a smaller excess m is nearly zero */
@@ -238,11 +238,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float small_m = 2.5838993f;
         static const float significant_m = 0.25838992f;         /* V^2; 0.03 V_0^2: a larger excess m is significant */
         static const float max_known_yaw = 0.01f;               /* rad; beyond it every voltage is suspected */
-        static const uint32_t number_of_V_ay = 2u;              /* 1; among the channels, from 1 */
-        static const uint32_t number_of_V_bx = 3u;              /* 1; among the channels, from 1 */
-        static const uint32_t number_of_V_by = 4u;              /* 1; among the channels, from 1 */
-        static const uint32_t number_of_V_cx = 5u;              /* 1; among the channels, from 1 */
-        static const uint32_t number_of_V_cy = 6u;              /* 1; among the channels, from 1 */
+        static const uint32_t channel_V_ay = 2u;                /* 1; among the channels, from 1 */
+        static const uint32_t channel_V_bx = 3u;                /* 1; among the channels, from 1 */
+        static const uint32_t channel_V_by = 4u;                /* 1; among the channels, from 1 */
+        static const uint32_t channel_V_cx = 5u;                /* 1; among the channels, from 1 */
+        static const uint32_t channel_V_cy = 6u;                /* 1; among the channels, from 1 */
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float first_r_2_size = fabsf(sensing_first_r_2);
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -266,11 +266,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         bool suspect_V_cy;
         if (sensing_frozen != 0u) {
             suspect_V_ax = sensing_frozen == 1u;
-            suspect_V_ay = sensing_frozen == number_of_V_ay;
-            suspect_V_bx = sensing_frozen == number_of_V_bx;
-            suspect_V_by = sensing_frozen == number_of_V_by;
-            suspect_V_cx = sensing_frozen == number_of_V_cx;
-            suspect_V_cy = sensing_frozen == number_of_V_cy;
+            suspect_V_ay = sensing_frozen == channel_V_ay;
+            suspect_V_bx = sensing_frozen == channel_V_bx;
+            suspect_V_by = sensing_frozen == channel_V_by;
+            suspect_V_cx = sensing_frozen == channel_V_cx;
+            suspect_V_cy = sensing_frozen == channel_V_cy;
         } else {
             const float first_squared = (sensing_first_r_1 * sensing_first_r_1) +
                 (sensing_first_r_2 * sensing_first_r_2) +
@@ -412,13 +412,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
          *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
-         *     suspect_V_bx = frozen == number_of_V_bx if frozen is set, else (change_x + nearly_zero_m < size_x if
+         *     suspect_V_bx = frozen == channel_V_bx if frozen is set, else (change_x + nearly_zero_m < size_x if
          *         is_jump, else m_exceeds_x) or is_any
-         *     suspect_V_by = frozen == number_of_V_by if frozen is set, else (r_exceeds_y and nearly_zero_y if
+         *     suspect_V_by = frozen == channel_V_by if frozen is set, else (r_exceeds_y and nearly_zero_y if
          *         is_jump, else any_r_exceeds) or is_any
-         *     suspect_V_cx = frozen == number_of_V_cx if frozen is set, else (r_exceeds_x and nearly_zero_x if
+         *     suspect_V_cx = frozen == channel_V_cx if frozen is set, else (r_exceeds_x and nearly_zero_x if
          *         is_jump, else any_r_exceeds) or is_any
-         *     suspect_V_cy = frozen == number_of_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
+         *     suspect_V_cy = frozen == channel_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
          *         is_jump, else m_exceeds_y) or is_any
          *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
@@ -428,7 +428,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
         static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
         static const float least_information = 0.00021532494f;  /* V^2; 2.5e-05 V_0^2: keeps a divisor from 0 */
-        static const float lasting = 0.8f; /* 1; share of the innovation of the yaw that an unmodelled torque repeats */
+        static const float lasting = 0.8f; /* 1; part of the last innovation of the yaw that is expected again */
         static const float squared_confirmation = 0.013780796f; /* V^2; rho = 0.5 */
         static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
         static const float max_yaw = 0.025f;                    /* rad; limit of the raw yaw */
@@ -572,7 +572,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             if ((guard_ready != 0u) && (squared_confirmation < squared) &&
                     ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = memory;
-                added = (0.0f < fabsf(sensing_innovation_phi)) ? reckoning_phi_mean : 0.0f;
+                added = planar_6dof_leadlag_limit(reckoning_phi_mean, fabsf(sensing_innovation_phi));
                 if (sensing_contradiction_left != 0u) {
                     state->sensing_contradiction_confirmed = 1u;
                 } else {

@@ -18,7 +18,8 @@ Where an axis has a `bias`, its output rate includes b, computed with n and with
 as e, m+ = m + (1 - r_m) (e - m). The prediction itself stays as it is.
 
 In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
-prediction. A source that returns p plus the last e removes the offset of d, one that returns p changes nothing.
+prediction. A source that returns p plus the last or the mean e removes the offset of d, one that returns p changes
+nothing.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 6.5.

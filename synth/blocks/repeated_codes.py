@@ -100,13 +100,17 @@ def numbers(channels: Sequence[Signal], repeats: int) -> list[Constant]:
         "code_stored": (repeats - 1, "repeats - 1: its first code is stored"),
         "between_watches": (repeats + 1, "repeats + 1: no code is compared"),
     }
-    named = [
-        Constant(f"{what}_of_{s.name}", k + first, "1", f"among the channels, from {first}", of)
-        for what, first, of in (("index", 0, ("channel",)), ("number", 1, ("frozen",)))
+    indices = (
+        Constant(f"index_of_{s.name}", k, "1", "among the channels, from 0", ("channel",))
         for k, s in enumerate(channels)
-        if k + first > 1
-    ]
-    return [*(Constant(name, n, "1", about, ("watch",)) for name, (n, about) in counts.items()), *named]
+        if k > 1
+    )
+    ordinals = (
+        Constant(f"channel_{s.name}", k, "1", "among the channels, from 1", ("frozen",))
+        for k, s in enumerate(channels, 1)
+        if k > 1
+    )
+    return [*(Constant(name, n, "1", about, ("watch",)) for name, (n, about) in counts.items()), *indices, *ordinals]
 
 
 def is_between(x: Exprs, repeats: int) -> ca.SX:

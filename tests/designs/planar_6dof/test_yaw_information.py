@@ -21,10 +21,10 @@ def worst() -> tuple[Rig, Failure]:
     return rig, yaw_information.stick(rig)
 
 
-def test_the_worst_run_leaves_little_more_than_the_limit() -> None:
+def test_the_worst_run_leaves_half_as_much_again_as_the_limit() -> None:
     """The limit of 0.2 rad/s is not met here; docs/decisions/planar_faults.md gives the reason."""
     rig, failed = worst()
-    assert 0.2 < failed.left(rig.period_s) < 0.35 and failed.latch - failed.braking == 24
+    assert 0.2 < failed.left(rig.period_s) < 0.33 and failed.latch - failed.braking == 24
     assert np.abs(failed.run["wphi"][failed.failure : failed.latch]).max() > 3.0
 
 
