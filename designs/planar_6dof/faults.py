@@ -16,8 +16,9 @@ LEFT, LEFT_YAW = 0.05, 0.2  # m/s, rad/s
 
 MOTION = {"x_ref": Sine(AMPLITUDE, 2 * pi), "y_ref": Sine(AMPLITUDE, 2 * pi, pi / 2)}
 REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen")
-JUMPED, AFTER_JUMP = ("bit flipped", "bit stuck"), {"x": 0.05, "y": 0.05, "phi": 0.25}  # m/s, rad/s
+JUMPED = ("bit flipped", "bit stuck")
 RATES = {"x": LEFT, "y": LEFT, "phi": LEFT_YAW}
+AFTER_JUMP = RATES | {"phi": 0.25}  # rad/s: a sample is contradicted before the prediction bridges
 LIMITS = (
     FaultLimit("false_alarms", 0.0),
     *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
