@@ -153,14 +153,14 @@ def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
     return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
 
 
-def _largest_innovation(axis: Axis) -> float:
-    return axis.predicted.high + max(abs(axis.measured.low), axis.measured.high)
+def _largest_innovation(measured: Signal, predicted: Signal) -> float:
+    return predicted.high + max(abs(measured.low), measured.high)
 
 
 @arguments.checked
 def mean_innovation(name: str, measured: Signal, predicted: Signal) -> Signal:
     """Return ``<name>_mean``, with room for rounding: a mean of innovations does not exceed the largest one."""
-    most = 1.001 * (predicted.high + max(abs(measured.low), measured.high))
+    most = 1.001 * _largest_innovation(measured, predicted)
     return Signal(f"{name}_mean", measured.unit, -most, most, "mean innovation")
 
 
@@ -170,7 +170,7 @@ def _mean(axis: Axis) -> Signal:
 
 def _largest_mean(bias: RateBias, axis: Axis, u: float, e: float) -> float:
     r = bias.pole
-    return (r * _mean(axis).high + (1 - r) * _largest_innovation(axis)) * (1 + 16 * u)
+    return (r * _mean(axis).high + (1 - r) * _largest_innovation(axis.measured, axis.predicted)) * (1 + 16 * u)
 
 
 def _half_step(axis: Axis, time: Discrete) -> float:
