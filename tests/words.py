@@ -9,7 +9,9 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("synth", "models", "designs", "benchmarks", "tests", "docs", "generated_c")
@@ -119,29 +121,40 @@ def prose(text: str) -> str:
     return " ".join(t.string.lstrip("# ") for t in tokens if t.type in (tokenize.COMMENT, tokenize.STRING))
 
 
+class Definitions(NamedTuple):
+    """What a Python text defines: functions, classes, fields, and for each function the vague names that it binds."""
+
+    functions: tuple[str, ...]
+    classes: tuple[str, ...]
+    fields: tuple[str, ...]
+    vague: tuple[tuple[str, str], ...]
+
+
+@cache
+def definitions(text: str) -> Definitions:
+    """Return what a Python text defines; methods and inner functions are functions, too."""
+    nodes = list(ast.walk(ast.parse(text)))
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
+    classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+    members = [f.target for c in classes for f in c.body if isinstance(f, ast.AnnAssign)]
+    vague = [(f.name, name) for f in functions for name in sorted(_bound(f) & VAGUE_LOCALS)]
+    return Definitions(
+        tuple(f.name for f in functions),
+        tuple(c.name for c in classes),
+        tuple(target.id for target in members if isinstance(target, ast.Name)),
+        tuple(vague),
+    )
+
+
 def private_definitions(text: str) -> set[str]:
     """Return the private names that a Python text defines as functions, classes or fields."""
-    tree = ast.parse(text)
-    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-    fields = [
-        f.target.id for c in classes for f in c.body if isinstance(f, ast.AnnAssign) and isinstance(f.target, ast.Name)
-    ]
-    return {name.strip("_") for name in [*fields, *(c.name for c in classes), *functions(text)]} & set(PRIVATE_NAMES)
-
-
-def functions(text: str) -> list[str]:
-    """Return the names of all functions of a Python text, methods and inner ones included."""
-    return [node.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+    defined = definitions(text)
+    return {name.strip("_") for name in [*defined.fields, *defined.classes, *defined.functions]} & set(PRIVATE_NAMES)
 
 
 def vague_locals(text: str) -> list[tuple[str, str]]:
     """Return (function, name) for each function of a Python text that binds a vague name, its arguments included."""
-    return [
-        (function.name, name)
-        for function in ast.walk(ast.parse(text))
-        if isinstance(function, ast.FunctionDef)
-        for name in sorted(_bound(function) & VAGUE_LOCALS)
-    ]
+    return list(definitions(text).vague)
 
 
 def _bound(function: ast.FunctionDef) -> set[str]:
@@ -152,4 +165,4 @@ def _bound(function: ast.FunctionDef) -> set[str]:
 
 def participles(text: str) -> set[str]:
     """Return the functions of a Python text whose names end in -ed, without tests."""
-    return {name for name in functions(text) if name.endswith("ed") and not name.startswith("test_")}
+    return {name for name in definitions(text).functions if name.endswith("ed") and not name.startswith("test_")}

@@ -16,7 +16,7 @@ from synth.simulate import lane_blocks
 from synth.simulate.interpolants import OUTSIDE, FastPlant
 from synth.simulate.lane_blocks import LaneBlock
 
-FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
+FLAGS = ("-O2", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
 HEADER = """#define LANES {lanes}
 #define N_X {x}
 #define N_U {u}

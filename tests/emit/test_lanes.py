@@ -98,7 +98,7 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
     text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lanes.NUMBERS[scalar], **sizes)
     library = ctypes.CDLL(
-        str(host_compiler.shared_library({"run.c": text}, ("-O3", "-march=native", "-std=c11", "-Wno-psabi")))
+        str(host_compiler.shared_library({"run.c": text}, ("-O1", "-march=native", "-std=c11", "-Wno-psabi")))
     )
     x = in_lanes([records[n] for n in reals], scalar)
     c = in_lanes([records[n] for n in counters], width)
