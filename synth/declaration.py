@@ -134,10 +134,11 @@ class Interface:
 
         Raises SignalError for another name.
         """
-        set_point = next((s for s in self.set_points if s.of == of), None)
-        if set_point is None or of not in [s.name for s in self.sensors]:
-            known = ", ".join(s.of for s in self.set_points) or "none"
-            raise SignalError(f"'{of}' is not a sensor with a set-point: declare both, or take one of {known}")
+        set_point, sensors = next((s for s in self.set_points if s.of == of), None), [s.name for s in self.sensors]
+        if set_point is None or of not in sensors:
+            known = ", ".join(s.of for s in self.set_points if s.of in sensors) or "none"
+            sensor = next((f"give the set-point of='{s.name}'" for s in self.sensors if s.of == of), "declare both")
+            raise SignalError(f"'{of}' is not a sensor with a set-point: {sensor}, or take one of {known}")
         r, y = self._signal(set_point.name), self._signal(of)
         return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{set_point.name} less {of}")
 

@@ -142,7 +142,7 @@ class Signal:
 @arguments.checked
 @dataclass(frozen=True)
 class Parameter:
-    """A physical constant: value in `unit`, relative tolerance, and the source that states it."""
+    """A physical constant: value in `unit`, relative tolerance (0.05 for 5 %), and the source that states it."""
 
     name: str
     value: float
@@ -152,10 +152,10 @@ class Parameter:
 
     def __post_init__(self) -> None:
         dimension(self.unit)
-        if not math.isfinite(self.value) or not self.tolerance >= 0:
+        if not math.isfinite(self.value) or not 0 <= self.tolerance < 1:
             raise SignalError(
                 f"parameter '{self.name}' has value {self.value} and tolerance {self.tolerance}: "
-                "the value must be finite and the tolerance a relative number >= 0"
+                "the value must be finite and the tolerance a share of it, at least 0 and below 1: 0.05 for 5 %"
             )
 
 

@@ -9,6 +9,7 @@ Laws are Blocks. They read ``<name>_held`` of sensors and set-points, ``<sensor>
 limited here, or ``<actuator>_computed``.
 """
 
+import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
@@ -37,7 +38,7 @@ from synth.declaration import (
     Synthesis,
 )
 from synth.emit.write import EmittedCode
-from synth.errors import SignalError
+from synth.errors import DesignError, SignalError
 from synth.plant import Plant
 from synth.progress import Progress
 from synth.report.audit import Row
@@ -175,11 +176,16 @@ def design(
     part of the experiments, which a build runs side by side. A design may replace any of them. With `report_parts`
     the build computes each of these as a job of its own and passes the results to `report`, by name, as `parts`.
 
-    Raises DesignError for a stage without `reference` that uses the standard verification, SignalError for a required
-    margin that is not known and for a tolerance of a parameter that the plant does not have.
+    Raises DesignError for an unknown field, and for a stage without `reference` that uses the standard verification;
+    SignalError for a required margin that is not known, for a tolerance of a parameter that the plant does not have,
+    and for a set-point that may leave the range of its sensor or go beyond a stop.
     """
+    known = [f.name for f in dataclasses.fields(Stage) if f.name not in ("controller", "plant")]
+    if unknown := [name for name in fields if name not in known]:
+        raise DesignError(f"a stage has no field '{unknown[0]}': give some of {', '.join(known)}")
     stage = Stage(controller, plant, **fields)
     _check_requirements(stage)
+    _check_set_points(stage)
     if verify is standard.verify:
         standard.require_reference(stage)
     return Design(
@@ -202,3 +208,23 @@ def _check_requirements(stage: Stage) -> None:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
+
+
+def _check_set_points(stage: Stage) -> None:
+    """Raise SignalError for a set-point whose range goes beyond that of its sensor, or beyond a stop."""
+    interface = stage.interface
+    sensors = {s.name: interface.signals[s.name] for s in interface.sensors}
+    outputs = {s.name: s.of for s in interface.sensors}
+    for point in interface.set_points:
+        limits, unit = [], interface.signals[point.name].unit
+        if sensor := sensors.get(point.of):
+            limits.append((f"the range of its sensor '{sensor.name}'", sensor.low, sensor.high))
+        position = outputs.get(point.of, point.of)
+        if position in stage.stops:
+            limits.append((f"the distance between the stops of '{position}'", *stage.stops[position]))
+        for what, low, high in limits:
+            if point.low < low or point.high > high:
+                raise SignalError(
+                    f"set-point '{point.name}' may be {point.low:g} .. {point.high:g} {unit}, beyond {what}, "
+                    f"{low:g} .. {high:g}: give it a range inside"
+                )

@@ -27,6 +27,7 @@ from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
+from synth.errors import DesignError
 from synth.execute import build, host
 from synth.failure import with_reactions
 from synth.progress import Progress
@@ -157,8 +158,19 @@ def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay
 
 
 def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
-    """Return the measured inputs (VECTOR_STEPS,) of a closed loop with bad samples, of which the last ones latch."""
-    return stimuli.closed_loop(rig, stimuli.VECTOR_STEPS, stimuli.BAD_SAMPLE_EXCESS).measured
+    """Return the measured inputs (VECTOR_STEPS,) of a closed loop with bad samples, of which the last ones latch.
+
+    Raises DesignError for a loop that diverges beyond what its scalar type holds.
+    """
+    measured = stimuli.closed_loop(rig, stimuli.VECTOR_STEPS, stimuli.BAD_SAMPLE_EXCESS).measured
+    for name, column in measured.items():
+        if not np.isfinite(column).all():
+            k = int(np.argmin(np.isfinite(column)))
+            raise DesignError(
+                f"the closed loop of '{rig.stage.name}' diverges: '{name}' is {column[k]:g} in sample {k}; check the "
+                f"period of {rig.period_s:g} s, the signs and the gains"
+            )
+    return measured
 
 
 def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from synth import stage, standard_tasks
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
 from synth.stage import Actuator, Sensor, SetPoint
+from synth.verify import stimuli
 from tests import levitator
 
 PID = levitator.design()
@@ -141,3 +142,51 @@ def test_a_variant_of_the_interface_makes_another_controller() -> None:
     slower = replace(PID.INTERFACE, bad_samples=7)
     made = stage.controller("slow", PID.TIME, slower, [PID.pid("z"), PID.pid("x")])
     assert made.block.safety is not None and made.block.safety.bad_samples == 7
+
+
+def design_with(**fields: Any) -> Any:
+    return stage.design(PID.DESIGN.stage.controller, PID.PLANT, **({"reference": PID.reference.step} | fields))
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"stop": {"z": (-6e-4, 6e-4)}}, "a stage has no field 'stop': give some of reference, .*stops"),
+        ({"reference": PID.reference}, "the reference of design 'levitator_pid' is a module: give its step function"),
+    ],
+)
+def test_a_field_that_cannot_be_is_refused_where_it_is_declared(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        design_with(**fields)
+
+
+def test_a_set_point_beyond_a_stop_is_refused() -> None:
+    points = {s.name: (s.low, s.high) for s in PID.DESIGN.stage.interface.set_points}
+    low, high = points["z_ref"]
+    assert design_with(stops={"z": (low, high)}).stage.stops == {"z": (low, high)}
+    with pytest.raises(SignalError, match=r"'z_ref' may be .* m, beyond the distance between the stops of 'z'"):
+        design_with(stops={"z": (low, 0.9 * high)})
+
+
+def test_a_set_point_beyond_the_range_of_its_sensor_is_refused() -> None:
+    wide = around(set_points=[SetPoint("z_ref", of="z", low=-1e-3, high=1e-3)])
+    made = replace(PID.DESIGN.stage.controller, interface=wide)
+    with pytest.raises(SignalError, match=r"0\.001 m, beyond the range of its sensor 'z', -0\.0006"):
+        stage.design(made, PID.PLANT, reference=PID.reference.step)
+
+
+def test_the_error_of_an_output_names_the_sensor_that_reads_it() -> None:
+    points = [SetPoint("x_ref", of="x", low=0.0, high=1e-4)]
+    with pytest.raises(SignalError, match=r"'x' is not a sensor .*: give the set-point of='x_read', or"):
+        around(set_points=points).error("x")
+
+
+def test_a_recorded_loop_that_diverges_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = PID.DESIGN.stage
+    rig = standard_tasks.rig(made, made.scalar)
+    run = stimuli.closed_loop(rig, 10)
+    columns = {name: column.copy() for name, column in run.measured.items()}
+    columns["z"][4:] = -np.inf
+    monkeypatch.setattr(stimuli, "closed_loop", lambda *arguments: replace(run, measured=columns))
+    with pytest.raises(DesignError, match=r"diverges: 'z' is -inf in sample 4; check the period of 0\.000"):
+        standard_tasks.record(rig)

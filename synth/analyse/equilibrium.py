@@ -22,7 +22,7 @@ from synth import arguments
 from synth.analyse import equilibrium_equations, linearisation, loop
 from synth.analyse.equilibrium_equations import SampledLoop
 from synth.analyse.operating_points import OperatingPoint
-from synth.errors import ModelError, NoEquilibriumError, SignalError
+from synth.errors import NoEquilibriumError, SignalError
 from synth.signals import signal_names
 from synth.statespace import StateSpace
 
@@ -77,20 +77,25 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
 
     Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
 
+    A plant with several equilibria, such as one with cogging, may lead the search to one out of range, where the
+    controller raises a fault; the search then goes on from the next starting point.
+
     Raises SignalError for a missing or unknown reference, or an operating point of another plant; NoEquilibriumError
-    with the signal that still changes; ModelError if the controller raises a fault at equilibrium.
+    with the signal that still changes, or with the faults of the first equilibrium where each one raises some.
     """
     _check(closed, references, near)
     equations = equilibrium_equations.of_loop(closed, references, near)
     least: equilibrium_equations.Trial | None = None
+    faulty: Equilibrium | None = None
     for start in equilibrium_equations.starting_points(equations, closed, near):
         trial = equilibrium_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
             rest = _equilibrium(closed, references, near, trial)
-            _require_no_fault(rest)
-            return rest
+            if not _raised_faults(rest):
+                return rest
+            faulty = faulty or rest
         least = trial if least is None or trial.size < least.size else least
-    raise _no_rest(closed, equations, least)
+    raise _no_rest(closed, equations, least) if faulty is None else _at_fault(faulty)
 
 
 def _check(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
@@ -121,8 +126,8 @@ def _equilibrium(
     return Equilibrium(closed, point, state, inputs, trial.size)
 
 
-def _require_no_fault(rest: Equilibrium) -> None:
-    """Raise ModelError if the controller raises a fault at equilibrium."""
+def _raised_faults(rest: Equilibrium) -> list[str]:
+    """Return the faults that the controller raises at equilibrium."""
     block = rest.closed.controller
     flags = [f.output for f in block.faults if not f.status]
     symbols = {
@@ -131,11 +136,21 @@ def _require_no_fault(rest: Equilibrium) -> None:
     }
     values = [*rest.state.values(), *rest.inputs.values(), *(c.value for c in block.constants)]
     raised = ca.Function("flags", list(symbols.values()), [ca.vcat([block.output[f] for f in flags])])(*values)
-    if on := [f for f, value in zip(flags, np.asarray(raised).ravel(), strict=True) if value]:
-        raise ModelError(
-            f"the controller '{block.name}' raises {', '.join(on)} at rest, with inputs "
-            f"{', '.join(f'{n} = {v:.6g}' for n, v in rest.inputs.items())}: rest within the declared ranges"
-        )
+    return [f for f, value in zip(flags, np.asarray(raised).ravel(), strict=True) if value]
+
+
+def _at_fault(rest: Equilibrium) -> NoEquilibriumError:
+    block = rest.closed.controller
+    inputs = ", ".join(f"{name} = {value:.9g}" for name, value in rest.inputs.items())
+    ranges = [
+        f"{s.name} in {s.low:g} .. {s.high:g} {s.unit}"
+        for s in block.inputs
+        if not s.low <= rest.inputs[s.name] <= s.high
+    ]
+    return NoEquilibriumError(
+        f"the controller '{block.name}' raises {', '.join(_raised_faults(rest))} at rest, with inputs {inputs}: rest "
+        f"within the declared ranges{', ' * bool(ranges)}{', '.join(ranges)}"
+    )
 
 
 def _no_rest(

@@ -103,6 +103,23 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
     )
 
 
+@arguments.checked
+def trim_near(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
+    """Return `trim`, and where there is none, that with all states free that are not fixed.
+
+    A force that holds one coordinate may displace another, such as a flexible mode, which then cannot stay at zero.
+
+    Raises as `trim`.
+    """
+    try:
+        return trim(plant, fixed, free)
+    except ModelError:
+        others = [s.name for s in plant.states if s.name not in (*fixed, *free)]
+        if not others:
+            raise
+    return trim(plant, fixed, [*free, *others])
+
+
 def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], free: Collection[str]) -> None:
     if both := [n for n in free if n in fixed]:
         raise SignalError(f"trim of '{plant.name}': {', '.join(both)} both fixed and free: take each from one of them")
@@ -183,9 +200,11 @@ def _roots(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[
 
 def _not_finite(plant: Plant, derivatives: Array, free: tuple[str, ...]) -> ModelError:
     state = plant.states[int(np.argmin(np.isfinite(derivatives)))]
+    zero = [p.name for p in plant.parameters if p.value == 0]
+    divided = f", and look for a division by a parameter that is 0: {', '.join(zero)}" if zero else ""
     return ModelError(
-        f"plant '{plant.name}' has no trim: d({state.name})/dt is not finite at the values held for trim, at any "
-        f"of the points tried in the ranges of {', '.join(free)}: hold the signals inside the plant's domain"
+        f"plant '{plant.name}' has no trim: d({state.name})/dt is not finite at the values held for trim, at any of "
+        f"the points tried in the ranges of {', '.join(free)}: hold the signals inside the plant's domain{divided}"
     )
 
 
@@ -194,8 +213,10 @@ def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], f
     excess = np.where(np.isfinite(residual), np.abs(residual) / problem.tolerance, np.inf)
     worst = int(excess.argmax())
     state: Signal = plant.states[worst]
+    zero = [s.name for s in (*plant.states, *plant.inputs) if s.name not in (*free, *fixed)]
+    others = f" and {', '.join(zero)} at 0" if zero else ""
     return ModelError(
         f"plant '{plant.name}' has no trim: d({state.name})/dt = 0 cannot be met; the least found is "
         f"{residual[worst]:.4g} {state.unit}/s with {', '.join(free) or 'nothing'} free and "
-        f"{', '.join(fixed) or 'nothing'} held: free a signal that acts on '{state.name}', or hold other values"
+        f"{', '.join(fixed) or 'nothing'} held{others}: free a signal that acts on '{state.name}', or hold other values"
     )

@@ -193,13 +193,16 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
-    Raises SignalError for an unknown point; ModelError as `operating_points.trim`, and as `equilibrium.solve`.
+    Raises SignalError for an unknown point; ModelError as `operating_points.trim_near` and `equilibrium.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
     closed = loops.closed
     plant = closed.plant.with_parameters(**case) if case else closed.plant
-    trimmed = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
+    try:
+        trimmed = operating_points.trim_near(plant, dict(loops.points[point]), list(loops.actuators))
+    except ModelError as error:
+        raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
     values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
     values |= zip(signal_names(plant.outputs), outputs, strict=True)
@@ -216,10 +219,7 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
     Raises SignalError for an unknown signal; ModelError with the operating point if it has no equilibrium or margins.
     """
     chosen = loops.signals if signals is None else signals
-    equilibria = (
-        (point, case, equilibrium_at(loops, point, case))
-        for point, case in itertools.product(loops.points, loops.cases)
-    )
+    equilibria = ((p, c, equilibrium_at(loops, p, c)) for p, c in itertools.product(loops.points, loops.cases))
     return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 

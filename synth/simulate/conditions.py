@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.declaration import SetPoint
 from synth.errors import SignalError
 from synth.simulate.scenario import Array
 
@@ -70,3 +71,13 @@ def values(course: Course, time: Array) -> Array:
             f"a course has values of shape {samples.shape}: give one, or one for each of {len(time)} samples"
         )
     return np.array(np.broadcast_to(samples, time.shape))
+
+
+def require_in_range(name: str, course: Array, point: SetPoint) -> None:
+    """Raise SignalError for a course of a set-point that leaves its range, where the guard would refuse it."""
+    worst = float(course[np.argmax(np.maximum(course - point.high, point.low - course))])
+    if not point.low <= worst <= point.high:
+        raise SignalError(
+            f"the course of set-point '{name}' reaches {worst:g}; its range is {point.low:g} .. {point.high:g}: give "
+            "the experiment a smaller step or motion, or the set-point a wider range"
+        )

@@ -225,13 +225,13 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
-    time = sample_times(duration_s, rig.period_s)
-    interface = rig.stage.interface
+    time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
+    for name, course in courses.items():
+        conditions.require_in_range(name, course, _set_point(rig, name))
     forcing: dict[str, Any] = dict.fromkeys(interface.disturbances, 0.0)
     forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
-    options = {"forcing": forcing} | dict(under.options)
-    return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)
+    return replace(rig, plant=plant).run(duration_s, under.start, courses, **{"forcing": forcing, **under.options})
 
 
 def _set_point(rig: Rig, name: str) -> Any:

@@ -172,7 +172,13 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
     """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness."""
 
     def witness(states: Columns, inputs: Columns) -> StepResults:
-        after, outputs, faults = step(states, inputs)
+        try:
+            after, outputs, faults = step(states, inputs)
+        except KeyError as error:
+            raise SignalError(
+                f"the reference looks up {error} and does not find it: the states are {', '.join(states)}, the inputs "
+                f"{', '.join(inputs)}"
+            ) from error
         return StepResults(outputs, after, np.asarray(faults, dtype=np.uint32))
 
     return witness

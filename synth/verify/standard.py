@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from synth import arguments
 from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Reference, Stage
@@ -37,11 +38,16 @@ PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in
 
 
 def require_reference(stage: Stage) -> Reference:
-    """Return the reference of a stage; raise DesignError for a stage without one."""
+    """Return the reference of a stage; raise DesignError for a stage without one, or with one that is no function."""
     if stage.reference is None:
         raise DesignError(
             f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
             "outputs, fault words) written from the equations"
+        )
+    if not callable(stage.reference):
+        raise DesignError(
+            f"the reference of design '{stage.name}' is {arguments.describe(stage.reference)}: give its step function, "
+            "(states, inputs) -> (states', outputs, fault words)"
         )
     return stage.reference
 

@@ -138,12 +138,21 @@ def test_disturbances_stay_and_weights_share_a_command() -> None:
 def test_a_loop_without_an_equilibrium_is_refused() -> None:
     with pytest.raises(ModelError, match="counts without end"):
         at(0.1, toggles=True)
-    with pytest.raises(ModelError, match=r"'held' raises fault_q, latched at rest, with inputs q = .*: rest within"):
+    with pytest.raises(
+        ModelError,
+        match=r"'held' raises fault_q, latched at rest, .*: rest within .* q in -0.5 .. 0.5 m",
+    ):
         at(0.7)
     near = operating_points.trim(levitation_plant(), {"gap": 0.1}, ["i"])
     closed = equilibrium.SampledLoop(levitation_plant(), pid_block(), SENSORS, ACTUATORS)
     with pytest.raises(SignalError, match=r"missing \['wish'\], not known \['hope'\]: give a value for each of wish"):
         equilibrium.solve(closed, {"hope": 1.0}, near)
+
+
+def test_the_search_goes_on_after_an_equilibrium_that_raises_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = iter([["fault_q"], []])
+    monkeypatch.setattr(equilibrium, "_raised_faults", lambda rest: next(answers))
+    assert at(0.3).point["gap"] == pytest.approx(0.3, abs=1e-7) and not [*answers]
 
 
 def test_names_and_ambiguous_openings_are_refused() -> None:

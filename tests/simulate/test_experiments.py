@@ -112,3 +112,9 @@ def test_a_position_is_the_plant_state_and_not_the_biased_reading_of_its_sensor(
 def test_a_limit_that_is_meant_as_a_set_point_is_refused(rig: Rig, limit: float) -> None:
     with pytest.raises(SignalError, match=r"hold_z_ref: the limit of \|y - r\| at 'z_ref' is .*: give a positive one"):
         Hold({"z_ref": limit}).run(rig)
+
+
+@pytest.mark.parametrize("run", [Step("z_ref", 5e-3, 0.1, 0.2), Track({"z_ref": Sine(5e-3, 6.0)}, 1e-5)])
+def test_a_course_beyond_the_range_of_its_set_point_is_refused(rig: Rig, run: Any) -> None:
+    with pytest.raises(SignalError, match=r"the course of set-point 'z_ref' reaches 0\.00.*; its range is -0\.000"):
+        run.run(rig)
