@@ -24,6 +24,7 @@ Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 
 ROUNDING = 1e-12  # of log |L| and arg L: a zero this near to the end of an interval may lie on it
 MOST_INTERVALS = 500_000
+LOBE_POINTS = 100  # of the grid, where only lobes are left
 LIMIT_TOLERANCE = 1e-5  # of |L| at infinity: the search ends where |L| stays this close above it
 
 
@@ -40,7 +41,7 @@ def of_delayed_loop(loop: Delayed, model: Rational, low: float | None, high: flo
     if model.N.is_zero():
         return Crossings((), (), ends, 1.0, 0.0)
     L = zero_pole_gain(loop, model)
-    grid = zpk.frequency_grid(L, low or zpk.lowest_frequency(L))
+    grid = _with_lobes(L, zpk.frequency_grid(L, low or zpk.lowest_frequency(L)))
     envelope = _envelope(L, grid)
 
     def last_above(level: float) -> float:
@@ -77,6 +78,17 @@ def _envelope(L: ZeroPoleGain, w: Array) -> Array:
     """Return |L| with the envelope of the hold's lobes in place of the lobes."""
     hold = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
     return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * hold)
+
+
+def _with_lobes(L: ZeroPoleGain, grid: Array) -> Array:
+    """Return the grid up to where the hold's lobes stay below |L| = 1/2.
+
+    Above the grid the loop without its hold does not rise any more, and the envelope falls at least as 1/w.
+    """
+    factor = 2 * float(_envelope(L, grid[-1:])[0])
+    if not L.hold_s or factor <= 1 or L.signs.sum() > 0:
+        return grid
+    return np.concatenate([grid, np.geomspace(grid[-1], factor * grid[-1], LOBE_POINTS)[1:]])
 
 
 def _phase_crossings(

@@ -126,3 +126,12 @@ def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
     with pytest.raises(ModelError, match="cannot be separated"):
         stability_margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))
+
+
+def test_lobes_of_the_hold_above_all_rates_of_the_loop_are_counted() -> None:
+    """A loop with a gain of 500 at infinity crosses |L| = 1 in every lobe up to 2 * 500 / hold."""
+    model = transfer.delayed(control.tf([500.0, -10.0], [1.0, 0.77]), 1e-3, 1e-3)
+    course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, None)
+    w = np.linspace(1.0, 1.2e6, 2_400_001)
+    size = np.abs((500j * w - 10) / (1j * w + 0.77) * np.sinc(w * 1e-3 / (2 * np.pi)))
+    assert len(course.gain_crossings) == np.count_nonzero(np.diff(np.sign(size - 1))) > 10
