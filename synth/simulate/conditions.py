@@ -81,3 +81,13 @@ def require_in_range(name: str, course: Array, point: SetPoint) -> None:
             f"the course of set-point '{name}' reaches {worst:g}; its range is {point.low:g} .. {point.high:g}: give "
             "the experiment a smaller step or motion, or the set-point a wider range"
         )
+
+
+def require_positive_errors(name: str, limits: Mapping[str, float]) -> None:
+    """Raise SignalError for a limit of |y - r| of an experiment that is not positive."""
+    for set_point, limit in limits.items():
+        if not limit > 0:
+            raise SignalError(
+                f"{name}: the limit of |y - r| at '{set_point}' is {limit:g}: give a positive one; the set-point "
+                "itself stays at the initial position, which Conditions(start=...) names"
+            )

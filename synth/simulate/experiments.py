@@ -59,7 +59,8 @@ class Step:
     """The set-point steps by `height` in its unit once the loop has settled.
 
     `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
-    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
+    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name. Raises SignalError
+    for a step of 0, an overshoot above 1, and a settling time that is not positive.
     """
 
     set_point: str
@@ -69,6 +70,13 @@ class Step:
     error: float | None = None
     conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
+
+    def __post_init__(self) -> None:
+        if not (0 < abs(self.height) < np.inf and 0 <= self.overshoot <= 1 and 0 < self.settles_s < np.inf):
+            raise SignalError(
+                f"{self.name}: a step of {self.height:g}, overshoot {self.overshoot:g}, settles_s {self.settles_s:g}: "
+                "give a step other than 0, an overshoot of at most 1, 0.15 for 15 %, and a positive time"
+            )
 
     @property
     def name(self) -> str:
@@ -152,7 +160,7 @@ class Hold:
 
     def run(self, rig: Rig) -> Experiment:
         """Run from rest at the initial positions; raise SignalError for a limit that is not positive."""
-        _require_positive(self.name, self.errors)
+        conditions.require_positive_errors(self.name, self.errors)
         trajectory = _trajectory(rig, self.duration_s, {}, self.conditions)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}
@@ -251,15 +259,6 @@ def _position(rig: Rig, set_point: str) -> tuple[str, str]:
     position = rig.positions[_set_point(rig, set_point).name]
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
     return position, known[position].unit
-
-
-def _require_positive(name: str, limits: Mapping[str, float]) -> None:
-    for set_point, limit in limits.items():
-        if not limit > 0:
-            raise SignalError(
-                f"{name}: the limit of |y - r| at '{set_point}' is {limit:g}: give a positive one; the set-point "
-                "itself stays at the initial position, which Conditions(start=...) names"
-            )
 
 
 def _resolution(rig: Rig, position: str) -> float:

@@ -118,3 +118,10 @@ def test_a_limit_that_is_meant_as_a_set_point_is_refused(rig: Rig, limit: float)
 def test_a_course_beyond_the_range_of_its_set_point_is_refused(rig: Rig, run: Any) -> None:
     with pytest.raises(SignalError, match=r"the course of set-point 'z_ref' reaches 0\.00.*; its range is -0\.000"):
         run.run(rig)
+
+
+@pytest.mark.parametrize("changed", [{"overshoot": 15}, {"settles_s": -0.5}, {"height": 0.0}, {"settles_s": np.nan}])
+def test_a_step_with_a_number_that_cannot_be_meant_is_refused(changed: dict[str, float]) -> None:
+    (name, value), good = *changed.items(), {"height": 1e-4, "overshoot": 0.1, "settles_s": 0.2}
+    with pytest.raises(SignalError, match=f"{'a step of' if name == 'height' else name} {value:g}"):
+        Step("z_ref", **(good | changed))
