@@ -59,8 +59,9 @@ class Step:
     """The set-point steps by `height` in its unit once the loop has settled.
 
     `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
-    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name. Raises SignalError
-    for a step of 0, an overshoot above 1, and a settling time that is not positive.
+    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
+
+    Raises SignalError for a step of 0, an overshoot above 1, and a settling time that is not positive.
     """
 
     set_point: str
