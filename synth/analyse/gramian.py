@@ -27,6 +27,13 @@ from synth.timing import Continuous
 
 # For noise of the size of each row of scaled A; a larger Gramian indicates a mode on the stability boundary.
 MAX_GRAMIAN = 1e12
+MAX_RESIDUAL = 1e-4  # of the terms of the Lyapunov equation: a larger one belongs to a meaningless Gramian
+EPS = float(np.finfo(float).eps)
+OFF_BORDER = 1e-4  # of a pole's distance from the border of stability: a smaller shift leaves it clearly on its side
+BETTER_COORDINATES = (
+    "give the model in modal coordinates or in a cascade of them (blocks [[a, b], [-b, a]] for the poles a +- ib), or "
+    "the continuous model"
+)
 
 Integral = Callable[[Array, Array], Array]
 
@@ -98,7 +105,7 @@ def over_horizon(system: System, horizon_s: float) -> Gramians:
     """Return the Gramians of a System from 0 to `horizon_s`, rounded to whole samples in discrete time.
 
     Raises SignalError as `statespace.of`; TimingError when the horizon is not positive or shorter than a sample;
-    ModelError as `discretise.gramian`.
+    ModelError as `discretise.gramian`, or when rounding errors exceed the Gramian.
     """
     model = of(system)
     X = np.diag(staircase.of_model(model).x)
@@ -116,7 +123,14 @@ def over_horizon(system: System, horizon_s: float) -> Gramians:
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
-    return _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        sums = _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
+    if not sums.residual < MAX_RESIDUAL:
+        raise ModelError(
+            f"the Gramian {sums.span} is not determined in double precision: the residual of its Lyapunov equation is "
+            f"{sums.residual:.1e} of the terms, and less than {MAX_RESIDUAL:.0e} is needed; {BETTER_COORDINATES}"
+        )
+    return sums
 
 
 def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
@@ -187,13 +201,13 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
     inverse = _inverse(T)
     A, B, C = inverse @ model.A @ T, inverse @ model.B, model.C @ T
     Wc, Wo = span.integral(A.T, B @ B.T), span.integral(A, C.T @ C)
+    continuous = isinstance(model.time, Continuous)
+    residuals = [_residual(F, Q, W, span, continuous) for F, Q, W in ((A.T, B @ B.T, Wc), (A, C.T @ C, Wo))]
     left, right = _root(Wo), _root(Wc)
     _, hankel, V = np.linalg.svd(left.T @ right)
     directions = (T @ right @ V.T).T / staircase.of_model(model).x
     by_input = np.diag(B.T @ span.integral(A, Wo) @ B)
     by_output = np.diag(C @ span.integral(A.T, Wc) @ C.T)
-    continuous = isinstance(model.time, Continuous)
-    residuals = [_residual(F, Q, W, span, continuous) for F, Q, W in ((A.T, B @ B.T, Wc), (A, C.T @ C, Wo))]
     return Gramians(
         readonly(T @ Wc @ T.T),
         readonly(inverse.T @ Wo @ inverse),
@@ -224,12 +238,31 @@ def _fractions(parts: Array, names: Sequence[str]) -> dict[str, float]:
 
 
 def _border_error(model: StateSpace) -> ModelError:
+    """Return the reason why the Gramian over all time is not determined, and the mend."""
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
     k = int(np.argmin(np.abs(rates)))
     worst, hint = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
+    mode = f"mode {structure.pair(worst.value)} in {structure.direction_text(worst.states)}"
+    if _is_off_the_border(model):
+        return ModelError(
+            f"the Gramian over all time is not determined in double precision: {mode} is off the border of stability, "
+            f"but rounding errors of {EPS:.0e} in the coefficients may change the Gramian by more than its own size; "
+            f"{BETTER_COORDINATES}"
+        )
     return ModelError(
-        f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.direction_text(worst.states)} lies on the border of stability{hint}; close a loop around it, "
-        "take it out of the model, or integrate over a horizon with `over_horizon`"
+        f"the model has no Gramian over all time: {mode} lies on the border of stability{hint}; close a loop around "
+        "it, take it out of the model, or integrate over a horizon with `over_horizon`"
     )
+
+
+def _is_off_the_border(model: StateSpace) -> bool:
+    """Tell whether rounding of A moves no pole by more than OFF_BORDER of its distance from the border of stability."""
+    x = staircase.of_model(model).x
+    A = model.A * x / x[:, None]
+    values, w, v = scipy.linalg.eig(A, left=True)
+    continuous = isinstance(model.time, Continuous)
+    distance = np.abs(values.real if continuous else 1 - np.abs(values))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a double pole has w'v = 0 and moves without bound
+        shifts = EPS * np.abs(w).T @ np.abs(A).sum(axis=1) / np.abs((w.conj() * v).sum(axis=0))
+    return bool((shifts < OFF_BORDER * distance).all())

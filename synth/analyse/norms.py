@@ -11,46 +11,43 @@
 Both norms are infinite if a mode of the model does not decay, even an uncontrollable or unobservable one. For the norm
 of the transfer function alone, use `realisation.minimal` first.
 
-Computed P and Q leave residuals Rp and Rq, evaluated in twice the precision. For any P the norm^2 is exactly
-trace(C P C' + D D') + trace(Q* Rp) with the true Q*. With Q in place of Q*, the error is at most
-|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. The proofs for H-infinity are in `modal_peak`
+H2 norm: P is the limit of the doubling P <- P + M P M', M <- M M from P = B B' and M = A (Smith 1968), computed in ball
+arithmetic. A continuous model starts from its Cayley transform with a > 0, which has the same P:
+
+    M = (a I - A)^-1 (a I + A),    P = 2 a (a I - A)^-1 B B' (a I - A')^-1
+
+The missing part of trace(C P C') is trace(C M P* M' C'), with the limit P*. It is at least 0 and at most
+|C M|_F^2 trace(P) / (1 - |M|_F^2), and the ball of the norm includes it. The proofs for H-infinity are in `modal_peak`
 and `bounded_real`.
 
 Library: no design uses it yet; docs/library.md has an example.
 """
 
-import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeVar
 
+import flint
 import numpy as np
-import scipy.linalg
-from numpy.typing import NDArray
 
 from synth import arguments, resolvent, show
-from synth.analyse import modal, peak_gain, transfer, twofold
+from synth.analyse import modal, peak_gain, precise, transfer
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-EPS = float(np.finfo(float).eps)
+MISSING = flint.arb(2) ** -80  # of the norm^2: a missing part this small does not matter for a double
+MISSING_OF_ZERO = flint.arb(2) ** -80 * precise.ZERO**2  # of the scale of the norm^2, which cancels to 0
+MAX_DOUBLINGS = 80  # a mode that decays by 1e-22 in a step decays within them
 
-
-@dataclass(frozen=True)
-class _Square:
-    """The square of an H2 norm, and a bound of its error."""
-
-    value: float
-    error: float
-
-
-Norm = TypeVar("Norm", _Square, peak_gain.Peak)
+Norm = TypeVar("Norm", "NormH2", peak_gain.Peak)
 
 
 @show.result
 class NormH2:
-    """The H2 norm `value` with a bound of its relative `error`; `reason` says why an infinite norm is infinite."""
+    """The H2 norm `value`, rounded from ball arithmetic, with a bound of its `error`.
+
+    The error is relative; for a `value` of 0 it is absolute. `reason` says why an infinite norm is infinite.
+    """
 
     value: float
     error: float
@@ -62,7 +59,8 @@ class NormH2:
 
     def sheet(self) -> show.Sheet:
         """Return the norm with its error, or the reason why it is infinite."""
-        line = self.reason or f"relative error below {show.number(self.error, 2)}, from the Lyapunov residuals"
+        bound = f"{'relative' if self.value else 'absolute'} error at most {show.number(self.error, 2)}"
+        line = self.reason or f"{bound}: the Gramian is computed in ball arithmetic and the norm is rounded once"
         return show.Sheet(f"H2 norm in {self.time}: {show.number(self.value, 8)}", (line,))
 
 
@@ -106,7 +104,8 @@ def norm_h2(system: System) -> NormH2:
     It is infinite if a mode does not decay, or if D of a continuous model is not 0. Its unit is that of outputs over
     inputs, per root of a second for a continuous model.
 
-    Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
+    Raises SignalError as `statespace.of`; ModelError when the norm exceeds what a double holds, or when rounding errors
+    of the poles decide whether the model is stable.
     """
     model = of(system)
     reason = _infinite_because(model.poles, model.time)[0]
@@ -118,9 +117,7 @@ def norm_h2(system: System) -> NormH2:
         )
     if reason:
         return NormH2(np.inf, 0.0, model.time, reason)
-    square = _require_finite(lambda: _square(model), "H2")
-    error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
-    return NormH2(float(np.sqrt(square.value)), error, model.time)
+    return _require_finite(lambda: _rounded_norm_h2(model), "H2")
 
 
 @arguments.checked
@@ -162,47 +159,92 @@ def _require_finite(compute: Callable[[], Norm], name: str) -> Norm:
     ) from cause
 
 
-def _infinite_because(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
+def _infinite_because(poles: Complex, time: Time) -> tuple[str, float]:
     """Return the reason why the norms are infinite, "" if they are finite, and the mode's frequency in rad/s."""
     if transfer.is_stable(poles, time):
         return "", 0.0
-    poles = np.sort_complex(poles)
-    if isinstance(time, Continuous):
-        worst = poles[int(poles.real.argmax())]
-        w = abs(worst.imag)
-    else:
-        worst = poles[int(np.abs(poles).argmax())]
-        w = abs(np.angle(worst)) / time.period_s
+    worst = _slowest(poles, time)
+    w = abs(worst.imag) if isinstance(time, Continuous) else abs(np.angle(worst)) / time.period_s
     return f"the pole at {show.number(worst)} does not decay: close a loop around it, or leave it out", float(w)
 
 
-def _square(model: StateSpace) -> _Square:
-    """Return the square of the H2 norm of a stable model, and a bound of its error."""
+def _slowest(poles: Complex, time: Time) -> complex:
+    """Return the pole that decays slowest, or grows fastest."""
+    poles = np.sort_complex(poles)
+    return complex(poles[int((poles.real if isinstance(time, Continuous) else np.abs(poles)).argmax())])
+
+
+def _rounded_norm_h2(model: StateSpace) -> NormH2:
+    """Return the H2 norm of a stable model, rounded once."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
-    continuous, n = isinstance(model.time, Continuous), len(A)
-    direct = float((model.D**2).sum())
-    if not n:
-        return _Square(direct, 4 * model.D.size * EPS * direct)
-    P, Q, H = (_gramian(F, W, continuous) for F, W in ((A.T, B @ B.T), (A, C.T @ C), (A, np.eye(n))))
-    Rp, Rq = _residual(A.T, B.T, P, continuous), _residual(A, C, Q, continuous)
-    shown = twofold.product(twofold.product(C, P), C.T).rounded()
-    square = float(np.trace(shown)) + direct + float((Q * Rp).sum())
-    left = np.linalg.norm(H, 2) * np.linalg.norm(Rq) * np.sqrt(n) * np.linalg.norm(Rp)
-    rounding = EPS * float(np.abs(np.diagonal(shown)).sum() + direct + np.abs(Q * Rp).sum()) * (n + len(C) + 4)
-    return _Square(max(square, 0.0), float(left) + rounding)
+    continuous = isinstance(model.time, Continuous)
+
+    def compute() -> flint.arb_mat:
+        square = scale = sum((flint.arb(float(v)) ** 2 for v in model.D.flat), flint.arb(0))
+        if min(*B.shape, *C.shape):
+            M, P = _cayley(A, B, _shift(model)) if continuous else (precise.matrix(A), _outer(precise.matrix(B)))
+            dynamic, size = _output_variance(M, P, precise.matrix(C))
+            square, scale = square + dynamic, scale + size
+        upper = square.upper().sqrt()
+        root = square.sqrt() if square.lower() >= 0 else flint.arb(0, upper)
+        return flint.arb_mat([[root, scale.upper().sqrt().mid()]])
+
+    try:
+        value, scale = precise.round_correctly(compute, "the H2 norm")[0]
+    except ModelError as error:
+        raise ModelError(
+            "the H2 norm is not determined: rounding errors of the poles decide whether all modes decay; the slowest "
+            f"pole is computed as {show.number(_slowest(model.poles, model.time))}; give the model in sections or "
+            "modal coordinates, close a loop around that mode, or leave it out"
+        ) from error
+    error_bound = np.spacing(value) / value if value else float(precise.ZERO) * scale
+    return NormH2(float(value), float(error_bound), model.time)
 
 
-def _gramian(F: Array, W: Array, continuous: bool) -> Array:
-    """Return a symmetric solution X of F'X + X F + W = 0, or F'X F - X + W = 0; its accuracy is not guaranteed."""
-    solve = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # SciPy warns of low accuracy; the residual bounds it
-        X = np.asarray(solve(F.T, -W if continuous else W), dtype=np.float64)
-    return (X + X.T) / 2
+def _shift(model: StateSpace) -> float:
+    """Return the power of 2 nearest to the geometric mean of the fastest and the slowest |pole|."""
+    sizes = np.log2(np.abs(model.poles))
+    return float(2.0 ** np.round((sizes.min() + sizes.max()) / 2))
 
 
-def _residual(F: Array, V: Array, X: Array, continuous: bool) -> Array:
-    """Return F'X + X F + V'V, or F'X F - X + V'V, for a symmetric X, computed in twice the precision."""
-    XF = twofold.product(X, F)
-    change = XF + XF.T if continuous else twofold.product(F.T, XF) - X
-    return (change + twofold.product(V.T, V)).rounded()
+def _cayley(A: Array, B: Array, a: float) -> tuple[flint.arb_mat, flint.arb_mat]:
+    """Return M and the first P of a continuous model."""
+    one = precise.identity(len(A))
+    inverse = (one * flint.arb(a) - precise.matrix(A)).inv()
+    return inverse * flint.arb(2 * a) - one, _outer(inverse * precise.matrix(B)) * flint.arb(2 * a)
+
+
+def _outer(B: flint.arb_mat) -> flint.arb_mat:
+    """Return B B'."""
+    return B * B.transpose()
+
+
+def _output_variance(M: flint.arb_mat, P: flint.arb_mat, C: flint.arb_mat) -> tuple[flint.arb, flint.arb]:
+    """Return trace(C P* C') with the limit P* of the doubling, and the scale of its terms.
+
+    Both are NaN if the doubling does not converge in the precision in force.
+    """
+    for _ in range(MAX_DOUBLINGS):
+        size = _frobenius(M).upper()
+        if not size < flint.arb(2) ** flint.ctx.prec:
+            break
+        if size < 0.5:
+            square = (C * P * C.transpose()).trace()
+            scale = _scale(P, C)
+            missing = (_frobenius(C * M) * P.trace() / (1 - size)).upper()
+            if missing <= MISSING * square.lower() or missing <= MISSING_OF_ZERO * scale:
+                return square + flint.arb(missing / 2, missing / 2), scale
+        P, M = P + M * P * M.transpose(), M * M
+    return flint.arb.nan(), flint.arb.nan()
+
+
+def _frobenius(M: flint.arb_mat) -> flint.arb:
+    """Return the square of the Frobenius norm."""
+    return sum((v * v for v in M.entries()), flint.arb(0))
+
+
+def _scale(P: flint.arb_mat, C: flint.arb_mat) -> flint.arb:
+    """Return a bound of the terms of trace(C P C') for a semidefinite P, the same in all units of the states."""
+    deviations = [P[j, j].upper().sqrt() for j in range(P.nrows())]
+    rows = (sum((abs(C[i, j]) * d for j, d in enumerate(deviations)), flint.arb(0)) for i in range(C.nrows()))
+    return sum((row * row for row in rows), flint.arb(0)).upper()

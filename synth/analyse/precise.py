@@ -47,11 +47,17 @@ def rounded(balls: flint.arb_mat) -> Array:
 def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
-    Raises ModelError when 16 times the usual bits do not suffice.
+    Raises ModelError when 16 times the usual bits do not suffice; ZeroDivisionError when `compute` inverts a matrix
+    that may be singular even then.
     """
     for bits in (BITS, 4 * BITS, 16 * BITS):
         with precision(bits):
-            balls = compute()
+            try:
+                balls = compute()
+            except ZeroDivisionError:
+                if bits == 16 * BITS:
+                    raise
+                continue
             least = _least(balls)
             if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
                 return rounded(balls)

@@ -1,4 +1,4 @@
-"""Step and impulse responses, exact at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
+"""Step and impulse responses, exact at given times (`control.step_response`, MATLAB `step` and `impulse`).
 
     continuous   step      y(t) = C int_0^t exp(A s) ds B + D          impulse   y(t) = C exp(A t) B          D = 0
     sampled      step      y(k) = C sum_(i<k) A^i B + D                impulse   y(0) = D,  y(k) = C A^(k-1) B
@@ -6,9 +6,15 @@
 One matrix exponential of [[A, B], [0, 0]] over the interval gives the exact recursion x+ = F x + G. One input at a time
 is excited; the other inputs and the initial states are 0.
 
+By default the times of a continuous model are equally spaced if 10,000 intervals resolve its fastest oscillating mode
+for the whole duration. Otherwise they have segments: each has the interval for the modes that have not yet decayed.
+
 The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. Its response is the sequence of
 Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,15 +28,25 @@ from synth.timing import Continuous
 DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
 POINTS = 500  # at least, for a continuous model
 MAX_SAMPLES = 20_000
+MAX_DEFAULT_SAMPLES = MAX_SAMPLES // 2  # at one interval
 PER_TURN = 20  # points in a period of the fastest oscillating mode
 BAND = 0.02  # of the final value: tolerance of the settling time
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """`count` intervals of equal length in s."""
+
+    interval: float
+    count: int
 
 
 @show.result
 class TimeResponse:
     """Outputs (k, p, m) at `time` (k,) in seconds: output i for a `signal` (step or impulse) at input j alone.
 
-    `final` (p, m) is the final value of the step response of a stable model, None otherwise.
+    `final` (p, m) is the final value of the step response of a stable model, None otherwise. `note` says where the
+    default times are not equally spaced, or are fewer than the slowest mode needs.
     """
 
     signal: str
@@ -41,6 +57,7 @@ class TimeResponse:
     output_units: tuple[str, ...]
     input_units: tuple[str, ...]
     final: Array | None = None
+    note: str = ""
 
     def sheet(self) -> show.Sheet:
         """Return final value, overshoot, rise and settling time of each channel for a step, and each peak."""
@@ -51,7 +68,8 @@ class TimeResponse:
         columns = ("channel", "final", "overshoot", "rise [s]", "settled [s]", "peak", "at [s]")
         span = f"{len(self.time)} times up to {show.number(self.time[-1])} s"
         line = f"rise from 10 to 90 %, settled within {BAND:.0%} of the final value" if self.final is not None else span
-        return show.Sheet(f"Response to a unit {self.signal}, {span}", (line,), (show.Table(columns, rows),))
+        lines = (line, self.note) if self.note else (line,)
+        return show.Sheet(f"Response to a unit {self.signal}, {span}", lines, (show.Table(columns, rows),))
 
     def _signals(self) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
         return (self.output_names, self.output_units), (self.input_names, self.input_units)
@@ -76,16 +94,18 @@ def step_response(system: System, duration_s: float | None = None, interval_s: f
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
     By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration, and
-    the interval resolves the oscillations with at least 500 points. A sampled model keeps its own interval.
+    20 points in a period resolve each oscillating mode until it has decayed by 1000, with at least 500 points in all.
+    Beside a slow mode that gives intervals of several lengths; `interval_s` gives equal ones. A sampled model keeps its
+    own interval, and its default duration is at most 10,000 samples, even if its slowest mode needs more.
 
-    Raises SignalError as `statespace.of`; TimingError for a time that is not positive, more than 20,000 intervals, or
-    an interval for a sampled model; ModelError when a mode overflows double precision.
+    Raises SignalError as `statespace.of`; TimingError for a time that is not positive, for more than 20,000 intervals
+    (given, or needed by default), or for an interval of a sampled model; ModelError when a mode overflows double
+    precision.
     """
     model = of(system)
-    time, F, G = _recursion(model, duration_s, interval_s)
-    n, m = model.B.shape
-    outputs = _outputs(model, F, G, np.zeros((n, m)), model.D, len(time))
-    return _response("step", model, time, outputs, _final(model))
+    segments, note = _segments(model, duration_s, interval_s)
+    outputs = _outputs(model, segments, np.zeros_like(model.B), model.B, model.D)
+    return _response("step", model, segments, outputs, _final(model), note)
 
 
 @arguments.checked
@@ -102,22 +122,28 @@ def impulse_response(system: System, duration_s: float | None = None, interval_s
             f"the impulse response contains an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
             f"{show.number(model.D[i, j])}: give the model with D = 0 for its response at t > 0"
         )
-    time, F, _ = _recursion(model, duration_s, interval_s)
+    segments, note = _segments(model, duration_s, interval_s)
+    held = np.zeros_like(model.B)
     if isinstance(model.time, Continuous):
-        outputs = _outputs(model, F, np.zeros_like(model.B), model.B, model.D, len(time))
+        outputs = _outputs(model, segments, model.B, held, model.D)
     else:
-        outputs = _outputs(model, F, np.zeros_like(model.B), model.B, np.zeros_like(model.D), len(time) - 1)
-        outputs = np.concatenate([model.D[None], outputs])
-    return _response("impulse", model, time, outputs, None)
+        markov = [_Segment(segment.interval, segment.count - 1) for segment in segments]
+        outputs = np.concatenate([model.D[None], _outputs(model, markov, model.B, held, np.zeros_like(model.D))])
+    return _response("impulse", model, segments, outputs, None, note)
 
 
-def _outputs(model: StateSpace, F: Array, G: Array, X: Array, D: Array, count: int) -> Array:
-    """Return C x + D (count, p, m) along x+ = F x + G from X (n, m)."""
-    outputs = np.empty((count, *D.shape))
+def _outputs(model: StateSpace, segments: Sequence[_Segment], X: Array, B: Array, D: Array) -> Array:
+    """Return C x + D (k, p, m) from X (n, m) on, with B (n, m) for the held input."""
+    outputs = np.empty((1 + sum(segment.count for segment in segments), *D.shape))
+    first = 1
     with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(count):
-            outputs[k] = model.C @ X + D
-            X = F @ X + G
+        outputs[0] = model.C @ X + D
+        for segment in segments:
+            F, G = _recursion(model, B, segment.interval)
+            for k in range(first, first + segment.count):
+                X = F @ X + G
+                outputs[k] = model.C @ X + D
+            first += segment.count
     if not np.isfinite(outputs).all():
         raise ModelError(
             "the response grows beyond what a double holds: give a shorter duration, or close a loop around the model"
@@ -125,32 +151,70 @@ def _outputs(model: StateSpace, F: Array, G: Array, X: Array, D: Array, count: i
     return outputs
 
 
-def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | None) -> tuple[Array, Array, Array]:
-    """Return the times (k,), F (n, n) and G (n, m)."""
+def _segments(model: StateSpace, duration_s: float | None, interval_s: float | None) -> tuple[list[_Segment], str]:
+    """Return the times as segments of equal intervals, and a note on the default ones."""
     for what, seconds in (("duration", duration_s), ("interval", interval_s)):
         number = isinstance(seconds, int | float | np.integer | np.floating) and not isinstance(seconds, bool)
         if seconds is not None and not (number and 0 < seconds < np.inf):
             raise TimingError(f"the {what} is {seconds!r}: give a finite positive number of seconds")
+    note = ""
     if isinstance(model.time, Continuous):
         span = float(duration_s or _duration(model))
-        interval = float(interval_s or span / _count(model, span))
+        if interval_s is None:
+            return _resolving_segments(model, span)
+        interval = float(interval_s)
     elif interval_s is not None:
         raise TimingError(f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out")
     else:
         interval = model.time.period_s
-        span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MAX_SAMPLES / 2) * interval)
+        samples = float(np.ceil(_duration(model) / interval))
+        if duration_s is None and samples > MAX_DEFAULT_SAMPLES:
+            note = f"limited to {MAX_DEFAULT_SAMPLES} samples: the slowest mode needs {samples:g}; give duration_s"
+        span = float(duration_s or min(samples, MAX_DEFAULT_SAMPLES) * interval)
     count = int(np.floor(span / interval * (1 + 1e-12)))
     if not 1 <= count <= MAX_SAMPLES:
         raise TimingError(
             f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MAX_SAMPLES} of them"
         )
-    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _discretise(model, interval)
-    return interval * np.arange(count + 1, dtype=np.float64), F, G
+    return [_Segment(interval, count)], note
 
 
-def _discretise(model: StateSpace, interval: float) -> tuple[Array, Array]:
-    n, m = model.B.shape
-    M = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
+def _resolving_segments(model: StateSpace, span: float) -> tuple[list[_Segment], str]:
+    """Return segments up to `span` that resolve each oscillating mode of a continuous model until it has decayed."""
+    rates = _rates(model)
+    oscillating = rates[rates.imag > 0.1 * np.abs(rates.real)]
+    intervals = 2 * np.pi / (PER_TURN * oscillating.imag)
+    if PER_TURN * span * oscillating.imag.max(initial=0.0) / (2 * np.pi) <= MAX_DEFAULT_SAMPLES:
+        count = max(POINTS, int(span / intervals.min(initial=np.inf)))
+        return [_Segment(span / count, count)], ""
+    decaying = oscillating.real < 0
+    lives = np.where(decaying, DECADES * np.log(10) / np.where(decaying, -oscillating.real, 1.0), span)
+    segments, start = [], 0.0
+    for end in np.unique(np.append(np.minimum(lives, span), span)):
+        interval = min(span / POINTS, intervals[lives > start].min(initial=np.inf))
+        count = int(np.ceil((end - start) / interval))
+        segments.append(_Segment(float(end - start) / count, count))
+        start = end
+    total = sum(segment.count for segment in segments)
+    if total > MAX_SAMPLES:
+        k = int(np.argmax(np.minimum(lives, span) / intervals))
+        raise TimingError(
+            f"the mode at {show.number(oscillating.imag[k])} rad/s needs an interval of {show.number(intervals[k])} s "
+            f"for {show.number(min(lives[k], span))} s in a duration of {show.number(span)} s: that takes {total} "
+            f"intervals, more than {MAX_SAMPLES}; give a shorter duration_s, or give duration_s and interval_s"
+        )
+    lengths = [segment.interval for segment in segments]
+    return segments, "" if len(
+        segments
+    ) == 1 else f"intervals from {show.number(min(lengths))} to {show.number(max(lengths))} s"
+
+
+def _recursion(model: StateSpace, B: Array, interval: float) -> tuple[Array, Array]:
+    """Return F (n, n) and G (n, m) of x+ = F x + G with B (n, m) for the held input."""
+    if not isinstance(model.time, Continuous):
+        return model.A, B
+    n, m = B.shape
+    M = np.block([[model.A, B], [np.zeros((m, n + m))]])
     E = discretise.gramian(M, np.zeros_like(M), interval).M
     return E[:n, :n], E[:n, n:]
 
@@ -175,12 +239,6 @@ def _duration(model: StateSpace) -> float:
     return float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
 
 
-def _count(model: StateSpace, span: float) -> int:
-    rates = _rates(model)
-    frequencies = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
-    return int(np.clip(PER_TURN * span * frequencies.max(initial=0.0) / (2 * np.pi), POINTS, MAX_SAMPLES / 2))
-
-
 def _final(model: StateSpace) -> Array | None:
     """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D; None unless it is stable."""
     if not transfer.is_stable(model.poles, model.time):
@@ -191,11 +249,21 @@ def _final(model: StateSpace) -> Array | None:
     return np.asarray(model.C @ np.linalg.solve(resolvent, model.B) + model.D)
 
 
-def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final: Array | None) -> TimeResponse:
+def _response(
+    signal: str, model: StateSpace, segments: Sequence[_Segment], outputs: Array, final: Array | None, note: str
+) -> TimeResponse:
     units, input_units = (tuple(model.unit(name) for name in names) for names in (model.outputs, model.inputs))
     ends = None if final is None else readonly(final)
-    values = readonly(time), readonly(outputs)
-    return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends)
+    values = readonly(_times(segments)), readonly(outputs)
+    return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends, note)
+
+
+def _times(segments: Sequence[_Segment]) -> Array:
+    """Return the times (k,) from 0 on."""
+    times = [np.zeros(1)]
+    for segment in segments:
+        times.append(times[-1][-1] + segment.interval * np.arange(1, segment.count + 1, dtype=np.float64))
+    return np.concatenate(times)
 
 
 def _first_crossing(time: Array, y: Array, level: float) -> float:

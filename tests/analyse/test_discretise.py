@@ -110,6 +110,16 @@ def test_a_mode_that_needs_more_bits_gets_them_and_one_that_needs_too_many_is_re
         precise.round_correctly(lambda: cancelling(1e4), "the product")
 
 
+def test_a_matrix_that_more_bits_show_regular_is_inverted_and_a_singular_one_is_not() -> None:
+    def inverse(gap: float) -> precise.flint.arb_mat:
+        entries = [[1, 1], [1, 1 + gap * precise.flint.arb(2) ** -500]]
+        return precise.flint.arb_mat(entries).inv() * (precise.flint.arb(2) ** -500)
+
+    np.testing.assert_array_equal(precise.round_correctly(lambda: inverse(1.0), "the inverse"), [[1, -1], [-1, 1]])
+    with pytest.raises(ZeroDivisionError):
+        precise.round_correctly(lambda: inverse(0.0), "the inverse")
+
+
 def test_the_norm_of_an_unbounded_ball_is_infinite() -> None:
     assert precise.norm(precise.flint.arb_mat([[precise.flint.arb(1), precise.flint.arb("nan")]])) == np.inf
 

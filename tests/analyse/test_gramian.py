@@ -4,6 +4,7 @@ import control
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -183,3 +184,29 @@ def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) 
 
 def test_a_python_control_system_is_accepted() -> None:
     assert gramian.gramians(control.ss(-1, 1, 1, 0)).hankel == pytest.approx([0.5])
+
+
+def butterworth(direct: bool) -> control.StateSpace:
+    """Return a slow filter of order 4: in direct form, or in modal coordinates."""
+    if direct:
+        return control.tf(*scipy.signal.butter(4, 20, fs=2e4), 5e-5)
+    zeros, poles, gain = scipy.signal.butter(4, 20, fs=2e4, output="zpk")
+    blocks, C = [], []
+    for pole in poles[poles.imag > 0]:
+        blocks.append([[pole.real, pole.imag], [-pole.imag, pole.real]])
+        residue = gain * np.prod(pole - zeros) / np.prod(pole - poles[poles != pole])
+        C += [2 * residue.real, 2 * residue.imag]
+    return control.ss(scipy.linalg.block_diag(*blocks), [[1.0], [0.0]] * 2, C, gain, 5e-5)
+
+
+def test_a_gramian_that_rounding_decides_is_refused_and_modal_coordinates_determine_it() -> None:
+    with pytest.raises(
+        ModelError, match=r"mode 0\.99758 .* is off the border of stability, .* give the model in modal"
+    ):
+        gramian.gramians(butterworth(True))
+    with pytest.raises(ModelError, match=r"over 2000 samples is not determined .* less than 1e-04 is needed; give the"):
+        gramian.over_horizon(butterworth(True), 0.1)
+    h = scipy.signal.sosfilt(scipy.signal.butter(4, 20, fs=2e4, output="sos"), np.eye(1, 20_001)[0])[1:]
+    energy = float(np.arange(1, 20_001) @ h**2)  # of all entries h(i + j - 1) of the Hankel matrix
+    modal = gramian.gramians(butterworth(False)).hankel
+    assert (modal**2).sum() == pytest.approx(energy, rel=1e-6) and modal[0] == pytest.approx(0.86593686, rel=1e-6)

@@ -4,12 +4,15 @@ import re
 from typing import Any
 
 import control
+import flint
+import mpmath
 import numpy as np
 import pytest
+import scipy
 import slycot
 
-from synth.analyse import bounded_real, modal, norms, peak_gain
-from synth.errors import SynthError
+from synth.analyse import bounded_real, modal, norms, peak_gain, precise
+from synth.errors import ModelError, SynthError
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous
 
@@ -147,11 +150,61 @@ def test_h2_in_closed_form() -> None:
     assert float(through) == np.inf and "D[y[0], u[0]] is 1: white noise passes it" in through.reason
 
 
-def test_the_error_of_h2_covers_a_wrong_gramian(monkeypatch: pytest.MonkeyPatch) -> None:
-    right, gramian = norms.norm_h2(random_model(4)).value, norms._gramian
-    monkeypatch.setattr(norms, "_gramian", lambda *args: gramian(*args) * (1 + 1e-4))
-    wrong = norms.norm_h2(random_model(4))
-    assert 0 < abs(wrong.value / right - 1) < wrong.error < 1e-2
+def h2_by_residues(numerator: Any, denominator: Any) -> float:
+    """Return the H2 norm of a strictly proper sampled filter with different poles, from h(k) = sum r p^(k-1)."""
+    with mpmath.workdps(80):
+        num, den = ([mpmath.mpf(float(v)) for v in part] for part in (numerator, denominator))
+        num = [n - num[0] / den[0] * d for n, d in zip(num, den, strict=True)]
+        poles = mpmath.polyroots(den, maxsteps=500, extraprec=500)
+        slope = [d * (len(den) - 1 - k) for k, d in enumerate(den[:-1])]
+        residues = [mpmath.polyval(num, p) / mpmath.polyval(slope, p) for p in poles]
+        terms = list(zip(residues, poles, strict=True))
+        pairs = [r * s / (1 - p * q) for r, p in terms for s, q in terms]
+        return float(mpmath.sqrt(mpmath.re(mpmath.fsum(pairs)) + (mpmath.mpf(float(numerator[0])) / den[0]) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("order", "cutoff_hz", "rate_hz", "norm"),
+    [(4, 20, 2e4, 0.04530279), (4, 50, 1e5, 0.03203391), (6, 100, 2e4, 0.10057373)],
+)
+def test_h2_of_a_slow_filter_in_direct_form(order: int, cutoff_hz: float, rate_hz: float, norm: float) -> None:
+    """Its Gramian reaches 1e16 times its output variance."""
+    b, a = scipy.signal.butter(order, cutoff_hz, fs=rate_hz)
+    h2 = norms.norm_h2(control.tf(b, a, 1 / rate_hz))
+    assert h2.value == pytest.approx(norm, rel=1e-6) and h2.error < 3e-16
+    assert h2.value == pytest.approx(h2_by_residues(b, a), rel=1e-14)  # the state space rounds b - D a
+
+
+def test_h2_of_fast_and_slow_modes_is_rounded_correctly() -> None:
+    h2 = norms.norm_h2(([[-1e-5, 0.0], [0.0, -1e7]], [[1.0], [1e6]], [[1.0, -1e-6]], [[0.0]]))
+    with mpmath.workdps(50):
+        slow, fast, across = mpmath.mpf(1e-5), mpmath.mpf(1e7), mpmath.mpf(1e-6) * mpmath.mpf(1e6)
+        exact = float(mpmath.sqrt(1 / (2 * slow) + across**2 / (2 * fast) - 2 * across / (slow + fast)))
+    assert h2.value == exact and h2.error < 3e-16
+    small = norms.norm_h2(([[-1.0]], [[1e-90]], [[1e-90]]))  # its square is below the least double
+    assert small.value == pytest.approx(1e-180 / np.sqrt(2), rel=1e-15)
+
+
+def test_an_h2_norm_that_cancels_is_zero_with_an_absolute_error() -> None:
+    A = np.array([[-1.0, 0.3], [0.0, -2.0]])
+    same = scipy.linalg.block_diag(A, A)
+    h2 = norms.norm_h2((same, [[1.0], [0.7], [1.0], [0.7]], [[0.1, 0.2, -0.1, -0.2]], [[0.0]]))
+    assert h2.value == 0 and 0 <= h2.error < 1e-59 and "absolute error" in repr(h2)
+
+
+def test_the_ball_of_h2_covers_the_missing_part_of_the_gramian(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(norms, "MISSING", flint.arb(2) ** -4)
+    matrices = (precise.matrix(part) for part in ([[0.5, 1.0], [0.0, 0.25]], np.eye(2), [[1.0, 1.0]]))
+    square, _ = norms._output_variance(*matrices)
+    exact = np.ones(2) @ scipy.linalg.solve_discrete_lyapunov([[0.5, 1.0], [0.0, 0.25]], np.eye(2)) @ np.ones(2)
+    assert 1e-4 < float(square.rad()) / exact < 0.1 and abs(float(square.mid()) - exact) <= float(square.rad())
+
+
+def test_h2_refuses_a_model_whose_exact_poles_do_not_decay(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(norms.transfer, "is_stable", lambda *args: True)
+    for time in ((), (0.1,)):
+        with pytest.raises(ModelError, match=r"slowest pole is computed as 1\.5; give the model in sections"):
+            norms.norm_h2(([[1.5]], [[1.0]], [[1.0]], [[0.0]], *time))
 
 
 MODEL = of(control.ss(lag(0.1)))
@@ -205,11 +258,16 @@ def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatc
     assert "no upper bound was proved" in repr(norm)
 
 
-@pytest.mark.parametrize("norm", [norms.norm_h2, norms.norm_hinf])
-@pytest.mark.parametrize("size", [1e99, 1e200])
+@pytest.mark.parametrize(("norm", "size"), [(norms.norm_h2, 1e200), (norms.norm_hinf, 1e99), (norms.norm_hinf, 1e200)])
 def test_numbers_beyond_a_double_are_refused(norm: Any, size: float) -> None:
     with pytest.raises(SynthError, match=r"exceed what a double holds: scale the units|choose units in which"):
         norm(([[-1.0]], [[size]], [[size]]))
+
+
+def test_h2_needs_only_a_norm_that_a_double_holds() -> None:
+    assert norms.norm_h2(([[-1.0]], [[1e99]], [[1e99]])).value == pytest.approx(1e198 / np.sqrt(2), rel=1e-15)
+    with pytest.raises(ModelError, match="the H2 norm needs numbers that exceed what a double holds"):
+        norms.norm_h2(([[-1e-250]], [[1e99]], [[1e99]]))
 
 
 def test_the_lower_bound_holds_at_its_frequency() -> None:

@@ -5,6 +5,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+import scipy.linalg
 
 from synth.analyse import discretise, time_response
 from synth.errors import ModelError, SignalError, SynthError, TimingError
@@ -90,6 +91,54 @@ def test_the_duration_follows_the_poles(system: Any, end: float) -> None:
 def test_an_oscillation_is_shown_by_twenty_points_in_a_period() -> None:
     response = time_response.step_response(1 / (S**2 + 0.01 * S + 1))
     assert 2 * np.pi / response.time[1] == pytest.approx(20, rel=0.01)
+
+
+FAST = 2 * np.pi * 1000
+
+
+def fast_beside_slow(damping: float) -> Any:
+    """Return 0.2 / (10 s + 1) and an oscillator of 1 kHz in parallel."""
+    oscillator = [[0, 1], [-(FAST**2), -2 * damping * FAST]]
+    return scipy.linalg.block_diag([[-0.1]], oscillator), [[0.02], [0], [FAST**2]], [[1.0, 1, 0]], [[0.0]]
+
+
+def test_default_times_resolve_a_fast_oscillation_beside_a_slow_mode() -> None:
+    def exact(t: np.ndarray) -> np.ndarray:
+        root = np.sqrt(1 - 0.01**2)
+        wave = np.cos(root * FAST * t) + 0.01 / root * np.sin(root * FAST * t)
+        return 0.2 * (1 - np.exp(-0.1 * t)) + 1 - np.exp(-0.01 * FAST * t) * wave
+
+    response = time_response.step_response(fast_beside_slow(0.01))
+    np.testing.assert_allclose(response.outputs[:, 0, 0], exact(response.time), rtol=0, atol=1e-12)
+    assert response.time[-1] == pytest.approx(np.log(1000) / 0.1) and 2000 < len(response.time) < 4000
+    t = np.linspace(0, 2e-3, 200_001)
+    row, record = response.sheet().tables[0].rows[0], exact(t) / 1.2
+    assert float(row[2].rstrip("%")) == pytest.approx(100 * (record.max() - 1), abs=0.5)  # 64.1 %
+    rise = t[np.argmax(record >= 0.9)] - t[np.argmax(record >= 0.1)]
+    assert float(row[3]) == pytest.approx(rise, rel=0.05)
+    assert float(row[4]) == pytest.approx(10 * np.log(0.2 / 0.024), abs=0.15)
+    assert "intervals from 4.9996e-05 to 0.13794 s" in repr(response)
+    impulse = time_response.impulse_response(fast_beside_slow(0.01))
+    np.testing.assert_array_equal(impulse.time, response.time)
+    slope = np.gradient(exact(t), t)
+    at = np.searchsorted(t, impulse.time[10])
+    assert impulse.outputs[10, 0, 0] == pytest.approx(
+        np.interp(impulse.time[10], t[at - 3 : at + 3], slope[at - 3 : at + 3]), rel=1e-5
+    )
+
+
+def test_default_times_that_cannot_resolve_an_oscillation_are_refused() -> None:
+    text = r"mode at 6283\.2 rad/s needs an interval of 5e-05 s for 69\.078 s .* than 20000; give a shorter duration_s"
+    with pytest.raises(TimingError, match=text):
+        time_response.step_response(fast_beside_slow(0.0))
+    assert np.diff(time_response.step_response(fast_beside_slow(0.0), 0.9).time).max() <= 5.01e-5
+    assert len(time_response.step_response(fast_beside_slow(0.0), 10.0, 1e-3).time) == 10_001
+
+
+def test_the_sheet_of_a_sampled_model_says_that_its_default_duration_is_limited() -> None:
+    response = time_response.step_response(1e-4 / (Z - 1 + 1e-4))
+    assert len(response.time) == 10_001 and "the slowest mode needs 69075; give duration_s" in repr(response)
+    assert "limited" not in repr(time_response.step_response(1e-4 / (Z - 1 + 1e-4), 2000.0))
 
 
 def test_fast_and_slow_modes_are_exact_side_by_side() -> None:

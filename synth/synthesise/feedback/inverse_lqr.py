@@ -145,7 +145,7 @@ def gain_weights(system: System, K: ArrayLike) -> GainWeights:
     model, K = of(system), arguments.matrix("K", K)
     n, m = model.B.shape
     if not n or not m:
-        raise SignalError(f"the model has {n} states and {m} inputs: it needs of each")
+        raise SignalError(f"the model has {n} states and {m} inputs: it needs at least one of each")
     if K.shape != (m, n) or not np.isfinite(K).all():
         raise SignalError(f"the gain K is {K.shape}: {m} inputs and {n} states need a finite one of {(m, n)}")
     closed = model.A + model.B @ K

@@ -34,6 +34,8 @@ SWEPT_POLES = 15
 MAX_LISTED = 6  # number of poles that a message lists
 MAX_ERROR = 1e-2  # of the poles' size: a larger error is refused; rounding of K shifts a sixfold pole by 2e-3
 
+POLE_ROUNDING = 1e-15  # of |A|: a smaller uncontrollable pole in z is the rounding error of 0
+
 
 @show.result
 class Placement:
@@ -80,15 +82,25 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     part = staircase.scaled(model.A, model.B)
     split = staircase.controllable_split(part.A, part.B)
     fixed = staircase.modes(part.A.T, split.complement)[0] * part.rate
+    if isinstance(model.time, Discrete):
+        fixed = _without_rounding(fixed, POLE_ROUNDING * part.rate * float(np.linalg.norm(part.A)))
     requested = _check_poles(poles, split.basis.shape[1], fixed, model)
     size = _pole_scale(requested, model.time)
     placements = (_placement(model, K, requested, fixed) for K in _candidates(part, split.basis, requested))
     best = next(placements)
     while best.error > ROBUST_TOLERANCE * size and (other := next(placements, None)):
         best = min(best, other, key=lambda p: p.error)
-    if best.error > MAX_ERROR * size or not exact_eigenvalues.decays(best.poles, model.time).all():
+    if best.error > MAX_ERROR * size:
         raise ModelError(_inaccuracy_message(best))
+    if not (decays := exact_eigenvalues.decays(best.poles, model.time)).all():
+        raise ModelError(_decay_message(best, best.poles[~decays]))
     return best
+
+
+def _without_rounding(poles: Complex, least: float) -> Complex:
+    """Return the poles with 0 for real and imaginary parts up to `least`."""
+    real, imaginary = (np.where(np.abs(part) > least, part, 0.0) for part in (poles.real, poles.imag))
+    return np.asarray(real + 1j * imaginary, dtype=np.complex128)
 
 
 def _check_poles(poles: Sequence[complex] | ArrayLike, count: int, fixed: Complex, model: StateSpace) -> Complex:
@@ -100,7 +112,7 @@ def _check_poles(poles: Sequence[complex] | ArrayLike, count: int, fixed: Comple
     if array.ndim != 1 or not np.isfinite(array).all():
         raise SignalError(f"the poles are {array.tolist()}: give a list of finite numbers")
     if len(array) != count:
-        without = f", without the uncontrollable {_text(fixed)}," if len(fixed) else ""
+        without = f" without the uncontrollable {_text(fixed)}" if len(fixed) else ""
         raise SignalError(
             f"the number of poles for {', '.join(model.states)} is {len(array)}: give {count}{without}, each with its "
             "conjugate"
@@ -136,6 +148,24 @@ def _inaccuracy_message(placement: Placement) -> str:
         f"the poles {_text(placement.requested, MAX_LISTED)} are attained only within {placement.error:.1e}, "
         f"{show.number(worst, 6)} as {show.number(pole, 6)}, as double precision does not resolve the gain: spread the "
         "poles, ask for slower ones or use the Riccati equation"
+    )
+
+
+def _decay_message(placement: Placement, lasting: Complex) -> str:
+    """Return the error text for poles that do not decay beyond rounding errors."""
+    pole = lasting[0]
+    least = structure.DECAY * np.abs(placement.poles).max()
+    bound = f"{least:.1e} 1/s" if isinstance(placement.time, Continuous) else f"{structure.DECAY:.0e} inside |z| = 1"
+    distance = np.abs(pole - placement.fixed)
+    if distance.size and distance.min() <= np.abs(pole - placement.requested).min(initial=np.inf):
+        return (
+            f"the uncontrollable mode {show.number(pole, 6)} does not decay by more than the rounding errors beside "
+            f"the pole {show.number(max(placement.poles, key=abs), 6)}, {bound}: actuate that mode, take it out of "
+            "the model or ask for slower poles"
+        )
+    return (
+        f"the pole {show.number(pole, 6)} is attained, but does not decay by more than rounding errors, {bound}: ask "
+        "for a faster one"
     )
 
 

@@ -177,5 +177,7 @@ def _evaluate(model: Model, y: Array, theta: Array, deviation: Array) -> _Point:
 
 def _largest_residual(e: Array, outputs: Sequence[str]) -> str:
     """Describe the largest weighted residual (N, p), which may be an outlier."""
+    if not e.any():
+        return "0 in all rows"
     row, j = divmod(int(np.abs(e).argmax()), len(outputs))
     return f"largest for '{outputs[j]}' in row {row}, {np.abs(e[row, j]) / np.sqrt((e**2).mean()):.3g} times the rms"

@@ -128,7 +128,8 @@ def continuous(
     """Return the filter of a continuous model for the densities W (q, q), V (p, p) and S (q, p), 0 if left out.
 
     W and V are matrices, diagonals or {name: density}; W belongs to the inputs named in G, to the columns w1, w2.. of
-    the matrix G (n, q), or to one noise on each state. `exact` rounds each entry of P and L correctly, with the same
+    the matrix G (n, q), or to one noise on each state. Inputs named in G are noise alone and not inputs of the filter;
+    for noise on a control, give G as its column of B. `exact` rounds each entry of P and L correctly, with the same
     result on every machine.
 
     Raises TimingError for a sampled model; SignalError for arguments of the wrong shape, not finite, asymmetric or

@@ -191,8 +191,17 @@ def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
     """
     extra = tuple(x for x in gain.states if x not in model.states)
     outputs = tuple(x.removesuffix(INTEGRAL) for x in extra)
-    missing = [x for x in model.states if x not in gain.states] + [u for u in gain.inputs if u not in model.inputs]
+    missing = [x for x in model.states if x not in gain.states]
     missing += [x for x, y in zip(extra, outputs, strict=True) if y == x or y not in model.outputs]
+    inputs = [u for u in gain.inputs if u not in model.inputs]
+    if inputs and not missing:
+        j = gain.inputs.index(inputs[0])
+        raise SignalError(
+            f"the input '{inputs[0]}' is not both in the gain and in the estimator's model, which has "
+            f"{', '.join(model.inputs) or 'no inputs'}: if the G of the estimator names it, it counts as noise alone; "
+            f"give its column of B instead, `G=B[:, [{j}]]`, and it stays an input; otherwise design the gain for that "
+            "model"
+        )
     if missing:
         raise SignalError(
             f"'{missing[0]}' is not both in the gain and in the estimator's model: design the gain for that model, or "

@@ -36,6 +36,7 @@ from synth.synthesise.regulation.servo import Servo
 from synth.synthesise.riccati import exact_eigenvalues, kronecker
 from synth.timing import Continuous, Time
 
+DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole
 RANK_TOLERANCE = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
 
 
@@ -43,7 +44,8 @@ RANK_TOLERANCE = 1e-11  # of the largest singular value, rows and columns scaled
 class AntiWindup:
     """E (k, m), from the excess of each command to the controller's states.
 
-    `controller` has the additional inputs ``<control>_excess``; `eigenvalues` are those of A - E C.
+    `controller` has the additional inputs ``<control>_excess``; `eigenvalues` are those of A - E C,
+    with E as rounded, computed in ball arithmetic.
     """
 
     E: Array
@@ -87,7 +89,11 @@ def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | N
     weight = None if V is None else weights.definite("V", V, controls)
     E = _gain(regulator, rate, weight)
     no_gain = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
-    return _with_excess_inputs(regulator.controller, readonly(np.vstack([E, no_gain])), "choose a larger decay_per_s")
+    gain = readonly(np.vstack([E, no_gain]))
+    mend = "choose a larger decay_per_s"
+    if np.abs(E @ regulator.K_xi).max() > np.abs(regulator.model.Phi).max():
+        mend = f"rounding of E decides its decay at {rate:g} 1/s: choose a smaller decay_per_s"
+    return _with_excess_inputs(regulator.controller, gain, mend)
 
 
 def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
@@ -111,6 +117,13 @@ def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
     try:
         return precise.round_correctly(compute, "the anti-windup gain")
     except ZeroDivisionError as error:
+        if not isinstance(model.time, Continuous) and rate * model.time.period_s > DEADBEAT_DECAY:
+            periods = rate * model.time.period_s
+            raise ModelError(
+                f"the rate of {rate:g} 1/s times the period of {model.time.period_s:g} s is {periods:g}, and the gain "
+                f"for it needs more digits than are computed; a decay by exp(-{DEADBEAT_DECAY:g}) in a period is "
+                f"deadbeat already: give a decay_per_s of {DEADBEAT_DECAY / model.time.period_s:g} 1/s or less"
+            ) from error
         raise ModelError(
             "a mode of the internal model is not observable in the commands, and no E stabilises it: give the "
             "regulator a gain K_xi on each mode"
@@ -167,12 +180,15 @@ def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup
         inputs=(*model.inputs, *excess),
         units={**model.units, **units},
     )
-    held_A = model.A - gain @ model.C
-    values = np.sort_complex(np.linalg.eigvals(held_A).astype(np.complex128))
-    if (pole := exact_eigenvalues.unstable_pole(held_A, model.time)) is not None:
+    ball = exact_eigenvalues.ball
+    with precise.precision():
+        held_A = ball(model.A) - ball(gain) * ball(model.C)
+        values = exact_eigenvalues.eigenvalues(held_A)
+        pole = exact_eigenvalues.exact_unstable_pole(held_A, model.time)
+    if pole is not None:
         raise ModelError(
             f"while its commands are held the controller has the eigenvalue {show.number(pole)}, which does not "
-            f"decay, and it winds up: {mend}"
+            f"decay by more than rounding errors of A - E C, and it winds up: {mend}"
         )
     return AntiWindup(readonly(gain), with_excess, values)
 

@@ -37,6 +37,24 @@ def unstable_pole(A: Array, time: Time) -> complex | None:
     D = discretise.balancing(A)
     balanced = A * D / D[:, None]
     values, w = np.linalg.eig(balanced.T)
+    return _fastest_growing(values, w, balanced, time)
+
+
+def exact_unstable_pole(F: flint.arb_mat, time: Time) -> complex | None:
+    """Return the pole of `unstable_pole`, computed in the precision in force."""
+    if not F.nrows():
+        return None
+    A = precise.rounded(F)
+    D = discretise.balancing(A)
+    balanced = precise.matrix(np.diag(1 / D)) * F * precise.matrix(np.diag(D))
+    values, left = flint.acb_mat(balanced).eig(left=True, algorithm="approx")
+    w = np.array([[complex(v) for v in row] for row in left.tolist()]).T
+    poles = np.array([_without_rounding(complex(v)) for v in values])
+    return _fastest_growing(poles, w / np.linalg.norm(w, axis=0), A * D / D[:, None], time)
+
+
+def _fastest_growing(values: Complex, w: Complex, balanced: Array, time: Time) -> complex | None:
+    """Return the value that grows fastest, None where all decay; w (n, n) has the unit left eigenvectors as columns."""
     if isinstance(time, Continuous):
         growth = values.real + structure.DECAY * np.linalg.norm(np.abs(w).T @ np.abs(balanced), axis=1)
     else:

@@ -211,7 +211,9 @@ def weight_matrices(
 
 def _equation(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     if not model.states or not model.inputs:
-        raise SignalError(f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs of each")
+        raise SignalError(
+            f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs at least one of each"
+        )
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 

@@ -163,7 +163,7 @@ def test_other_models_are_refused() -> None:
             inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=R)
     with pytest.raises(SignalError, match="1 input, with states"):
         inverse_lqr.diagonal_weights((np.zeros((0, 0)), np.zeros((0, 1))), [])
-    with pytest.raises(SignalError, match="0 states and 1 inputs: it needs of each"):
+    with pytest.raises(SignalError, match="0 states and 1 inputs: it needs at least one of each"):
         inverse_lqr.gain_weights((np.zeros((0, 0)), np.zeros((0, 1))), np.zeros((1, 0)))
 
 

@@ -3,6 +3,7 @@
 import control
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -140,11 +141,29 @@ def test_a_mode_that_no_input_moves_stays_if_it_decays() -> None:
     assert largest_error(placement.poles, [-7, -2, -1]) < tolerances.of("double")
     assert "uncontrollable: -7" in repr(placement)
     with pytest.raises(
-        SignalError, match=r"the number of poles for p, q, r is 3: give 2, without the uncontrollable -7"
+        SignalError, match=r"poles for p, q, r is 3: give 2 without the uncontrollable -7, each with its conjugate"
     ):
         pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2, -3])
     with pytest.raises(ModelError, match="not stabilisable: mode 7 in r"):
         pole_placement.place(model(np.abs(A), [[0], [1], [0]]), [-1, -2])
+
+
+def test_a_slow_uncontrollable_mode_is_named_as_the_cause() -> None:
+    """-1e-7 decays by no more than the rounding errors of DECAY beside -1e5."""
+    system = (np.diag([-1e-7, 1.0]), [[0.0], [1.0]])
+    with pytest.raises(
+        ModelError, match=r"^the uncontrollable mode -1e-07 does not decay .* beside the pole -100000, "
+    ):
+        pole_placement.place(system, [-1e5])
+    assert pole_placement.place(system, [-1.0]).fixed.tolist() == [-1e-7]
+
+
+def test_an_uncontrollable_pole_of_rounding_errors_is_printed_as_zero() -> None:
+    A = scipy.linalg.block_diag([[0.5, 1.0], [0.0, 0.2]], [[0.0]])
+    for seed in range(8):
+        V = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+        with pytest.raises(SignalError, match=r"give 2 without the uncontrollable 0, each with its conjugate"):
+            pole_placement.place(model(V @ A @ V.T, V @ [[0.0], [1.0], [0.0]], Discrete(0.1)), [0.1])
 
 
 @pytest.mark.parametrize(

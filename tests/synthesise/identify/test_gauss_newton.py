@@ -134,6 +134,11 @@ def test_an_outlier_is_named() -> None:
         gauss_newton.minimise(flipped, y, [1.0, 1.0], NAMES, ("y",))
 
 
+def test_a_residual_of_zero_has_no_rms_to_compare_with() -> None:
+    with pytest.raises(ModelError, match=r"undetermined.*; the residual is 0 in all rows$"):
+        gauss_newton.minimise(decay, np.zeros((len(T), 1)), [0.0, 1.0], NAMES, ("y",))
+
+
 def test_noise_that_does_not_settle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     def twice(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         g, J = decay(theta)

@@ -258,6 +258,11 @@ def gain_of(model: StateSpace) -> lqr.Gain:
         (lambda: lqg.current(gain_of(mass().renamed({"x": "z"})), continuous_mass()), SignalError, "'x' is not both"),
         (lambda: lqg.current(gain_of(mass().renamed({"f": "g"})), continuous_mass()), SignalError, "'g' is not both"),
         (
+            lambda: lqg.predictor(lqr.lqrd(mass(), np.eye(2), [1.0], T), kalman.kalmd(mass(), [1.0], [1.0], T, ["f"])),
+            SignalError,
+            r"input 'f' is not both .* has no inputs: if the G .* column of B instead, `G=B\[:, \[0\]\]`, and it stays",
+        ),
+        (
             lambda: lqg.current(
                 gain_of(lqr.with_integrators(mass(), ("y",)).renamed({"y_integral": "q"})), continuous_mass()
             ),
@@ -269,6 +274,14 @@ def gain_of(model: StateSpace) -> lqr.Gain:
 def test_what_does_not_fit_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         make()
+
+
+def test_a_control_whose_column_of_B_is_G_stays_an_input() -> None:
+    estimator = kalman.kalmd(mass(), [1.0], [1.0], T, mass().B[:, [0]])
+    named = kalman.kalmd(mass(), [1.0], [1.0], T, ["f"])
+    np.testing.assert_array_equal(estimator.L, named.L)
+    loop = lqg.predictor(lqr.lqrd(mass(), np.eye(2), [1.0], T), estimator)
+    assert loop.compensator.outputs == ("f",) and loop.separation < tolerances.of("double") * 1e2
 
 
 def continuous_mass() -> kalman.Estimator:

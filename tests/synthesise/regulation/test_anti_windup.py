@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
@@ -56,6 +57,32 @@ def test_multiple_and_many_modes_decay_too(frequencies: object, period: float | 
     values = anti_windup.back_calculation(regulator, 2.0).eigenvalues
     rates = values.real if period is None else np.log(np.abs(values)) / T
     np.testing.assert_allclose(rates, -2, rtol=1e-2)  # four eigenvalues that meet scatter by the root of the precision
+
+
+@pytest.mark.parametrize(("rate", "period"), [(1e5, None), (2e5, None), (1e4, 1e-3), (1e5, 1e-3)])
+def test_a_fast_decay_has_the_eigenvalues_of_its_rounded_gain(rate: float, period: float | None) -> None:
+    """A - E C has entries that cancel: rounding it moves the eigenvalues by more than their size."""
+    args = (DOUBLE, [0.0, 10.0], np.eye(5), [1.0])
+    regulator = optimal_servo.lqr(*args) if period is None else optimal_servo.lqrd(*args, period)
+    design = anti_windup.back_calculation(regulator, rate)
+    with mpmath.workdps(80):
+        A, E, C = (mpmath.matrix(M.tolist()) for M in (regulator.controller.A, design.E, regulator.controller.C))
+        exact = np.sort_complex([complex(v) for v in mpmath.eig(A - E * C, left=False, right=False)])
+    np.testing.assert_allclose(np.sort(design.eigenvalues.real), exact.real, rtol=1e-12)
+    np.testing.assert_allclose(np.sort(design.eigenvalues.imag), np.sort(exact.imag), rtol=1e-12, atol=1e-12 * rate)
+    if period is None:
+        np.testing.assert_allclose(design.eigenvalues.real, -rate, rtol=1e-2)
+    else:
+        assert np.abs(design.eigenvalues).max() < 2e-4
+
+
+def test_a_decay_out_of_proportion_is_refused_with_the_direction_to_change_it() -> None:
+    args = (DOUBLE, [0.0, 10.0], np.eye(5), [1.0])
+    for rate, text in ((1e-14, "choose a larger"), (1e8, "decides its decay at 1e[+]08 1/s: choose a smaller")):
+        with pytest.raises(ModelError, match=f"by more than rounding errors .* winds up: .*{text} decay_per_s"):
+            anti_windup.back_calculation(optimal_servo.lqr(*args), rate)
+    with pytest.raises(ModelError, match=r"is 10000, and the gain .* deadbeat already: give .* of 40000 1/s or less"):
+        anti_windup.back_calculation(optimal_servo.lqrd(*args, 1e-3), 1e7)
 
 
 def test_a_constant_has_the_closed_form() -> None:

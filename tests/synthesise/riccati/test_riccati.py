@@ -277,7 +277,7 @@ def test_a_weight_that_is_singular_within_rounding_is_refused() -> None:
 
 def test_a_model_without_states_or_inputs_is_refused() -> None:
     nothing = StateSpace(np.eye(1), np.zeros((1, 0)), np.eye(1), np.zeros((1, 0)), ("x",), (), ("x",), CONTINUOUS)
-    with pytest.raises(SignalError, match="the model has 1 states and 0 inputs"):
+    with pytest.raises(SignalError, match="the model has 1 states and 0 inputs: it needs at least one of each"):
         riccati.solve(nothing, [[1.0]], np.zeros((0, 0)))
 
 
