@@ -45,7 +45,5 @@ def test_an_invalid_floor_is_refused(floor: agree.Floor, words: str) -> None:
 
 def test_a_name_that_the_reference_does_not_find_is_refused_with_those_that_there_are() -> None:
     witness = agree.reference(lambda x, u: ({}, {"x": u["y_in"]}, 0))
-    with pytest.raises(
-        SignalError, match=r"looks up 'y_in' .* not find it: the states are count, the inputs x_in"
-    ):
+    with pytest.raises(SignalError, match=r"looks up 'y_in' .* not find it: the states are count, the inputs x_in"):
         witness({"count": np.zeros(1)}, {"x_in": np.zeros(1)})
