@@ -89,3 +89,21 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     with pytest.raises(SynthError, match=r"lens\.py exists already, and nothing was written"):
         new.create(tmp_path, "lens")
     assert mine.read_text() == "mine" and [p.name for p in (tmp_path / "lens").rglob("*.*")] == ["lens.py"]
+
+
+@pytest.mark.slow
+def test_a_new_stage_starts_without_a_jolt(tmp_path: Path) -> None:
+    """An integral that starts at 0 is the planted defect: P z of 3 A is asked for at once."""
+    folder, _ = new.create(tmp_path, "stage")
+    script = (
+        "import numpy as np\nfrom designs.stage.design import DESIGN\nfrom synth import standard_tasks\n"
+        "rig = standard_tasks.rig(DESIGN.stage, np.float32)\n"
+        "print(abs(rig.run(0.01, {'z': 4e-4}).commands['i'][0]))"
+    )
+    asked = [float(run(folder, sys.executable, "-c", script).stdout)]
+    law = folder / "designs" / "stage" / "control.py"
+    text, start = law.read_text(), 'k["P"] * u[z.name])  # no jolt'
+    assert text.count(start) == 1
+    law.write_text(text.replace(start, "0.0)  # no jolt"))
+    asked.append(float(run(folder, sys.executable, "-c", script).stdout))
+    assert asked[0] < 1e-6 and asked[1] > 1.0
