@@ -203,8 +203,8 @@ def _require_noise_on_boundary(model: StateSpace, e: noise.Noise) -> None:
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, G W^1/2) is not stabilisable: no noise excites the mode {show.number(mode.value, 4)} in {who}, which "
-            "neither grows nor decays, and the filter would not converge: give "
-            f"{who} noise or take it out of the model"
+            "neither grows nor decays by more than rounding errors of the fastest mode, and the filter would not "
+            f"converge: give {who} noise or take it out of the model"
         )
 
 

@@ -190,14 +190,15 @@ def _observer(part: Partition, gain: Array, certificate: Certificate) -> Reduced
         exact = A22 - L * A12
         F, G, H = (readonly(precise.rounded(m)) for m in (exact, exact * L + A21 - L * A11, B2 - L * B1))
         poles, inverse = exact_eigenvalues.eigenvalues(ball(F)), ball(part.inverse)
+        lasting = exact_eigenvalues.exact_unstable_pole(ball(F), part.model.time)
         columns = inverse * ball(np.vstack([np.eye(len(part.measured)), gain]))
         from_x1, from_x3 = readonly(precise.rounded(columns)), readonly(part.inverse[:, len(part.measured) :])
-    decaying = exact_eigenvalues.decays(poles, part.model.time)
-    if not decaying.all():
+    if lasting is not None:
         bound = "Re s < 0" if isinstance(part.model.time, Continuous) else "|z| < 1"
+        slow = poles[~exact_eigenvalues.decays(poles, part.model.time)]
+        listed = ", ".join(show.number(p, 9) for p in (slow if slow.size else [lasting]))
         raise ModelError(
-            f"the observer of {', '.join(part.estimated)} with this gain has the poles "
-            f"{', '.join(show.number(p, 9) for p in poles[~decaying])}: its error does not decay, which needs {bound}; "
-            "design L by_poles, by_riccati or deadbeat in the model's own time"
+            f"the observer of {', '.join(part.estimated)} with this gain has the poles {listed}: its error does not "
+            f"decay, which needs {bound}; design L by_poles, by_riccati or deadbeat in the model's own time"
         )
     return ReducedObserver(part, readonly(gain), F, G, H, from_x1, from_x3, poles, certificate)

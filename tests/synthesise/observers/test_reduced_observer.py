@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from synth import synthesise
 from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace
@@ -202,7 +203,7 @@ def test_a_mode_that_is_not_shown_is_named() -> None:
         reduced_observer.deadbeat(model, ("p", "r"))
     stays = reduced_observer.by_poles(model, ("p", "r"), [])
     np.testing.assert_array_equal(stays.poles, [0.5])
-    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0, without the uncontrollable 0\.5"):
+    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0 without the uncontrollable 0\.5"):
         reduced_observer.by_poles(model, ("p", "r"), [0.1])
 
 
@@ -298,3 +299,11 @@ def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
     plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
     with pytest.raises(SignalError, match=r"`measured` of .*: give a list of names"):
         reduced_observer.by_poles(plant, measured, [-1.0])
+
+
+@pytest.mark.parametrize("g", [1e3, 1e6])
+def test_a_slow_mode_beside_a_fast_one_is_accepted(g: float) -> None:
+    """The poles are -g and -1 / g: the second is slow beside the first, and exact."""
+    model = ([[0, g, 0], [0, -1e-3, 1 / g], [0, 0, 0]], [[0], [1], [0]], [[1, 0, 0]], [[0]])
+    poles = synthesise.reduced_kalman(model, ["x1"], np.eye(3)).poles
+    assert poles.real == pytest.approx([-g, -1 / g], rel=2e-3)
