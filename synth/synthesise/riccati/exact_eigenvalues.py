@@ -50,7 +50,14 @@ def exact_unstable_pole(F: flint.arb_mat, time: Time) -> complex | None:
     values, left = flint.acb_mat(balanced).eig(left=True, algorithm="approx")
     w = np.array([[complex(v) for v in row] for row in left.tolist()]).T
     poles = np.array([_without_rounding(complex(v)) for v in values])
-    return _fastest_growing(poles, w / np.linalg.norm(w, axis=0), A * D / D[:, None], time)
+    return _fastest_growing(poles, _with_unit_columns(w), A * D / D[:, None], time)
+
+
+def _with_unit_columns(w: Complex) -> Complex:
+    """Return the columns in unit length; ones, which no unit vector exceeds, for one that a Jordan block leaves open."""
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        unit = w / np.linalg.norm(w, axis=0)
+    return np.where(np.isfinite(unit).all(axis=0), unit, 1.0 + 0j)
 
 
 def _fastest_growing(values: Complex, w: Complex, balanced: Array, time: Time) -> complex | None:

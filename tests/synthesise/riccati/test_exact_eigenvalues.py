@@ -63,3 +63,14 @@ def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
         A[-1] = [-(w**4), 0, -2 * w * w, 0]
         V = np.linalg.qr(rng.normal(size=(4, 4)))[0]
         assert exact_eigenvalues.unstable_pole(V @ A @ V.T, Continuous()) is not None
+
+
+@pytest.mark.parametrize(("s", "continuous", "sampled"), [(0.0, 0, None), (1.0, 1, 1), (-1.0, None, -1)])
+def test_a_jordan_block_whose_left_eigenvectors_are_not_finite_is_judged(
+    s: float, continuous: complex | None, sampled: complex | None
+) -> None:
+    """For s = 0 an eigenvector is infinite; without a bound in its place nothing would count as growing."""
+    block = exact_eigenvalues.ball(s * np.eye(3) + np.eye(3, k=1))
+    with precise.precision():
+        assert exact_eigenvalues.exact_unstable_pole(block, Continuous()) == continuous
+        assert exact_eigenvalues.exact_unstable_pole(block, Discrete(1.0)) == sampled
