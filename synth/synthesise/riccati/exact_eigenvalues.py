@@ -54,7 +54,7 @@ def exact_unstable_pole(F: flint.arb_mat, time: Time) -> complex | None:
 
 
 def _with_unit_columns(w: Complex) -> Complex:
-    """Return the columns in unit length; ones, which no unit vector exceeds, for one that a Jordan block leaves open."""
+    """Return unit columns, and ones, which no unit vector exceeds, for a column that a Jordan block leaves open."""
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         unit = w / np.linalg.norm(w, axis=0)
     return np.where(np.isfinite(unit).all(axis=0), unit, 1.0 + 0j)

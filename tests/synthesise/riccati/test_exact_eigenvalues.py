@@ -66,7 +66,7 @@ def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
 
 
 @pytest.mark.parametrize(("s", "continuous", "sampled"), [(0.0, 0, None), (1.0, 1, 1), (-1.0, None, -1)])
-def test_a_jordan_block_whose_left_eigenvectors_are_not_finite_is_judged(
+def test_a_jordan_block_whose_left_eigenvectors_are_not_finite_counts(
     s: float, continuous: complex | None, sampled: complex | None
 ) -> None:
     """For s = 0 an eigenvector is infinite; without a bound in its place nothing would count as growing."""
