@@ -154,7 +154,7 @@ def examples() -> Mapping[str, Call]:
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
         "refinement.log_magnitude": {"value": np.array([1 + 1j])},
         "operating_points.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
-        "operating_points.trim_near": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
+        "operating_points.trim_with_free_states": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "worst_case_search.Criterion": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
         "worst_case_search.search": {"loop": example_loop, "parameters": [K], "figure": worst_case_search.PHASE_MARGIN},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},

@@ -104,7 +104,7 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
 
 
 @arguments.checked
-def trim_near(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
+def trim_with_free_states(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
     """Return `trim`, and where there is none, that with all states free that are not fixed.
 
     A force that holds one coordinate may displace another, such as a flexible mode, which then cannot stay at zero.

@@ -193,14 +193,14 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
-    Raises SignalError for an unknown point; ModelError as `operating_points.trim_near` and `equilibrium.solve`.
+    Raises SignalError for an unknown point; ModelError as `trim_with_free_states` and as `equilibrium.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
     closed = loops.closed
     plant = closed.plant.with_parameters(**case) if case else closed.plant
     try:
-        trimmed = operating_points.trim_near(plant, dict(loops.points[point]), list(loops.actuators))
+        trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
     except ModelError as error:
         raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()

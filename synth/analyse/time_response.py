@@ -203,10 +203,10 @@ def _resolving_segments(model: StateSpace, span: float) -> tuple[list[_Segment],
             f"for {show.number(min(lives[k], span))} s in a duration of {show.number(span)} s: that takes {total} "
             f"intervals, more than {MAX_SAMPLES}; give a shorter duration_s, or give duration_s and interval_s"
         )
+    if len(segments) == 1:
+        return segments, ""
     lengths = [segment.interval for segment in segments]
-    return segments, "" if len(
-        segments
-    ) == 1 else f"intervals from {show.number(min(lengths))} to {show.number(max(lengths))} s"
+    return segments, f"intervals from {show.number(min(lengths))} to {show.number(max(lengths))} s"
 
 
 def _recursion(model: StateSpace, B: Array, interval: float) -> tuple[Array, Array]:

@@ -25,7 +25,12 @@ TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float64: ("vd", "vud", "vmd"),
 }
 NUMBERS: Mapping[type[np.floating], str] = {np.float32: "float", np.float64: "double"}
-SUPPORT = """#if defined(__FMA__)
+SUPPORT = """/* The functions below are thousands of lines without a loop. These passes find nothing to do in
+ * them, and took more than half of gcc's time. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("ira-region=one", "no-gcse", "no-tree-pre")
+#endif
+#if defined(__FMA__)
 #include <immintrin.h>
 #endif
 typedef float vf __attribute__((vector_size(4 * LANES)));

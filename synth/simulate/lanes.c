@@ -7,12 +7,6 @@
  * The signals of one sample stay in vectors. Those that are recorded collect in blocks of BLOCK frames, from which each
  * lane gets a column of its own.
  */
-/* The functions of lanes.h are thousands of lines without a loop. These passes find nothing to do in them, and took more
- * than half of gcc's time. */
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("ira-region=one", "no-gcse", "no-tree-pre")
-#endif
-
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>

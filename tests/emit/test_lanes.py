@@ -15,6 +15,7 @@ from synth.emit.lanes import Rows
 from synth.execute import build
 from synth.execute import compile as host_compiler
 from synth.signals import signal_names
+from synth.simulate import lane_library
 from tests import levitator
 
 pytestmark = pytest.mark.slow
@@ -97,9 +98,7 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     ]
     sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
     text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lanes.NUMBERS[scalar], **sizes)
-    library = ctypes.CDLL(
-        str(host_compiler.shared_library({"run.c": text}, ("-O1", "-march=native", "-std=c11", "-Wno-psabi")))
-    )
+    library = ctypes.CDLL(str(host_compiler.shared_library({"run.c": text}, lane_library.FLAGS)))
     x = in_lanes([records[n] for n in reals], scalar)
     c = in_lanes([records[n] for n in counters], width)
     z = in_lanes([inputs[n] for n in rows.inputs], scalar)
