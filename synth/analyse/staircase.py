@@ -23,7 +23,7 @@ COUPLING = 1e-11  # of the scaled matrices' size: a weaker coupling counts as ro
 LARGEST = 332.0  # of the exponents of 2 of entries and units: cubes of larger ones overflow
 OVERLAP = 1e-7  # of the cosines between controllable and observable subspaces: smaller ones are rounding
 RESIDUAL = 1e-9  # of each column of scaled A: w is an eigenvector if w^H A - s w^H does not exceed it
-NOISE = 1e-14  # of the largest entries in its row and column: a smaller entry does not influence the scaling
+NOISE = 1e-14  # a smaller entry does not influence the scaling: of its row and column, or of the rates if diagonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +53,8 @@ def scaled(A: Array, B: Array | None = None, C: Array | None = None, D: Array | 
     D = np.zeros((p, m)) if D is None else D
     M = np.abs(np.block([[A, B], [C, D]]))
     least = np.minimum(M.max(axis=1, initial=0.0)[:, None], M.max(axis=0, initial=0.0))
+    diagonal = np.arange(n)
+    least[diagonal, diagonal] = np.maximum(least[diagonal, diagonal], _rate(M[:n, :n]))
     row, column = np.nonzero(NOISE * least < M)
     logs = np.log2(M[row, column])
     k = np.arange(len(row))
@@ -73,6 +75,11 @@ def scaled(A: Array, B: Array | None = None, C: Array | None = None, D: Array | 
     return Scaled(
         A * x / x[:, None] / rate, B * u / x[:, None] / rate, C * x / y[:, None], D * u / y[:, None], x, u, y, rate
     )
+
+
+def _rate(size: Array) -> float:
+    """Return the spectral radius of |A| (n, n), which no scales of the states change; a diagonal entry is a rate."""
+    return float(np.abs(np.linalg.eigvals(size)).max(initial=0.0))
 
 
 def of_model(model: StateSpace) -> Scaled:

@@ -47,6 +47,15 @@ def test_rounding_noise_does_not_steer_the_scaling() -> None:
     )
 
 
+@pytest.mark.parametrize("noise", [-1e-20, -5e-45, 6e-72])
+def test_a_rate_that_is_rounding_does_not_hide_a_controllable_state(noise: float) -> None:
+    """An integrator behind a lag, as a linearisation leaves it: its own rate is rounding."""
+    A, B = np.array([[noise, -0.037], [0.0, -87.0]]), np.array([[0.0], [-0.72]])
+    at = staircase.scaled(A, B)
+    assert staircase.controllable_split(at.A, at.B).basis.shape == (2, 2)
+    assert at.rate == staircase.scaled(np.array([[0.0, -0.037], [0.0, -87.0]]), B).rate
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
     rng = np.random.default_rng(seed)
