@@ -201,9 +201,8 @@ def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
     E = scipy.linalg.block_diag(np.eye(n), np.zeros((m, m)))
     alpha, beta = scipy.linalg.eigvals(P, E, homogeneous_eigvals=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.where(np.abs(beta) > 0, np.abs(alpha) / np.abs(beta), np.inf)
-    finite = np.argsort(size, kind="stable")[:count]
-    return np.sort_complex((rate * alpha[finite] / beta[finite]).astype(np.complex128))
+        zeros = np.where(beta != 0, rate * alpha / beta, np.inf).astype(np.complex128)
+    return np.sort_complex(zeros[np.argsort(np.abs(zeros), kind="stable")[:count]])
 
 
 def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], scale: float) -> float:
