@@ -73,14 +73,21 @@ def values(course: Course, time: Array) -> Array:
     return np.array(np.broadcast_to(samples, time.shape))
 
 
-def require_in_range(name: str, course: Array, point: SetPoint) -> None:
+def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> None:
     """Raise SignalError for a course of a set-point that leaves its range, where the guard would refuse it."""
     worst = float(course[np.argmax(np.maximum(course - point.high, point.low - course))])
     if not point.low <= worst <= point.high:
         raise SignalError(
-            f"the course of set-point '{name}' reaches {worst:g}; its range is {point.low:g} .. {point.high:g}: give "
-            "the experiment a smaller step or motion, or the set-point a wider range"
+            f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. {point.high:g} "
+            f"{unit}: give the experiment a smaller step or motion, or the set-point a wider range"
         )
+
+
+def require_response(name: str, overshoot: float, **positive: float) -> None:
+    """Raise SignalError for an overshoot above 1, and for one of the other numbers that is not positive."""
+    if not (0 <= overshoot <= 1 and all(0 < value < np.inf for value in positive.values())):
+        found = ", ".join(f"{key} {value:g}" for key, value in {**positive, "overshoot": overshoot}.items())
+        raise SignalError(f"{name}: {found}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
 
 
 def require_positive_errors(name: str, limits: Mapping[str, float]) -> None:

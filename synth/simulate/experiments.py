@@ -73,11 +73,7 @@ class Step:
     label: str = ""
 
     def __post_init__(self) -> None:
-        if not (0 < abs(self.height) < np.inf and 0 <= self.overshoot <= 1 and 0 < self.settles_s < np.inf):
-            raise SignalError(
-                f"{self.name}: a step of {self.height:g}, overshoot {self.overshoot:g}, settles_s {self.settles_s:g}: "
-                "give a step other than 0, an overshoot of at most 1, 0.15 for 15 %, and a positive time"
-            )
+        conditions.require_response(self.name, self.overshoot, settles_s=self.settles_s, height=abs(self.height))
 
     @property
     def name(self) -> str:
@@ -183,6 +179,8 @@ class LiftOff:
     """The run starts at rest at `under.start`, for example at a stop; set-points ramp to the values `to` in `ramp_s`.
 
     `overshoot` is a fraction of the travel, `error` the limit of the final |y - r|.
+
+    Raises SignalError for a ramp or an error that is not positive, and an overshoot above 1.
     """
 
     to: Mapping[str, float]
@@ -192,6 +190,9 @@ class LiftOff:
     conditions: Conditions
     duration_s: float | None = None
     label: str = "lift_off"
+
+    def __post_init__(self) -> None:
+        conditions.require_response(self.name, self.overshoot, ramp_s=self.ramp_s, error=self.error)
 
     @property
     def name(self) -> str:
@@ -205,9 +206,8 @@ class LiftOff:
         checks, shown, courses = [], {}, {}
         for name, end in self.to.items():
             begin = self.conditions.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
-            courses[name] = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(
-                time
-            )
+            ramp = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)
+            courses[name] = ramp(time)
         trajectory = _trajectory(rig, duration, courses, self.conditions)
         for name, end in self.to.items():
             position, unit = _position(rig, name)
@@ -236,7 +236,7 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
     for name, course in courses.items():
-        conditions.require_in_range(name, course, _set_point(rig, name))
+        conditions.require_in_range(name, course, _set_point(rig, name), interface.signals[name].unit)
     forcing: dict[str, Any] = dict.fromkeys(interface.disturbances, 0.0)
     forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant

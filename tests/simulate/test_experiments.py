@@ -123,5 +123,12 @@ def test_a_course_beyond_the_range_of_its_set_point_is_refused(rig: Rig, run: An
 @pytest.mark.parametrize("changed", [{"overshoot": 15}, {"settles_s": -0.5}, {"height": 0.0}, {"settles_s": np.nan}])
 def test_a_step_with_a_number_that_cannot_be_meant_is_refused(changed: dict[str, float]) -> None:
     (name, value), good = *changed.items(), {"height": 1e-4, "overshoot": 0.1, "settles_s": 0.2}
-    with pytest.raises(SignalError, match=f"{'a step of' if name == 'height' else name} {value:g}"):
+    with pytest.raises(SignalError, match=f"{name} {value:g}.*: give an overshoot of at most 1"):
         Step("z_ref", **(good | changed))
+
+
+@pytest.mark.parametrize("changed", [{"overshoot": 15}, {"ramp_s": 0.0}, {"error": -1e-6}])
+def test_a_lift_off_with_a_number_that_cannot_be_meant_is_refused(changed: dict[str, float]) -> None:
+    (name, value), good = *changed.items(), {"ramp_s": 0.2, "overshoot": 0.1, "error": 1e-6}
+    with pytest.raises(SignalError, match=f"lift_off: .*{name} {value:g}"):
+        LiftOff({"z_ref": 0.0}, conditions=Conditions(), **(good | changed))
