@@ -96,7 +96,8 @@ class SafeOutput:
     def text(self) -> str:
         """Return the measurement as one sentence without a full stop, with two significant digits."""
         conditions = "; ".join(f"{condition} {self._condition(condition)}" for condition in self.speeds)
-        return f"measured on {self.plants} plants, each sensor lost in turn: {conditions}"
+        lost = f"on {self.plants} plants with each sensor lost in turn"
+        return f"largest speeds and impacts after the latch, measured {lost}: {conditions}"
 
     def _condition(self, name: str) -> str:
         speeds, impacts = self._worst(self.speeds[name]), self._worst(self.impacts[name])

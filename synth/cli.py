@@ -1,4 +1,4 @@
-"""Command line: `synth build | verify | simulate | faults | study | tune | audit | cost | prove | emit | new`.
+"""Commands: `synth build | verify | simulate | faults | study | compare | tune | audit | cost | prove | emit | new`.
 
 It runs in the root of a workspace.
 
@@ -151,7 +151,7 @@ def cost(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> 
 def prove(
     names: Names = None,
     as_json: AsJson = False,
-    whole: Annotated[bool, typer.Option("--whole", help="as deep as the proofs go; a subset when left out")] = False,
+    whole: Annotated[bool, typer.Option("--whole", help="prove at full depth instead of a subset")] = False,
     fresh: Fresh = False,
 ) -> None:
     """Prove the emitted C: Eva, inputs that are not finite, fuzzing under sanitizers, cppcheck's misra addon."""
@@ -172,11 +172,13 @@ def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False)
 def faults(
     names: Names = None,
     as_json: AsJson = False,
-    plants: Annotated[int, typer.Option(min=1, help="the nominal plant and wrong ones; 17 for a full campaign")] = 4,
-    every: Annotated[bool, typer.Option("--every", help="a row for every sensor and actuator, not the worst")] = False,
-    sweep: Annotated[bool, typer.Option("--sweep", help="also least magnitudes noticed and times tolerated")] = False,
+    plants: Annotated[int, typer.Option(min=1, help="nominal and perturbed plants; 17 for a full campaign")] = 4,
+    every: Annotated[bool, typer.Option("--every", help="a row for each sensor and actuator")] = False,
+    sweep: Annotated[
+        bool, typer.Option("--sweep", help="also smallest noticed magnitudes and tolerated times")
+    ] = False,
     write: Annotated[
-        bool, typer.Option("--write", help="write instead what the machine does after the latch, for the C header")
+        bool, typer.Option("--write", help="lose each sensor and write safe_output.json, for the C header")
     ] = False,
     fresh: Fresh = False,
 ) -> None:
@@ -205,7 +207,8 @@ def study(
     parquet: Annotated[Path | None, typer.Option(help="the same as Parquet; needs pyarrow")] = None,
     report: Annotated[Path | None, typer.Option(help="file for a page with the distributions, as HTML")] = None,
     search: Annotated[
-        str | None, typer.Option(help="check to make worse, from the worst machine, as 'experiment: name'")
+        str | None,
+        typer.Option(help="check whose worst case is searched for, as 'experiment: name'"),
     ] = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a dask scheduler, as tcp://host:8786")] = None,
     fresh: Fresh = False,

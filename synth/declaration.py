@@ -26,12 +26,11 @@ from synth.tuning import Tuning
 
 @dataclass(frozen=True)
 class Sensor:
-    """A controller input that reads the plant output `of`, called like it where `of` is left out.
+    """A controller input that reads the plant output `of`; if `of` is left out, the output with the sensor's own name.
 
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
-    the output's own range where they are left out, and takes `initial` before the first good sample: where it is left
-    out, the value in the range that is nearest to 0. One that is not `held` has `initial` whenever it is refused.
-    `offset` is the largest error of its zero, for studies.
+    the output's own range where they are left out. Before the first good sample, and with `held=False` whenever it
+    refuses a reading, it takes `initial`: by default the value in the range that is nearest to 0. `offset` is the largest error of its zero, for studies.
     """
 
     name: str
@@ -48,7 +47,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class SetPoint:
-    """A controller input that says what the plant's output or state `of` shall be, in its unit; it never latches."""
+    """A controller input: the desired value of the plant output or state `of`, in its unit; a bad one never latches."""
 
     name: str
     of: str

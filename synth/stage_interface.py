@@ -31,9 +31,10 @@ def interface(
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
-    go to their safe values, for a `reason` that the C header states; `good_samples` make up for a bad one. `suspected`
-    are sensors that a law compares. Before that, ``brakes`` is 1 for `braking` samples more. With `missed_calls`, the
-    largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
+    go to their safe values, with the effect on the machine that `reason` states, for the C header. With `good_samples`
+    N above 0, N good samples cancel a bad one (a leaky counter); with 0, one good sample resets the count. `suspected`
+    are sensors that a law compares. Before the latch, ``brakes`` is 1 for `braking` samples more. With `missed_calls`,
+    the largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
     an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.

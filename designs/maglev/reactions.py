@@ -6,7 +6,7 @@ from designs.maglev.platen import BAD_SAMPLES, CURRENT, LOST, SAFE_CURRENT
 
 (X_FIRST, X_SECOND), (Z_FIRST, Z_SECOND) = OF_AXIS["x"], OF_AXIS["z"]
 ALL_GO_ON = "all axes go on"
-AT_THE_END = f"then i_d of all {SAFE_CURRENT:g} A, i_q 0 A, at measured angles"
+AT_THE_END = f"then all i_d = {SAFE_CURRENT:g} A and all i_q = 0 A, commutated at the measured positions"
 LATCHES = f"the {BAD_SAMPLES}th sample in a row latches in flight, without a landing: i_d {SAFE_CURRENT:g} A, i_q 0 A"
 HANDOVER = (
     f"lands; without x, motors {X_FIRST} and {X_SECOND} hand i_d over to {Z_FIRST} and {Z_SECOND} in {FADE} samples "
@@ -18,7 +18,7 @@ REACTIONS = {
     "one_refused": ALL_GO_ON,
     "one_wrong": ALL_GO_ON,
     "unclear": f"lands, y, phi and theta by the readings as they are; {AT_THE_END}",
-    "several_lost": f"lands; what the gaps left do not tell of y, phi, theta is predicted; x and z go on measured; "
+    "several_lost": "lands; what the remaining gaps leave open of y, phi, theta is predicted; x and z go on measured; "
     f"{AT_THE_END}",
     "too_many_lost": f"{LATCHES}, at measured angles",
     "single_refused": HANDOVER,

@@ -1,6 +1,6 @@
 """Gain, phase, delay and modulus margins of a scalar loop (MATLAB `allmargin`, python-control `stability_margins`).
 
-         r -->(+)--> [ L ] --+--> y         1 + L = 0 is the closed loop; S = 1/(1 + L), T = L/(1 + L)
+         r -->(+)--> [ L ] --+--> y         1 + L = 0: characteristic equation; S = 1/(1 + L), T = L/(1 + L)
                ^-            |
                |-------------+
 

@@ -72,8 +72,8 @@ def servo(
 
     model        a continuous StateSpace of one input and one output, about an equilibrium, or a Chain of a
                  `feedback_linearisation.Linearisation`; states without influence are left out
-    modes        {frequency in rad/s: speed in 1/s} of the internal model: a constant for frequency 0, else a sine; the
-                 error of each mode decays at about its speed, as long as the loop is faster
+    modes        {frequency in rad/s: decay rate in 1/s} of the internal model: a constant for frequency 0, else a sine;
+                 the error of each mode decays at about this rate, as long as the loop is faster
     weights      {state or output: weight in 1/unit^2}; the output needs a weight above 0
     effort       weight on the command, in 1/unit^2; only ratios of `weights` and `effort` matter
     estimator    the Kalman filter of the model's states from the output, from `kalman`

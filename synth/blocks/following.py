@@ -19,7 +19,7 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
-LATCHED = Signal("latched", "1", 0, 1, "safe output until init")
+LATCHED = Signal("latched", "1", 0, 1, "latched until init")
 
 
 @arguments.checked

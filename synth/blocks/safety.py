@@ -148,7 +148,7 @@ def guard(
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
     left = bad_sample_counts.state(samples, good_samples, safety_numbers.about_left(braking))
-    flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
+    flags = [_flag("latched", "latched until init"), _flag("ready", "every measurement was good at once")]
     states += [left, *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [replace(g.signal, name=f"{g.signal.name}_held") for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
@@ -214,7 +214,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         )
 
     last = "last output"
-    read = [_flag("latched", "safe output until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)]
+    read = [_flag("latched", "latched until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)]
     block = build(
         SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",
         outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in outputs)],

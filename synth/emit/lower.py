@@ -267,7 +267,7 @@ def _operation(
     if op not in binary:
         known = ", ".join(sorted({*unary.values(), *binary.values()}))
         called = next((n for n, value in vars(ca).items() if n.startswith("OP_") and value == op), f"number {op}")
-        raise EmitError(f"operation {called} of CasADi has no form in C here: write the expression with {known}")
+        raise EmitError(f"operation {called} of CasADi cannot be emitted as C: write the expression with {known}")
     if op == ca.OP_ADD:
         first, second = nodes[args[0]], nodes[args[1]]
         if first.op == second.op == "when":

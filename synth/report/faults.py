@@ -5,7 +5,7 @@ from synth.report.page import Section
 from synth.simulate import fault_table
 from synth.simulate.fault_rows import Campaign
 
-TITLE = "Faults on the machine"
+TITLE = "What faults do to the machine"
 ABOUT = (
     "Each fault of the interface is injected into the closed loop of compiled C and full plant, at rest and in motion, "
     "and compared with the healthy run. Excursion: largest distance from the healthy run. Impact: fastest on a stop "
@@ -29,5 +29,8 @@ def section(result: Campaign) -> Section:
 
 def _magnitudes(result: Campaign) -> tuple[page.Table, ...]:
     rows = fault_table.magnitude_cells(result, False)
-    caption = "Smallest magnitude, of the range, from which on every one is noticed, and harms"
+    caption = (
+        "Smallest magnitude, as a fraction of the range, above which every fault is noticed, and above which every one "
+        "ends in an impact"
+    )
     return (page.Table(caption, fault_table.MAGNITUDE_COLUMNS, rows),) if rows else ()

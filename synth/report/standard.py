@@ -40,8 +40,8 @@ WITNESSES = (
 )
 OPENED = (
     "Each loop is opened at one actuator or sensor, with all others closed. It contains the controller with rounded "
-    "constants, the delay and the hold; plant and controller are linearised at rest. A gain margin below 1 is the "
-    "factor to which the gain may fall."
+    "constants, the delay and the hold; plant and controller are linearised at rest. `gain up` and `gain down` are "
+    "the factors, above and below 1, to which the gain may rise and fall."
 )
 AROUND = ("guard", "safe_output")  # Blocks that every controller has; their sections are collapsed
 

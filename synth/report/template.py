@@ -149,9 +149,7 @@ def loops(stage: Stage, required: Sequence[Check]) -> Section:
     unstable = dict.fromkeys(loop.point for loop in survey.loops if not loop.margins.stable)
     lost = {*unstable, *(u.point for u in survey.unsolved)}
     disks = {point: robustness.disk_margins(opened, point) for point in opened.points if point not in lost}
-    notes = (
-        [f"The closed loop is NOT STABLE at {', '.join(unstable)}: it has no disk margin there."] if unstable else []
-    )
+    notes = [f"The closed loop is UNSTABLE at {', '.join(unstable)}: it has no disk margin there."] if unstable else []
     notes += [f"No equilibrium of the loop was found {u.label}: {u.reason}." for u in survey.unsolved]
     tables = (sections.disks(disks),) if disks else ()
     blocks = (page.Text(standard.OPENED), *map(page.Text, notes), *tables)

@@ -86,8 +86,8 @@ def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> No
 def require_response(name: str, overshoot: float, **positive: float) -> None:
     """Raise SignalError for an overshoot above 1, and for one of the other numbers that is not positive."""
     if not (0 <= overshoot <= 1 and all(0 < value < np.inf for value in positive.values())):
-        found = ", ".join(f"{key} {value:g}" for key, value in {**positive, "overshoot": overshoot}.items())
-        raise SignalError(f"{name}: {found}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
+        numbers = ", ".join(f"{key} {value:g}" for key, value in {**positive, "overshoot": overshoot}.items())
+        raise SignalError(f"{name}: {numbers}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
 
 
 def require_positive_errors(name: str, limits: Mapping[str, float]) -> None:

@@ -176,7 +176,7 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class LiftOff:
-    """The run starts at rest at `under.start`, for example at a stop; set-points ramp to the values `to` in `ramp_s`.
+    """The run starts at rest at `conditions.start`, such as a stop; set-points ramp to the values `to` in `ramp_s`.
 
     `overshoot` is a fraction of the travel, `error` the limit of the final |y - r|.
 

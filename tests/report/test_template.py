@@ -39,7 +39,7 @@ def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
     """With six times the gain of the coil, the loop of z is not stable in the middle and above."""
     loops = template.loops(replace(STAGE, plant=STAGE.plant.with_parameters(K=120.0)), [MARGIN])
     texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
-    assert "The closed loop is NOT STABLE at mid, high: it has no disk margin there." in texts
+    assert "The closed loop is UNSTABLE at mid, high: it has no disk margin there." in texts
     (disks,) = (block for block in loops.blocks if isinstance(block, page.Table))
     assert {row[0] for row in disks.rows} == {"low"}
     (table,) = (block for block in loops.sections[0].blocks if isinstance(block, page.Table))

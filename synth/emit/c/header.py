@@ -15,7 +15,7 @@ from synth.signals import Signal
 WIDTH = 117
 _ITEM = "  - "  # begins an item of a list
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
-LATCHED = "latched: safe output until init"
+LATCHED = "latched until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
@@ -81,7 +81,8 @@ def _usage(
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
         "else may change the state.",
         *_latency(block, latency),
-        "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
+        "The three pointers must not be null and must point to objects that do not overlap. One state serves one "
+        "machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
         *_replacements(block),
@@ -110,7 +111,8 @@ def _observation(block: Block, program: Program) -> list[str]:
         return []
     return [
         f"With {diagnostics.macro_name(block)} defined, for the .c as well, {block.name}_step_diagnosed also says "
-        "which signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
+        "which signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost "
+        "nothing."
     ]
 
 
@@ -119,8 +121,8 @@ def _latency(block: Block, samples: int) -> list[str]:
         return []
     count = f"{samples} sample{'s' if samples > 1 else ''}, {samples * block.time.period_s:g} s,"
     return [
-        f"What is computed from the inputs of a sample acts {count} after they were measured: let it act from then on, "
-        "neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency."
+        f"Apply the outputs {count} after the inputs of their sample were measured, neither sooner nor later, and "
+        "hold them until the next outputs are due. Margins and simulations assume this delay."
     ]
 
 
@@ -135,7 +137,7 @@ def _replacements(block: Block) -> list[str]:
     )
     elsewhere = {n for f in block.failures if f.instead != guard_failures.INITIAL for n in f.inputs}
     fixed = {s: value for s, value in fixed.items() if s.name not in elsewhere}  # else the table says what is used
-    texts = [f"by its last good value, before its first one by {_values(last)}"] if last else []
+    texts = [f"by its last good value, and before its first good value by {_values(last)}"] if last else []
     texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
     if not texts:
         return []

@@ -105,7 +105,7 @@ def of(op: str, size: int) -> Obligation | None:
     if op == "table":
         need = f"its index must lie in 0 .. {size - 1}"
         return _inside(
-            0, size - 1, need, "the index' distance from the nearer end", lambda x: np.minimum(x, size - 1 - x)
+            0, size - 1, need, "the distance of the index from the nearer end", lambda x: np.minimum(x, size - 1 - x)
         )
     return _OF.get(op)
 

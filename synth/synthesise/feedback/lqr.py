@@ -170,7 +170,7 @@ def sampled_cost(
     exact: bool = False,
     delay_s: float = 0.0,
 ) -> SampledCost:
-    """Return the sampled model and its exact weights over one period, with a delay that in which the input acts.
+    """Return the sampled model and its exact weights over one period, with the input delayed by `delay_s`.
 
     Raises TimingError for a sampled model, or a delay as `loop.sampled`; SignalError for weights as `riccati.solve`;
     ModelError as `discretise.gramian`.

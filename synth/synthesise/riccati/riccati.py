@@ -95,7 +95,7 @@ class Riccati:
         """Return the certificate as text."""
         return (
             f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
-            f"least eigenvalue of X, its diagonal made 1, {self.least_eigenvalue:.3g}",
+            f"smallest eigenvalue of X scaled to a unit diagonal {self.least_eigenvalue:.3g}",
             *self.remarks(),
         )
 
