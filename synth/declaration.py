@@ -29,8 +29,9 @@ class Sensor:
     """A controller input that reads the plant output `of`; if `of` is left out, the output with the sensor's own name.
 
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
-    the output's own range where they are left out. Before the first good sample, and with `held=False` whenever it
-    refuses a reading, it takes `initial`: by default the value in the range that is nearest to 0. `offset` is the largest error of its zero, for studies.
+    by default the output's own range. Before the first good sample, and with `held=False` whenever it refuses a
+    reading, it takes `initial`: by default the value in the range that is nearest to 0. `offset` is the largest error
+    of its zero, for studies.
     """
 
     name: str

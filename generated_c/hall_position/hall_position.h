@@ -8,13 +8,13 @@
  * Call hall_position_init once, then hall_position_step once every 0.00125 s with the inputs of that sample, and use
  * its outputs at once. Nothing else may change the state.
  *
- * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
- * different states may run at the same time.
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
- * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by).
+ * A refused input is replaced by its last good value, and before its first good value by 0 V (V_ax, V_ay, V_bx, V_by).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -71,7 +71,7 @@ typedef struct {
     float guard_last_V_bx;              /* V, -5 .. 5: last good value */
     float guard_last_V_by;              /* V, -5 .. 5: last good value */
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
-    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     float estimator_phase_x;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
     float estimator_phase_y;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
@@ -111,7 +111,7 @@ void hall_position_init(hall_position_state_t *state);
  *   bit  1  V_ay: not finite or outside its range
  *   bit  2  V_bx: not finite or outside its range
  *   bit  3  V_by: not finite or outside its range
- *   bit 31  latched: safe output until init
+ *   bit 31  latched until init
  */
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out);
 

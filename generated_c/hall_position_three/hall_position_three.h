@@ -3,13 +3,14 @@
  * Call hall_position_three_init once, then hall_position_three_step once every 0.00125 s with the inputs of that
  * sample, and use its outputs at once. Nothing else may change the state.
  *
- * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
- * different states may run at the same time.
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
- * A refused input is replaced by its last good value, before its first one by 0 V (V_ax, V_ay, V_bx, V_by, V_cx, V_cy).
+ * A refused input is replaced by its last good value, and before its first good value by 0 V (V_ax, V_ay, V_bx, V_by,
+ * V_cx, V_cy).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -29,7 +30,7 @@
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With HALL_POSITION_THREE_DIAGNOSTICS defined, for the .c as well, hall_position_three_step_diagnosed also says which
- * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
@@ -81,7 +82,7 @@ typedef struct {
     float guard_last_V_cx;              /* V, -5 .. 5: last good value */
     float guard_last_V_cy;              /* V, -5 .. 5: last good value */
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
-    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     float screen_last_V_ax;             /* V, -5 .. 5: of the last sample */
     float screen_last_V_ay;             /* V, -5 .. 5: of the last sample */
@@ -140,7 +141,7 @@ void hall_position_three_init(hall_position_three_state_t *state);
  *   bit  3  V_by: not finite or outside its range
  *   bit  4  V_cx: not finite or outside its range
  *   bit  5  V_cy: not finite or outside its range
- *   bit 31  latched: safe output until init
+ *   bit 31  latched until init
  */
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in, hall_position_three_output_t *out);
 

@@ -3,11 +3,11 @@
  * Call maglev_5dof_init once, then maglev_5dof_step once every 0.001 s with the inputs of that sample. Nothing else may
  * change the state.
  *
- * What is computed from the inputs of a sample acts 1 sample, 0.001 s, after they were measured: let it act from then
- * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
+ * Apply the outputs 1 sample, 0.001 s, after the inputs of their sample were measured, neither sooner nor later, and
+ * hold them until the next outputs are due. Margins and simulations assume this delay.
  *
- * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
- * different states may run at the same time.
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
  *
  * When the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or a landing is over, the step
  * latches until init, and the outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2,
@@ -20,8 +20,8 @@
  *   - zero current pulls the platen up from a gap below 28.7 mm
  *   - the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all parameters
  *     at their tolerances
- *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00044 m/s (z) and hits a stop at
- *     0.0054 m/s (y)
+ *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
+ *     machine reaches 0.00044 m/s (z) and hits a stop at 0.0054 m/s (y)
  *   - in motion the machine reaches 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)
  *   - at rest, tilted at 18.5 mm the machine reaches 0.0019 m/s (z) and 0.22 rad/s (phi) and hits a stop at 0.0052 m/s
  *     (y)
@@ -29,8 +29,8 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, before its first one by 0.031 m (y1, y2, y3, y4), 0 m (x, z,
- * x_ref, z_ref), 0.03098 m (y_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a
+ * A refused input is replaced by its last good value, and before its first good value by 0.031 m (y1, y2, y3, y4), 0 m
+ * (x, z, x_ref, z_ref), 0.03098 m (y_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a
  * refused measurement is replaced by what the others or a prediction say.
  *
  * While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their number as
@@ -63,14 +63,15 @@
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
- * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then i_d of all
- * all of y1, y2, y3    | one moves again after it stood    | another excluded   | 2.5 A, i_q 0 A, at measured angles
- * and y4 are suspects  | still: it is used again           | one stays replaced |
+ * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then all i_d =
+ * all of y1, y2, y3    | one moves again after it stood    | another excluded   | 2.5 A and all i_q = 0 A, commutated
+ * and y4 are suspects  | still: it is used again           | one stays replaced | at the measured positions
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the gaps left do not tell
- * and y4 refused or    | sample                            | its observer       | of y, phi, theta is predicted; x and
- * excluded             |                                   |                    | z go on measured; then i_d of all 2.5
- *                      |                                   |                    | A, i_q 0 A, at measured angles
+ * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the remaining gaps leave
+ * and y4 refused or    | sample                            | its observer       | open of y, phi, theta is predicted; x
+ * excluded             |                                   |                    | and z go on measured; then all i_d =
+ *                      |                                   |                    | 2.5 A and all i_q = 0 A, commutated
+ *                      |                                   |                    | at the measured positions
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * more than 2 of y1,   | bits 0 to 3, 11 to 14; in that    | the prediction of  | the 5th sample in a row latches in
  * y2, y3 and y4        | sample                            | its observer       | flight, without a landing: i_d 2.5 A,
@@ -173,7 +174,7 @@
  * another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_DIAGNOSTICS defined, for the .c as well, maglev_5dof_step_diagnosed also says which signals it
- * computed, what is saturated and why it latched. Without it nothing is paid for that.
+ * computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
@@ -257,8 +258,8 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.04998 .. 0.04998: last good value */
     float guard_last_phi_ref;           /* rad, -0.00294962 .. 0.00294962: last good value */
     float guard_last_theta_ref;         /* rad, -0.0139496 .. 0.0139496: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches times 4 */
-    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches, counted in units of 1/4 sample */
+    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     maglev_5dof_monitor_state_t x_monitor;
     maglev_5dof_monitor_state_t z_monitor;
@@ -305,7 +306,7 @@ typedef struct {
     float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
     float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
     float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
-    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands times 4 */
+    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands, counted in units of 1/4 sample */
     uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
     float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
     float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
@@ -363,7 +364,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or a count that is negative or NaN
  *   bit 30  status, no fault: lands until it latches on its stop
- *   bit 31  latched: safe output until init
+ *   bit 31  latched until init
  * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);

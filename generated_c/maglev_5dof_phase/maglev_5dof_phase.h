@@ -3,14 +3,14 @@
  * Call maglev_5dof_phase_init once, then maglev_5dof_phase_step once every 0.001 s with the inputs of that sample.
  * Nothing else may change the state.
  *
- * What is computed from the inputs of a sample acts 1 sample, 0.001 s, after they were measured: let it act from then
- * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
+ * Apply the outputs 1 sample, 0.001 s, after the inputs of their sample were measured, neither sooner nor later, and
+ * hold them until the next outputs are due. Margins and simulations assume this delay.
  *
- * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
- * different states may run at the same time.
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
  *
- * A refused input is replaced by its last good value, before its first one by 2.5 A (i_d1, i_d2, i_d3, i_d4), 0 A
- * (i_q1, i_q2, i_q3, i_q4), 0 m (x_commutation, z_commutation).
+ * A refused input is replaced by its last good value, and before its first good value by 2.5 A (i_d1, i_d2, i_d3,
+ * i_d4), 0 A (i_q1, i_q2, i_q3, i_q4), 0 m (x_commutation, z_commutation).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -37,7 +37,7 @@
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
- * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.

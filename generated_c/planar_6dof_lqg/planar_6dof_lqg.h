@@ -3,11 +3,11 @@
  * Call planar_6dof_lqg_init once, then planar_6dof_lqg_step once every 0.00125 s with the inputs of that sample.
  * Nothing else may change the state.
  *
- * What is computed from the inputs of a sample acts 1 sample, 0.00125 s, after they were measured: let it act from then
- * on, neither sooner nor later, and hold it until the next one acts. Margins and simulations assume this latency.
+ * Apply the outputs 1 sample, 0.00125 s, after the inputs of their sample were measured, neither sooner nor later, and
+ * hold them until the next outputs are due. Margins and simulations assume this delay.
  *
- * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
- * different states may run at the same time.
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, a latch is certain: whatever is measured then, the step brakes
  * the machine in the 23 samples after the last of these, and latches in the next one until init, and the outputs move
@@ -15,16 +15,16 @@
  *
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
- *   - measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00018 m/s (x) and 0.0069 rad/s
- *     (psi)
+ *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
+ *     machine reaches 0.00018 m/s (x) and 0.0069 rad/s (psi)
  *   - in motion the machine reaches 0.0036 m/s (z) and 0.14 rad/s (phi)
  *   - at rest, tilted, off the middle the machine reaches 0.0032 m/s (y) and 0.2 rad/s (psi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, before its first one by 0 m (d1, d2, d3, x_ref, y_ref, z_ref), 0
- * rad (phi_ref, theta_ref, psi_ref).
+ * A refused input is replaced by its last good value, and before its first good value by 0 m (d1, d2, d3, x_ref, y_ref,
+ * z_ref), 0 rad (phi_ref, theta_ref, psi_ref).
  *
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
@@ -78,7 +78,7 @@
  * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With PLANAR_6DOF_LQG_DIAGNOSTICS defined, for the .c as well, planar_6dof_lqg_step_diagnosed also says which signals
- * it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ * it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
@@ -133,7 +133,7 @@ typedef struct {
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
     uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
-    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
     uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
@@ -227,7 +227,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 28  status, no fault: the set-point of the position along Y is followed late
  *   bit 29  all Hall voltages have another amplitude than the field
  *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until init
- *   bit 31  latched: safe output until init
+ *   bit 31  latched until init
  * The bits of a status, 0x18000000, are no faults: mask them before you compare the word with 0.
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
