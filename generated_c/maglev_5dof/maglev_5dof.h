@@ -258,7 +258,7 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.04998 .. 0.04998: last good value */
     float guard_last_phi_ref;           /* rad, -0.00294962 .. 0.00294962: last good value */
     float guard_last_theta_ref;         /* rad, -0.0139496 .. 0.0139496: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches, counted in units of 1/4 sample */
+    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     maglev_5dof_monitor_state_t x_monitor;
@@ -306,7 +306,7 @@ typedef struct {
     float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
     float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
     float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
-    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands, counted in units of 1/4 sample */
+    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands, in 1/4 of a sample */
     uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
     float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
     float landing_dr_y;                 /* m/s, -10 .. 10: its rate */

@@ -33,7 +33,7 @@ def next_count(good: ca.SX, left: ca.SX, samples: int, good_samples: int) -> ca.
 def state(samples: int, good_samples: int, about: str) -> State:
     """Return the state of the counter."""
     most = full(samples, good_samples)
-    unit = f", counted in units of 1/{good_samples} sample" if good_samples else ""
+    unit = f", in 1/{good_samples} of a sample" if good_samples else ""
     return State(Signal("left", "1", 1, max(most, 2), f"{about}{unit}"), most, True)
 
 
