@@ -119,18 +119,24 @@ def over_horizon(system: System, horizon_s: float) -> Gramians:
             propagation = discretise.gramian(F, Q, horizon_s) if len(F) else None
             return (propagation.W, propagation.M) if propagation else (Q, F)
 
-        return _gramians(model, X, _finite_span(f"{horizon_s:g} s", propagate))
+        over = _gramians(model, X, _finite_span(f"{horizon_s:g} s", propagate))
+        return _determined(over, "take a shorter horizon, in which no mode grows that far")
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
     with np.errstate(over="ignore", invalid="ignore"):
         sums = _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
-    if not sums.residual < MAX_RESIDUAL:
+    return _determined(sums, BETTER_COORDINATES)
+
+
+def _determined(over: Gramians, mend: str) -> Gramians:
+    """Return Gramians over a horizon; raise ModelError where rounding errors exceed them."""
+    if not over.residual < MAX_RESIDUAL:
         raise ModelError(
-            f"the Gramian {sums.span} is not determined in double precision: the residual of its Lyapunov equation is "
-            f"{sums.residual:.1e} of the terms, and less than {MAX_RESIDUAL:.0e} is needed; {BETTER_COORDINATES}"
+            f"the Gramian {over.span} is not determined in double precision: the residual of its Lyapunov equation is "
+            f"{over.residual:.1e} of the terms, and less than {MAX_RESIDUAL:.0e} is needed; {mend}"
         )
-    return sums
+    return over
 
 
 def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:

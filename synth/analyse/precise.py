@@ -47,8 +47,8 @@ def rounded(balls: flint.arb_mat) -> Array:
 def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
-    Raises ModelError when 16 times the usual bits do not suffice; ZeroDivisionError when `compute` inverts a matrix
-    that may be singular even then.
+    Raises ModelError when 16 times the usual bits do not suffice, and for entries beyond what a double holds;
+    ZeroDivisionError when `compute` inverts a matrix that may be singular even then.
     """
     for bits in (BITS, 4 * BITS, 16 * BITS):
         with precision(bits):
@@ -60,7 +60,13 @@ def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
                 continue
             least = _least(balls)
             if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
-                return rounded(balls)
+                values = rounded(balls)
+                if not np.isfinite(values).all():
+                    raise ModelError(
+                        f"{what} exceeds what a double holds: take a shorter period or leave the mode that grows out "
+                        "of the model"
+                    )
+                return values
     raise ModelError(
         f"{what} is not determined by {16 * BITS} bits: its fastest mode grows or decays too far in one period; "
         "take a shorter period or leave that mode out of the model"

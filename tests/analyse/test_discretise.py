@@ -277,3 +277,21 @@ def test_periods_and_arrays_are_accepted_or_refused() -> None:
         discretise.first_order_hold([[1.0]], [[1.0], [1.0]], 0.1)
     with pytest.raises(TimingError, match=r"`samples` of .* is 1\.5: give a whole number"):
         discretise.with_delay(([[1.0]], [[1.0]], Discrete(0.1)), 1.5)
+
+
+@pytest.mark.parametrize("horizon", [0.3, 0.8, 1.5, 10.0])
+def test_the_integral_of_a_weight_that_hardly_sees_a_growing_mode(horizon: float) -> None:
+    """Of x'' = 400 x the row c sees exp(-20 t) alone: W = (1 - exp(-40 T)) / 40 c'c."""
+    A, c = np.array([[0.0, 1.0], [400.0, 0.0]]), np.array([[20.0, -1.0]])
+    W = discretise.gramian(A, c.T @ c, horizon).W
+    np.testing.assert_allclose(W, (1 - np.exp(-40 * horizon)) / 40 * c.T @ c, rtol=1e-13)
+
+
+def test_a_mode_that_grows_beyond_a_double_is_refused() -> None:
+    for call in (
+        lambda: discretise.first_order_hold([[1000.0]], [[1.0]], 1.0),
+        lambda: discretise.gramian([[1000.0]], [[1.0]], 1.0, exact=True),
+        lambda: discretise.zero_order_hold(([[1000.0]], [[1.0]]), 1.0),
+    ):
+        with pytest.raises(ModelError, match="over 1 s exceeds what a double holds: take a shorter period"):
+            call()

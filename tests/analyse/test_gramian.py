@@ -210,3 +210,11 @@ def test_a_gramian_that_rounding_decides_is_refused_and_modal_coordinates_determ
     energy = float(np.arange(1, 20_001) @ h**2)  # of all entries h(i + j - 1) of the Hankel matrix
     modal = gramian.gramians(butterworth(False)).hankel
     assert (modal**2).sum() == pytest.approx(energy, rel=1e-6) and modal[0] == pytest.approx(0.86593686, rel=1e-6)
+
+
+def test_a_horizon_in_which_a_mode_grows_beyond_rounding_is_refused() -> None:
+    model = ([[0.0, 1.0], [400.0, 0.0]], [[1.0], [-20.0]], [[20.0, -1.0]], [[0.0]])
+    exact = (1 - np.exp(-40 * 0.3)) / 40 * np.array([[400.0, -20.0], [-20.0, 1.0]])
+    np.testing.assert_allclose(gramian.over_horizon(model, 0.3).Wo, exact, rtol=1e-9)
+    with pytest.raises(ModelError, match=r"over 1 s is not determined .*; take a shorter horizon"):
+        gramian.over_horizon(model, 1.0)
