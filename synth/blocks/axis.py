@@ -81,6 +81,9 @@ def servo(
     set_point    set-point weight b >= 0 of the state feedback K_x (y - b r): 0 for none, 1 for the error; by default
                  its zero cancels the pole of mode 0 at that mode's speed, and without mode 0 it is 1
 
+    In the first sample the estimator rests at the measured position. With mode 0, the first command is then the
+    actuator's safe value if the set-point is there, too.
+
     Raises SignalError for arguments that do not fit; `ServoLaw.law` raises errors that depend on the sample period.
     """
     inverse, plant = (

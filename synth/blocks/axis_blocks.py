@@ -12,9 +12,10 @@ largest values to which inputs in their ranges can drive them (`analyse.peak_bou
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import flint
 import numpy as np
 
-from synth.analyse import peak_bounds
+from synth.analyse import peak_bounds, precise
 from synth.block import Block
 from synth.blocks import axis_inverse, axis_regulator, linear_block
 from synth.blocks.axis_inverse import MARGIN, Command, round_up
@@ -22,8 +23,9 @@ from synth.blocks.axis_regulator import Axis, Regulator
 from synth.declaration import Interface
 from synth.errors import SignalError
 from synth.signals import Signal
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.observers import estimator_start
+from synth.synthesise.regulation import leapfrog_form
 from synth.timing import Discrete
 
 
@@ -109,12 +111,36 @@ def _with_negated_error(model: StateSpace) -> StateSpace:
 
 
 def _start(regulator: Regulator, interface: Interface) -> linear_block.Start:
-    """Return the start at rest at the first measurement, with the actuator's safe value in the delay line."""
+    """Return the start at rest at the first measurement, with the actuator's safe value in the delay line.
+
+    An integrator of the error starts so that the first command is this value, too, if the set-point is where the stage
+    stands: it takes over from the feedback of the position what the set-point's weight leaves.
+    """
     axis, plant = regulator.axis, regulator.servo.plant
     delay_line = [s for s in plant.states if s not in axis.model.states]
     safe = {a.of: a.safe for a in interface.actuators}.get(axis.command, 0.0)
     values = dict.fromkeys(delay_line, safe)
-    return estimator_start.from_measurement(regulator.controller, plant, [axis.output], values=values)
+    start = estimator_start.from_measurement(regulator.controller, plant, [axis.output], values=values)
+    return _with_integrator(regulator.controller, axis.output, start, safe)
+
+
+def _with_integrator(controller: StateSpace, output: str, start: linear_block.Start, safe: float) -> linear_block.Start:
+    """Return the start with a state `leapfrog_form.SUM` for which the command at rest is `safe`."""
+    if leapfrog_form.SUM not in controller.states:
+        return start
+    row, measured = controller.states.index(leapfrog_form.SUM), controller.inputs.index(output)
+    columns = [measured, controller.inputs.index(f"{output}_reference")]
+
+    def compute() -> flint.arb_mat:
+        c, d = (precise.matrix(M[:1]) for M in (controller.C, controller.D))
+        at_zero = (c * precise.matrix(start.a[:, None]))[0, 0]
+        slope = (c * precise.matrix(start.G[:, [measured]]))[0, 0] + sum((d[0, j] for j in columns), flint.arb(0))
+        return flint.arb_mat([[(safe - at_zero) / c[0, row], -slope / c[0, row]]])
+
+    values = precise.round_correctly(compute, "the start of the integrator")[0]
+    a, G = start.a.copy(), start.G.copy()
+    a[row], G[row, measured] = values
+    return linear_block.Start(readonly(a), readonly(G))
 
 
 def _state_bounds(model: StateSpace, wires: _Wires) -> Array:

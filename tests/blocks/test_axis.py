@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from synth import plant as plants
-from synth import stage
+from synth import stage, standard_tasks
 from synth.analyse import linearisation, loop, operating_points, robustness
 from synth.blocks import axis, axis_regulator
 from synth.blocks.axis_regulator import Regulator
 from synth.declaration import Interface
 from synth.errors import ModelError, SignalError
 from synth.signals import Parameter, Signal
+from synth.simulate.conditions import Conditions
+from synth.simulate.experiments import Hold
+from synth.simulate.rig import Rig
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
@@ -300,3 +303,13 @@ def test_the_document_contains_the_synthesised_gains() -> None:
     assert document["delay_samples"] == 1 and document["speeds_per_s"] == [25.0, 20.0, 20.0]
     assert document["certificate"]["error_dies_out"] and document["states"][2] == "i2_late1"
     assert len(document["K"]) == len(document["states"]) == 8
+
+
+def test_a_stage_that_wakes_away_from_zero_is_not_kicked() -> None:
+    """At first the command is the safe value: x sags by 7 um at 0.7 mm, where its spring pulls, and z by 1 um."""
+    design = DESIGN.DESIGN.stage
+    rig = Rig(design, DESIGN.PLANT, standard_tasks.compiled_controller(design, np.float64))
+    away = Conditions(start={"z": -3e-4, "x": -7e-4})
+    figures = Hold({"z_ref": 1e-5, "x_ref": 1e-5}, conditions=away).run(rig).figures
+    assert figures["largest |e_z| from the start, m"] < 2e-6 and figures["largest |e_x| from the start, m"] < 1.1e-5
+    assert figures["largest |i1|, A"] < 0.2 and figures["largest |i2|, A"] < 0.1

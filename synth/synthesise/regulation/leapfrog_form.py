@@ -20,6 +20,8 @@ from synth.synthesise.regulation import internal_model
 from synth.synthesise.regulation.servo import Servo
 from synth.timing import common, period
 
+SUM = "sum"  # the state of the frequency 0
+
 
 @arguments.checked
 def controller(regulator: Servo, system: System | None = None) -> StateSpace:
@@ -63,7 +65,7 @@ def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Seque
     C[:, :k] = precise.round_correctly(
         lambda: precise.matrix(source.C[:, :k]) * T_balls, "the gain on the internal model"
     )
-    names = ["sum"] * (n % 2) + [f"{letter}{j + 1}" for j in range(n // 2) for letter in "pq"]
+    names = [SUM] * (n % 2) + [f"{letter}{j + 1}" for j in range(n // 2) for letter in "pq"]
     states = tuple(name if p == 1 else f"{name}_{y}" for y in outputs for name in names)
     units = {state: source.unit(f"{outputs[i // n]}_error") for i, state in enumerate(states)}
     units = {**source.units, **{state: unit for state, unit in units.items() if unit}}

@@ -139,12 +139,12 @@ def test_the_header_states_latency_and_what_init_assumes() -> None:
     at_once, late = (
         " ".join(emit(stage(), F32, latency=n).files["stage.h"].replace("\n * ", " ").split()) for n in (0, 2)
     )
-    assert "use its outputs at once" in at_once and "acts 2 samples" not in at_once
-    assert "acts 2 samples, 0.0025 s, after they were measured" in late and "outputs at once" not in late
+    assert "use its outputs at once" in at_once and "Apply the outputs" not in at_once
+    assert "Apply the outputs 2 samples, 0.0025 s, after the inputs" in late and "outputs at once" not in late
     rest = "At init the machine is at rest under the safe output, which acts until the first outputs of the step do."
     closed = [n for n in NAMES if not n.startswith("hall") and not n.endswith("_phase")]
     assert [n for n in NAMES if rest in text_of(n)] == closed
-    assert all("acts 1 sample" in text_of(n) for n in NAMES if not n.startswith("hall"))
+    assert all("Apply the outputs 1 sample" in text_of(n) for n in NAMES if not n.startswith("hall"))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -155,7 +155,7 @@ def test_the_header_states_the_initial_value_of_each_input(name: str) -> None:
     kept = [f["name"].removeprefix("guard_last_") for f in fields["state"]["fields"] if "guard_last_" in f["name"]]
     inputs = {f["name"]: f["name"].removesuffix("_commutation") for f in fields["input"]["fields"]}
     sentence = re.search(
-        r"A refused input is replaced by its last good value, before its first one by (.*?)[;.] ", text
+        r"A refused input is replaced by its last good value, and before its first good value by (.*?)[;.] ", text
     )
     assert bool(sentence) == bool(kept)
     stated = {

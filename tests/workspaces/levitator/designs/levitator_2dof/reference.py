@@ -183,6 +183,8 @@ def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[s
     now = np.stack([q, v]) + along(k.M, y - q)
     ahead = along(k.A, *now) + along(k.B, late)
     eta = [kept[n] for n in names[:-3]]
+    at_rest, bound = -(k.on_x[0, 0] + k.on_r) / k.on_eta[0, 0] * y, BOUNDS[s][names[0]]
+    eta[0] = np.where(started, eta[0], np.clip(eta[0] + at_rest, -bound, bound))  # no command, with the set-point at y
     u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r * r
     next_eta = along(k.propagate, *eta) + along(k.drive, y - r)
     return u, ahead[0], next_eta, ahead
