@@ -191,18 +191,21 @@ class Rig:
         return Scenario(duration_s, start, **{**fields, **options})
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
-        """Return the commands before the first sample: the safe values, through the drive at the initial position.
+        """Return the commands before the first sample: the safe values, through the drive at the initial position."""
+        outputs = self.controller.outputs.names or ()
+        safe = {a.name: a.safe for a in self.stage.interface.actuators if a.name in outputs}
+        return self.drive_commands(start, safe) if self.drive else safe
 
-        What else the drive reads of the controller is that of a first sample at rest at this position.
+    def drive_commands(self, start: Mapping[str, float], commands: Mapping[str, float]) -> dict[str, float]:
+        """Return the outputs of the drive for these outputs of the controller, at rest at `start`.
+
+        What else the drive reads of the controller is that of a first sample at rest there.
         """
-        interface, outputs = self.stage.interface, self.controller.outputs.names or ()
-        safe = {a.name: a.safe for a in interface.actuators if a.name in outputs}
-        if not self.drive:
-            return safe
+        interface = self.stage.interface
         positions = self.plant.output_values(start)
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
         known |= self._set_points(start) | self.call_counts
-        return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(safe.items()))
+        return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(commands.items()))
 
     @property
     def positions(self) -> dict[str, str]:

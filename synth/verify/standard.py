@@ -22,7 +22,7 @@ from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
-from synth.verify import agree, companions, sampling, steps, stimuli, suite
+from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
@@ -77,7 +77,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     beside, beside_checks = compare_companions(stage, trajectories, samples)
     agreements, checks = [*agreements, *beside], [*checks, *beside_checks]
     progress("single against double")
-    checks += compare_paths(stage, witness_set)
+    checks += [*compare_paths(stage, witness_set), *drive.checks(rig, trajectories.values())]
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
         survey = robustness.survey(over_tolerances(stage))

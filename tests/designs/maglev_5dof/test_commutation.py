@@ -13,13 +13,14 @@ from designs.maglev_5dof.design import DESIGN, PHASES
 from models import maglev_stage
 from synth import standard_tasks
 from synth.block import Block
+from synth.check import Check
 from synth.emit import write
 from synth.execute import build
 from synth.simulate import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.verify import replays, sampling, suite
+from synth.verify import drive, replays, sampling, suite
 
 ERROR = platen.SURROGATE_ERROR
 STOP = 0.031  # m, the gap at the lower stop
@@ -51,6 +52,22 @@ def test_the_errors_through_both_blocks_are_those_of_ideal_currents() -> None:
 def test_any_other_advance_is_worse_by_far(samples: float) -> None:
     worse = errors(behind(commutation.phase_currents(DESIGN.name, maglev_stage.plant(), samples)))
     assert min(worse["x"], worse["z"]) > 6e-6
+
+
+def test_a_drive_that_makes_other_forces_than_the_plant_of_the_margins_is_found() -> None:
+    run = motions.tracking(rig(), True, 4.0)[0]
+
+    def differs(of: Rig) -> Check:
+        (check,) = drive.checks(of, [run])
+        return check
+
+    assert differs(rig()).value < 3e-3 and differs(rig()).passed
+    stronger = rig().plant.with_parameters(b0=1.1 * rig().plant.parameter("b0").value)
+    assert differs(replace(rig(), plant=stronger)).value == pytest.approx(0.1, abs=0.01)
+    pitch = maglev_stage.plant().with_parameters(tau=1.02 * maglev_stage.plant().parameter("tau").value)
+    late = behind(commutation.phase_currents(DESIGN.name, pitch))
+    assert not differs(late).passed
+    assert not drive.checks(rig().without_drive, [run])
 
 
 def test_the_c_calls_no_sine_and_costs_no_more_than_it_did() -> None:
