@@ -62,8 +62,8 @@ def test_a_drive_that_makes_other_forces_than_the_plant_of_the_margins_is_found(
         return check
 
     assert differs(rig()).value < 3e-3 and differs(rig()).passed
-    stronger = rig().plant.with_parameters(b0=1.1 * rig().plant.parameter("b0").value)
-    assert differs(replace(rig(), plant=stronger)).value == pytest.approx(0.1, abs=0.01)
+    stronger = rig().plant.with_parameters(b0=1.25 * rig().plant.parameter("b0").value)
+    assert not differs(replace(rig(), plant=stronger)).passed
     pitch = maglev_stage.plant().with_parameters(tau=1.02 * maglev_stage.plant().parameter("tau").value)
     late = behind(commutation.phase_currents(DESIGN.name, pitch))
     assert not differs(late).passed
