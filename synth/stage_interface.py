@@ -36,8 +36,9 @@ def interface(
     are sensors that a law compares. Before the latch, ``brakes`` is 1 for `braking` samples more. With `missed_calls`,
     the largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
 
-    Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
-    an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.
+    Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
+    actuator or a disturbance, for an actuator with a wider range than its plant input, and for a `delay` that is not a
+    whole number of samples from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -90,6 +91,11 @@ def _set_point(point: SetPoint, of: Signal) -> SetPoint:
 
 def _actuator(actuator: Actuator, of: Signal) -> Actuator:
     low, high = _range(actuator.low, actuator.high, of)
+    if low < of.low or high > of.high:
+        raise SignalError(
+            f"actuator '{actuator.name}' may be {low:g} .. {high:g} {of.unit}, beyond the range of the plant input "
+            f"'{of.name}', {of.low:g} .. {of.high:g}: give it a range inside, or the plant input a wider one"
+        )
     return replace(actuator, of=of.name, low=low, high=high, about=actuator.about or of.about)
 
 

@@ -47,6 +47,10 @@ def test_names_units_and_ranges_come_from_the_plant() -> None:
         ({"sensors": [Sensor("y")]}, "plant 'levitator' has no output 'y': name one of z, x"),
         ({"set_points": [SetPoint("r", of="y", low=0, high=1)]}, "no output or state 'y'"),
         ({"actuators": [Actuator("i3", 0.0, 1.0)]}, "no input 'i3'"),
+        (
+            {"actuators": [Actuator("i1", 0.0, 1.0, high=30.0)]},
+            r"'i1' may be -3 .. 30 A, beyond the range of the plant input 'i1', -3 .. 3: give it a range inside",
+        ),
         ({"disturbances": ["wind"]}, "no input 'wind'"),
         ({"disturbances": []}, "plant input 'hum' is driven by nothing"),
         ({"sensors": [*SENSORS, Sensor("z")]}, "'z' is declared 2 times"),
