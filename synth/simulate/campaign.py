@@ -123,7 +123,7 @@ def condition_names(stage: Stage) -> tuple[str, ...]:
 def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
     """Return the conditions "at rest", "in motion" and at rest in each declared pose, as in `condition_names`.
 
-    Raises SignalError for a pose with an unknown set-point, or one out of its range.
+    Raises SignalError for a pose or a motion with an unknown set-point, or one out of its range.
     """
     campaign, T = rig.stage.faults, rig.period_s
     first_onset = round(campaign.settle_s / T)
@@ -167,10 +167,19 @@ def _motion(rig: Rig, time: Array) -> dict[str, Array]:
     """Return the declared motion, or by default a sine about rest for each set-point."""
     campaign, points = rig.stage.faults, rig.stage.interface.set_points
     if campaign.motion:
-        return {name: conditions.values(course, time) for name, course in campaign.motion.items()}
+        return {name: _course(rig, name, time) for name in campaign.motion}
     rest, frequency = rig.at_rest(), 2 * np.pi / campaign.period_s
     amplitudes = {s.name: SWING * max(min(s.high - rest[s.name], rest[s.name] - s.low), 0.0) for s in points}
     return {name: rest[name] + amplitude * np.sin(frequency * time) for name, amplitude in amplitudes.items()}
+
+
+def _course(rig: Rig, name: str, time: Array) -> Array:
+    """Return the declared motion of a set-point; raise SignalError for an unknown one, and beyond its range."""
+    interface = rig.stage.interface
+    point = conditions.set_point(interface, name)
+    course = conditions.values(rig.stage.faults.motion[name], time)
+    conditions.require_in_range(name, course, point, interface.signals[name].unit)
+    return course
 
 
 def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.declaration import SetPoint
+from synth.declaration import Interface, SetPoint
 from synth.errors import SignalError
 from synth.simulate.scenario import Array
 
@@ -73,13 +73,21 @@ def values(course: Course, time: Array) -> Array:
     return np.array(np.broadcast_to(samples, time.shape))
 
 
+def set_point(interface: Interface, name: str) -> SetPoint:
+    """Return the set-point called `name`; raise SignalError for another name."""
+    points = {s.name: s for s in interface.set_points}
+    if name not in points:
+        raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
+    return points[name]
+
+
 def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> None:
     """Raise SignalError for a course of a set-point that leaves its range, where the guard would refuse it."""
     worst = float(course[np.argmax(np.maximum(course - point.high, point.low - course))])
     if not point.low <= worst <= point.high:
         raise SignalError(
             f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. {point.high:g} "
-            f"{unit}: give the experiment a smaller step or motion, or the set-point a wider range"
+            f"{unit}: give a smaller step or motion, or the set-point a wider range"
         )
 
 

@@ -244,10 +244,7 @@ def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under
 
 
 def _set_point(rig: Rig, name: str) -> Any:
-    points = {s.name: s for s in rig.stage.interface.set_points}
-    if name not in points:
-        raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
-    return points[name]
+    return conditions.set_point(rig.stage.interface, name)
 
 
 def _limited_to_range(value: float, point: Any) -> float:

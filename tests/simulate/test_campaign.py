@@ -15,6 +15,7 @@ from synth.errors import SignalError
 from synth.progress import silent
 from synth.simulate import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections
 from synth.simulate.campaign import FaultRun, HealthyRun
+from synth.simulate.conditions import Sine
 from synth.simulate.fault_rows import Campaign
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.injections import Injection
@@ -153,6 +154,18 @@ def test_a_pose_is_a_further_condition_at_rest(rig: Rig) -> None:
 def test_a_pose_that_the_set_points_cannot_hold_is_refused(rig: Rig, pose: dict[str, float], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         campaign.motion_and_standstill(with_campaign(rig, replace(SHORT_RUNS, poses={"aside": pose})))
+
+
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [
+        ({"xref": Sine(1e-4, 10.0)}, "the stage has no set-point 'xref': name one of z_ref, x_ref"),
+        ({"x_ref": Sine(1e-2, 10.0)}, r"the course of set-point 'x_ref' reaches .* m; its range is"),
+    ],
+)
+def test_a_motion_that_the_set_points_cannot_follow_is_refused(rig: Rig, motion: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        campaign.motion_and_standstill(with_campaign(rig, replace(SHORT_RUNS, motion=motion)))
 
 
 def test_a_frozen_sensor_in_motion_is_never_noticed_and_harms(rig: Rig) -> None:
