@@ -16,6 +16,7 @@ from synth.declaration import Stage
 from synth.execute import build, host
 from synth.plant import Plant
 from synth.simulate import closed_loop, faulty
+from synth.simulate import drive as drives
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -65,7 +66,11 @@ def _first_drive_commands(
     inputs: tuple[tuple[str, float], ...],
     safe: tuple[tuple[str, float], ...],
 ) -> dict[str, float]:
-    """Return the outputs of the last Block of a drive for first inputs of a controller with these safe outputs."""
+    """Return the outputs of the last Block of a drive for first inputs of a controller with these safe outputs.
+
+    Raises WiringError as `drive.connect`.
+    """
+    drives.connect(controller, np.zeros(1, controller.inputs), np.zeros(1, controller.outputs), drive)
     known: dict[str, Any] = dict(inputs)
     first = controller.step(controller.init(), {name: known[name] for name in controller.inputs.names or ()})
     known |= first.outputs | dict(safe)

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 from synth import standard_tasks
+from synth.block import Step, build
+from synth.errors import WiringError
+from synth.execute.build import compile_block
+from synth.signals import Signal
 from synth.simulate.rig import Rig
 from tests import levitator
 
@@ -60,3 +64,10 @@ def test_wires_may_mix_the_controllers_outputs(rig: Rig) -> None:
     halved = replace(rig, actuators={"i1": "i1", "i2": {"i2": 0.5}})
     run = halved.run(0.05, references={"x_ref": 1e-4})
     np.testing.assert_allclose(run.applied["i2"][1:], 0.5 * run.commands["i2"][:-1])
+
+
+def test_a_drive_that_reads_what_nothing_gives_is_refused_by_name(rig: Rig) -> None:
+    coil, bridge = Signal("i_1", "A", -3, 3), Signal("bridge", "A", -3, 3)
+    block = build("bridges", PID.TIME, lambda u, x, k: Step({"bridge": u["i_1"]}), inputs=[coil], outputs=[bridge])
+    with pytest.raises(WiringError, match="drive 'bridges': nothing gives its input 'i_1': call it like one of i1, i2"):
+        replace(rig, drive=(compile_block(block, np.float64),)).run(0.01)
