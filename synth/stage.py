@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from synth import standard_tasks
-from synth.analyse import robustness
+from synth import stage_consistency, standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import missed_calls as calls
 from synth.blocks import safety
@@ -38,7 +37,7 @@ from synth.declaration import (
     Synthesis,
 )
 from synth.emit.write import EmittedCode
-from synth.errors import DesignError, SignalError
+from synth.errors import DesignError
 from synth.plant import Plant
 from synth.progress import Progress
 from synth.report.audit import Row
@@ -177,15 +176,13 @@ def design(
     the build computes each of these as a job of its own and passes the results to `report`, by name, as `parts`.
 
     Raises DesignError for an unknown field, and for a stage without `reference` that uses the standard verification;
-    SignalError for a required margin that is not known, for a tolerance of a parameter that the plant does not have,
-    and for a set-point that may leave the range of its sensor or go beyond a stop.
+    SignalError and DesignError for what does not fit together, as `stage_consistency.require_consistent`.
     """
     known = [f.name for f in dataclasses.fields(Stage) if f.name not in ("controller", "plant")]
     if unknown := [name for name in fields if name not in known]:
         raise DesignError(f"a stage has no field '{unknown[0]}': give some of {', '.join(known)}")
     stage = Stage(controller, plant, **fields)
-    _check_requirements(stage)
-    _check_set_points(stage)
+    stage_consistency.require_consistent(stage)
     if verify is standard.verify:
         standard.require_reference(stage)
     return Design(
@@ -200,31 +197,3 @@ def design(
         report_parts=report_parts,
         stage=stage,
     )
-
-
-def _check_requirements(stage: Stage) -> None:
-    """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
-    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
-        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
-    for name in stage.tolerances:
-        stage.plant.parameter(name)
-
-
-def _check_set_points(stage: Stage) -> None:
-    """Raise SignalError for a set-point whose range goes beyond that of its sensor, or beyond a stop."""
-    interface = stage.interface
-    sensors = {s.name: interface.signals[s.name] for s in interface.sensors}
-    outputs = {s.name: s.of for s in interface.sensors}
-    for point in interface.set_points:
-        limits, unit = [], interface.signals[point.name].unit
-        if sensor := sensors.get(point.of):
-            limits.append((f"the range of its sensor '{sensor.name}'", sensor.low, sensor.high))
-        position = outputs.get(point.of, point.of)
-        if position in stage.stops:
-            limits.append((f"the distance between the stops of '{position}'", *stage.stops[position]))
-        for what, low, high in limits:
-            if point.low < low or point.high > high:
-                raise SignalError(
-                    f"set-point '{point.name}' may be {point.low:g} .. {point.high:g} {unit}, beyond {what}, "
-                    f"{low:g} .. {high:g}: give it a range inside"
-                )

@@ -63,6 +63,7 @@ LAYERS += (
     "comparison",
     "tables",
     "stage_interface",
+    "stage_consistency",
     "stage",
     "testing",
     "new",

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from synth import stage, standard_tasks
+from synth.block import Block, Exprs, Step, build
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
-from synth.stage import Actuator, Sensor, SetPoint
+from synth.signals import Signal
+from synth.stage import Actuator, Companion, Drive, Sensor, SetPoint
 from synth.verify import stimuli
 from tests import levitator
 
@@ -194,3 +196,33 @@ def test_a_recorded_loop_that_diverges_is_refused(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(stimuli, "closed_loop", lambda *arguments: replace(run, measured=columns))
     with pytest.raises(DesignError, match=r"diverges: 'z' is -inf in sample 4; check the period of 0\.000"):
         standard_tasks.record(rig)
+
+
+def bridges(name: str) -> Block:
+    """Return a Block behind the controller, from its first current to a voltage."""
+    coil, bridge = Signal("i1", "A", -3, 3), Signal("bridge", "V", -3, 3)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({"bridge": u["i1"]})
+
+    return build(name, PID.TIME, law, inputs=[coil], outputs=[bridge])
+
+
+def test_a_block_of_the_drive_that_is_not_emitted_is_refused() -> None:
+    block = bridges("bridges")
+    driven = Drive(PID.PLANT, (block,))
+    with pytest.raises(DesignError, match=r"the Block 'bridges', which is not emitted: add .* to `companions`"):
+        design_with(drive=driven)
+    assert design_with(drive=driven, companions=[Companion(block)]).stage.drive is driven
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["levitator_pid"], "a Block and the controller are both called 'levitator_pid': rename"),
+        (["bridges", "bridges"], "two Blocks beside the controller are called 'bridges': rename one"),
+    ],
+)
+def test_two_blocks_of_one_name_are_refused(names: list[str], message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        design_with(companions=[Companion(bridges(name)) for name in names])

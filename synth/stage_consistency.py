@@ -1,0 +1,58 @@
+"""What a stage declares must fit its plant and its interface: names, ranges, velocities, stops, drive and companions.
+
+Each check raises SignalError or DesignError where the design is made, before anything is computed or compiled.
+"""
+
+from synth.analyse import robustness
+from synth.declaration import Stage
+from synth.errors import DesignError, SignalError
+
+
+def require_consistent(stage: Stage) -> None:
+    """Raise SignalError or DesignError for a declaration that does not fit the plant, the interface or itself."""
+    _require_known_margins(stage)
+    _require_set_points_in_range(stage)
+    _require_emitted_drive(stage)
+
+
+def _require_known_margins(stage: Stage) -> None:
+    """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
+    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
+    for name in stage.tolerances:
+        stage.plant.parameter(name)
+
+
+def _require_set_points_in_range(stage: Stage) -> None:
+    """Raise SignalError for a set-point whose range goes beyond that of its sensor, or beyond a stop."""
+    interface = stage.interface
+    sensors = {s.name: interface.signals[s.name] for s in interface.sensors}
+    outputs = {s.name: s.of for s in interface.sensors}
+    for point in interface.set_points:
+        limits, unit = [], interface.signals[point.name].unit
+        if sensor := sensors.get(point.of):
+            limits.append((f"the range of its sensor '{sensor.name}'", sensor.low, sensor.high))
+        position = outputs.get(point.of, point.of)
+        if position in stage.stops:
+            limits.append((f"the distance between the stops of '{position}'", *stage.stops[position]))
+        for what, low, high in limits:
+            if point.low < low or point.high > high:
+                raise SignalError(
+                    f"set-point '{point.name}' may be {point.low:g} .. {point.high:g} {unit}, beyond {what}, "
+                    f"{low:g} .. {high:g}: give it a range inside"
+                )
+
+
+def _require_emitted_drive(stage: Stage) -> None:
+    """Raise DesignError for two Blocks of one name, and for a Block of the drive that is not among the companions."""
+    companions, drive = [c.block for c in stage.companions], stage.drive.blocks if stage.drive else ()
+    if missing := [block.name for block in drive if block not in companions]:
+        raise DesignError(
+            f"the drive calls the Block '{missing[0]}', which is not emitted: add Companion(...) of this Block to "
+            "`companions`"
+        )
+    names = [block.name for block in companions]
+    if stage.name in names:
+        raise DesignError(f"a Block and the controller are both called '{stage.name}': rename the Block")
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise DesignError(f"two Blocks beside the controller are called '{twice[0]}': rename one")
