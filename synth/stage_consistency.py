@@ -6,6 +6,8 @@ Each check raises SignalError or DesignError where the design is made, before an
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.errors import DesignError, SignalError
+from synth.signals import signal_names
+from synth.simulate import campaign
 
 
 def require_consistent(stage: Stage) -> None:
@@ -13,6 +15,7 @@ def require_consistent(stage: Stage) -> None:
     _require_known_margins(stage)
     _require_set_points_in_range(stage)
     _require_emitted_drive(stage)
+    _require_rates(stage)
 
 
 def _require_known_margins(stage: Stage) -> None:
@@ -56,3 +59,19 @@ def _require_emitted_drive(stage: Stage) -> None:
         raise DesignError(f"a Block and the controller are both called '{stage.name}': rename the Block")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise DesignError(f"two Blocks beside the controller are called '{twice[0]}': rename one")
+
+
+def _require_rates(stage: Stage) -> None:
+    """Raise SignalError for a velocity that is certainly not the rate of its position."""
+    plant, rates = stage.plant, campaign.velocities(stage.plant)
+    states = signal_names(plant.states)
+    for q, v in stage.velocities.items():
+        if unknown := [name for name in (q, v) if name not in states]:
+            known = ", ".join(states)
+            raise SignalError(f"velocities: plant '{plant.name}' has no state '{unknown[0]}': name one of {known}")
+        if rates.get(q, v) != v:
+            raise SignalError(f"velocities: the rate of '{q}' is '{rates[q]}', not '{v}'")
+        if not plant.f.jac_sparsity(0, 0).has_nz(states.index(q), states.index(v)):
+            raise SignalError(
+                f"velocities: the rate of '{q}' does not depend on '{v}': name the state that is its rate"
+            )

@@ -226,3 +226,16 @@ def test_a_block_of_the_drive_that_is_not_emitted_is_refused() -> None:
 def test_two_blocks_of_one_name_are_refused(names: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         design_with(companions=[Companion(bridges(name)) for name in names])
+
+
+@pytest.mark.parametrize(
+    ("velocities", "message"),
+    [
+        ({"z": "vz", "x": "z"}, "velocities: the rate of 'x' is 'vx', not 'z'"),
+        ({"z": "v"}, "velocities: plant 'levitator' has no state 'v': name one of z, vz, x, vx"),
+        ({"vz": "vx"}, "velocities: the rate of 'vz' does not depend on 'vx'"),
+    ],
+)
+def test_a_velocity_that_is_not_the_rate_of_its_position_is_refused(velocities: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        design_with(velocities=velocities)
