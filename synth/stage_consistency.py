@@ -16,6 +16,7 @@ def require_consistent(stage: Stage) -> None:
     _require_set_points_in_range(stage)
     _require_emitted_drive(stage)
     _require_rates(stage)
+    _require_known_inertias(stage)
 
 
 def _require_known_margins(stage: Stage) -> None:
@@ -75,3 +76,13 @@ def _require_rates(stage: Stage) -> None:
             raise SignalError(
                 f"velocities: the rate of '{q}' does not depend on '{v}': name the state that is its rate"
             )
+
+
+def _require_known_inertias(stage: Stage) -> None:
+    """Raise SignalError for an inertia of the fault campaign without its position or plant parameter."""
+    positions = campaign.velocities(stage.plant) | dict(stage.velocities)
+    for q, parameter in stage.faults.inertias.items():
+        if q not in positions:
+            known = ", ".join(positions) or "none"
+            raise SignalError(f"inertias: '{q}' is not a position with a velocity: name one of {known}")
+        stage.plant.parameter(parameter)

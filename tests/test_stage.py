@@ -12,7 +12,7 @@ from synth.block import Block, Exprs, Step, build
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
 from synth.signals import Signal
-from synth.stage import Actuator, Companion, Drive, Sensor, SetPoint
+from synth.stage import Actuator, Companion, Drive, FaultCampaign, Sensor, SetPoint
 from synth.verify import stimuli
 from tests import levitator
 
@@ -239,3 +239,15 @@ def test_two_blocks_of_one_name_are_refused(names: list[str], message: str) -> N
 def test_a_velocity_that_is_not_the_rate_of_its_position_is_refused(velocities: Any, message: str) -> None:
     with pytest.raises(SignalError, match=message):
         design_with(velocities=velocities)
+
+
+@pytest.mark.parametrize(
+    ("inertias", "message"),
+    [
+        ({"z": "mass"}, "plant 'levitator' has no parameter 'mass': it has M,"),
+        ({"y": "M"}, "inertias: 'y' is not a position with a velocity: name one of z, x"),
+    ],
+)
+def test_an_unknown_inertia_is_refused(inertias: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        design_with(faults=FaultCampaign(inertias=inertias))
