@@ -13,6 +13,7 @@ from synth.simulate import campaign
 def require_consistent(stage: Stage) -> None:
     """Raise SignalError or DesignError for a declaration that does not fit the plant, the interface or itself."""
     _require_known_margins(stage)
+    _require_operating_points_in_range(stage)
     _require_set_points_in_range(stage)
     _require_emitted_drive(stage)
     _require_rates(stage)
@@ -25,6 +26,25 @@ def _require_known_margins(stage: Stage) -> None:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
+
+
+def _require_operating_points_in_range(stage: Stage) -> None:
+    """Raise SignalError for an operating point with an unknown state or input, or beyond the range of one."""
+    plant = stage.plant
+    known = {s.name: s for s in (*plant.states, *plant.inputs)}
+    for point, values in stage.operating_points.items():
+        for name, value in values.items():
+            if name not in known:
+                raise SignalError(
+                    f"operating point '{point}': plant '{plant.name}' has no state or input '{name}': name some of "
+                    f"{', '.join(known)}"
+                )
+            s = known[name]
+            if not s.low <= value <= s.high:
+                raise SignalError(
+                    f"operating point '{point}' has {name} = {value:g} {s.unit}, beyond the plant's range of "
+                    f"{s.low:g} .. {s.high:g}: choose a value inside"
+                )
 
 
 def _require_set_points_in_range(stage: Stage) -> None:

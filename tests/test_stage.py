@@ -251,3 +251,16 @@ def test_a_velocity_that_is_not_the_rate_of_its_position_is_refused(velocities: 
 def test_an_unknown_inertia_is_refused(inertias: Any, message: str) -> None:
     with pytest.raises(SignalError, match=message):
         design_with(faults=FaultCampaign(inertias=inertias))
+
+
+@pytest.mark.parametrize(
+    ("point", "message"),
+    [
+        ({"y": 0.0}, "operating point 'high': plant 'levitator' has no state or input 'y': name some of z, vz, x, vx"),
+        ({"z": 0.5}, "operating point 'high' has z = 0.5 m, beyond the plant's range of -0.0006 .. 0.0006: choose"),
+    ],
+)
+def test_an_operating_point_that_the_plant_cannot_have_is_refused(point: Any, message: str) -> None:
+    assert design_with(operating_points={"low": {"z": -6e-4, "i1": 1.0}}).stage
+    with pytest.raises(SignalError, match=message):
+        design_with(operating_points={"low": {"z": 0.0}, "high": point})
