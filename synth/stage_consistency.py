@@ -14,6 +14,7 @@ def require_consistent(stage: Stage) -> None:
     """Raise SignalError or DesignError for a declaration that does not fit the plant, the interface or itself."""
     _require_known_margins(stage)
     _require_operating_points_in_range(stage)
+    _require_reachable_stops(stage)
     _require_set_points_in_range(stage)
     _require_emitted_drive(stage)
     _require_rates(stage)
@@ -45,6 +46,27 @@ def _require_operating_points_in_range(stage: Stage) -> None:
                     f"operating point '{point}' has {name} = {value:g} {s.unit}, beyond the plant's range of "
                     f"{s.low:g} .. {s.high:g}: choose a value inside"
                 )
+
+
+def _require_reachable_stops(stage: Stage) -> None:
+    """Raise SignalError for a stop beyond the plant's range, or where every sensor of its position is out of range."""
+    plant, sensors = stage.plant, stage.interface.sensors
+    states = {s.name: s for s in plant.states}
+    for q, (low, high) in stage.stops.items():
+        if q not in states:
+            raise SignalError(f"stops: plant '{plant.name}' has no state '{q}': name some of {', '.join(states)}")
+        s = states[q]
+        if low < s.low or high > s.high:
+            raise SignalError(
+                f"the stops of '{q}' are at {low:g} and {high:g} {s.unit}, beyond the plant's range of {s.low:g} .. "
+                f"{s.high:g}: choose stops inside, or a wider range of '{q}'"
+            )
+        read = [stage.interface.signals[each.name] for each in sensors if each.of == q]
+        if read and not any(r.low <= low and high <= r.high for r in read):
+            raise SignalError(
+                f"sensor '{read[0].name}' may be {read[0].low:g} .. {read[0].high:g} {s.unit}, but '{q}' has stops at "
+                f"{low:g} and {high:g}, where the guard would refuse its reading: give it a range that contains them"
+            )
 
 
 def _require_set_points_in_range(stage: Stage) -> None:

@@ -264,3 +264,28 @@ def test_an_operating_point_that_the_plant_cannot_have_is_refused(point: Any, me
     assert design_with(operating_points={"low": {"z": -6e-4, "i1": 1.0}}).stage
     with pytest.raises(SignalError, match=message):
         design_with(operating_points={"low": {"z": 0.0}, "high": point})
+
+
+@pytest.mark.parametrize(
+    ("stops", "message"),
+    [
+        ({"y": (-1.0, 1.0)}, "stops: plant 'levitator' has no state 'y': name some of z, vz, x, vx"),
+        ({"z": (-0.6, 0.6)}, "'z' are at -0.6 and 0.6 m, beyond the plant's range of -0.0006 .. 0.0006: choose stops"),
+    ],
+)
+def test_stops_beyond_the_plant_are_refused(stops: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        design_with(stops=stops)
+
+
+def test_a_stop_at_which_no_sensor_is_in_range_is_refused() -> None:
+    narrow, wide = Sensor("z", low=-5e-4, high=5e-4), Sensor("z_coarse", of="z")
+    stops = {"z": (-6e-4, 6e-4)}
+
+    def design_of(*sensors: Sensor) -> Any:
+        made = replace(PID.DESIGN.stage.controller, interface=around(sensors=[*sensors, SENSORS[1]]))
+        return stage.design(made, PID.PLANT, reference=PID.reference.step, stops=stops)
+
+    with pytest.raises(SignalError, match=r"sensor 'z' may be -0.0005 .. 0.0005 m, but 'z' has stops at -0.0006 and"):
+        design_of(narrow)
+    assert design_of(narrow, wide).stage.stops == stops
