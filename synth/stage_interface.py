@@ -12,6 +12,8 @@ from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
+COARSEST = 0.1  # of a sensor's range: a coarser resolution is in another unit
+
 
 def interface(
     plant: Plant,
@@ -37,8 +39,8 @@ def interface(
     the largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
-    actuator or a disturbance, for an actuator with a wider range than its plant input, and for a `delay` that is not a
-    whole number of samples from 0.
+    actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with negative noise
+    or with a resolution that is negative or above COARSEST, and for a `delay` that is not a whole number from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -80,6 +82,15 @@ def _range(low: float | None, high: float | None, of: Signal) -> tuple[float, fl
 
 def _sensor(sensor: Sensor, of: Signal) -> Sensor:
     low, high = _range(sensor.low, sensor.high, of)
+    if not 0 <= sensor.resolution <= COARSEST * (high - low):
+        raise SignalError(
+            f"sensor '{sensor.name}' has a resolution of {sensor.resolution:g} {of.unit} in a range of {low:g} .. "
+            f"{high:g} {of.unit}: give one from 0 to {COARSEST:g} of the range, in {of.unit}"
+        )
+    if not 0 <= sensor.noise < np.inf:
+        raise SignalError(
+            f"sensor '{sensor.name}' has noise of {sensor.noise:g} {of.unit}: give its standard deviation, from 0 on"
+        )
     initial = float(np.clip(0.0, low, high)) if sensor.initial is None else sensor.initial
     return replace(sensor, of=of.name, low=low, high=high, initial=initial, about=sensor.about or of.about)
 
