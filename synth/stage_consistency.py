@@ -3,11 +3,16 @@
 Each check raises SignalError or DesignError where the design is made, before anything is computed or compiled.
 """
 
+import casadi as ca
+import numpy as np
+
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.errors import DesignError, SignalError
 from synth.signals import signal_names
 from synth.simulate import campaign
+
+LONGEST_STEP = 2.0  # times |pole|: Runge and Kutta's method of order 4 diverges from 2.8 on
 
 
 def require_consistent(stage: Stage) -> None:
@@ -17,6 +22,8 @@ def require_consistent(stage: Stage) -> None:
     _require_reachable_stops(stage)
     _require_set_points_in_range(stage)
     _require_emitted_drive(stage)
+    _require_equal_parameters(stage)
+    _require_substeps(stage)
     _require_rates(stage)
     _require_known_inertias(stage)
 
@@ -102,6 +109,37 @@ def _require_emitted_drive(stage: Stage) -> None:
         raise DesignError(f"a Block and the controller are both called '{stage.name}': rename the Block")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise DesignError(f"two Blocks beside the controller are called '{twice[0]}': rename one")
+
+
+def _require_equal_parameters(stage: Stage) -> None:
+    """Raise DesignError where a parameter of the driven plant differs from that of the plant."""
+    driven = {p.name: p for p in stage.drive.plant.parameters} if stage.drive else {}
+    for p in stage.plant.parameters:
+        if p.name in driven and driven[p.name].value != p.value:
+            raise DesignError(
+                f"the plant has {p.name} = {p.value:g} {p.unit}, for which the margins are, and the driven plant "
+                f"{driven[p.name].value:g}, with which the experiments run: take one source for both"
+            )
+
+
+def _require_substeps(stage: Stage) -> None:
+    """Raise DesignError where the Runge-Kutta steps of the simulation are too long for the fastest pole of the plant.
+
+    The poles are those at the operating points and at the start, without inputs.
+    """
+    plant = stage.drive.plant if stage.drive else stage.plant
+    rates = ca.Function("A", (x := plant.f.mx_in())[:3], [ca.jacobian(plant.f(*x), x[0])])
+    u, period_s = np.zeros(len(plant.inputs)), stage.controller.block.time.period_s
+    for point in (stage.start, *stage.operating_points.values()):
+        A = np.asarray(rates([point.get(s.name, 0.0) for s in plant.states], u, plant.values))
+        fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if np.isfinite(A).all() else 0.0
+        needed = int(np.ceil(fastest * period_s / LONGEST_STEP))
+        if needed > stage.substeps:
+            raise DesignError(
+                f"plant '{plant.name}' has a pole of {fastest:.3g} 1/s, and a sample of {period_s:g} s has "
+                f"{stage.substeps} Runge-Kutta steps, too few to simulate it: give substeps={needed} or more, or leave "
+                "the pole out of the plant"
+            )
 
 
 def _require_rates(stage: Stage) -> None:

@@ -1,6 +1,7 @@
 """What surrounds the laws of a stage follows from the plant's signals, and each part of a design can be replaced."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -302,3 +303,19 @@ def test_a_stop_at_which_no_sensor_is_in_range_is_refused() -> None:
     with pytest.raises(SignalError, match=r"sensor 'z' may be -0.0005 .. 0.0005 m, but 'z' has stops at -0.0006 and"):
         design_of(narrow)
     assert design_of(narrow, wide).stage.stops == stops
+
+
+def test_a_plant_that_is_too_fast_for_its_runge_kutta_steps_is_refused() -> None:
+    """With a damper of c on m the pole is c / m, and the product with a step of T / 4 may be 2."""
+    fast = PID.PLANT.with_parameters(c=20e3 * 0.3, s=0.0)
+    design = partial(stage.design, PID.DESIGN.stage.controller, fast, reference=PID.reference.step)
+    with pytest.raises(DesignError, match=r"a pole of 2e\+04 1/s, .* 4 Runge-Kutta steps, .*: give substeps=5 or more"):
+        design()
+    assert design(substeps=5).stage.substeps == 5
+
+
+def test_a_driven_plant_with_another_parameter_is_refused() -> None:
+    block = bridges("bridges")
+    driven = Drive(PID.PLANT.with_parameters(K=25.0), (block,))
+    with pytest.raises(DesignError, match=r"the plant has K = 20 .*, and the driven plant 25, with which"):
+        design_with(drive=driven, companions=[Companion(block)])

@@ -12,7 +12,7 @@ The integral of a cost x'Wx over a period of x' = F x, or the covariance of nois
 
 In double precision both start as Taylor series at t with 2 |F| t <= 1 and are doubled until t = T. This subtracts
 nothing. A block exponential loses digits if exp(-F t) and exp(F t) differ in size; doubling does not. Where a mode
-grows that W hardly weights, M'W M cancels instead, and both are computed in ball arithmetic.
+grows that W does not weight, M'W M cancels instead, and both are computed in ball arithmetic.
 """
 
 from dataclasses import dataclass, replace

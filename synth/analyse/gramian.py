@@ -120,16 +120,16 @@ def over_horizon(system: System, horizon_s: float) -> Gramians:
             return (propagation.W, propagation.M) if propagation else (Q, F)
 
         over = _gramians(model, X, _finite_span(f"{horizon_s:g} s", propagate))
-        return _determined(over, "take a shorter horizon, in which no mode grows that far")
+        return _require_small_residual(over, "take a shorter horizon, in which no mode grows that far")
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
     with np.errstate(over="ignore", invalid="ignore"):
         sums = _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
-    return _determined(sums, BETTER_COORDINATES)
+    return _require_small_residual(sums, BETTER_COORDINATES)
 
 
-def _determined(over: Gramians, mend: str) -> Gramians:
+def _require_small_residual(over: Gramians, mend: str) -> Gramians:
     """Return Gramians over a horizon; raise ModelError where rounding errors exceed them."""
     if not over.residual < MAX_RESIDUAL:
         raise ModelError(

@@ -51,7 +51,7 @@ def _rates(rig: Rig, start: Mapping[str, float], commands: Mapping[str, float]) 
     plant, unforced = rig.stage.plant, dict.fromkeys(commands, 0.0)
     return [
         _rate(rig.plant, start, through, rig.connections),
-        *(_rate(plant, start, given, direct) for given in (commands, unforced)),
+        *(_rate(plant, start, some, direct) for some in (commands, unforced)),
     ]
 
 
@@ -59,5 +59,5 @@ def _rate(plant: Plant, start: Mapping[str, float], commands: Mapping[str, float
     """Return dx/dt (n,) of a plant whose inputs are weighted sums of the commands."""
     wires = {name: {wire: 1.0} if isinstance(wire, str) else wire for name, wire in connections.items()}
     values = {name: sum(weight * commands[n] for n, weight in wire.items()) for name, wire in wires.items()}
-    x, u = ([given.get(s.name, 0.0) for s in group] for given, group in ((start, plant.states), (values, plant.inputs)))
+    x, u = ([known.get(s.name, 0.0) for s in group] for known, group in ((start, plant.states), (values, plant.inputs)))
     return np.asarray(plant.f(x, u, plant.values), dtype=np.float64).ravel()

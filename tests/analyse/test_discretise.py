@@ -280,7 +280,7 @@ def test_periods_and_arrays_are_accepted_or_refused() -> None:
 
 
 @pytest.mark.parametrize("horizon", [0.3, 0.8, 1.5, 10.0])
-def test_the_integral_of_a_weight_that_hardly_sees_a_growing_mode(horizon: float) -> None:
+def test_the_integral_of_a_weight_that_does_not_see_a_growing_mode(horizon: float) -> None:
     """Of x'' = 400 x the row c sees exp(-20 t) alone: W = (1 - exp(-40 T)) / 40 c'c."""
     A, c = np.array([[0.0, 1.0], [400.0, 0.0]]), np.array([[20.0, -1.0]])
     W = discretise.gramian(A, c.T @ c, horizon).W
