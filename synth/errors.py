@@ -1,5 +1,13 @@
 """Exceptions. Each message gives the quantity, the value found, the value needed and the remedy."""
 
+import os
+import sysconfig
+import traceback
+from pathlib import Path
+
+_TOOLKIT = Path(__file__).parent
+_LIBRARIES = tuple(Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+
 
 class SynthError(Exception):
     """Base class of every error that this package raises on purpose."""
@@ -39,3 +47,18 @@ class DesignError(SynthError):
 
 class ContentError(SynthError):
     """A value or its source has no content digest, and no result can be cached under it."""
+
+
+def design_lines(error: BaseException) -> list[str]:
+    """Return as "file:line" the lines of a design that the traceback of an exception leads through, innermost last.
+
+    Code of this package is "" in the list; that of Python and of installed packages is left out.
+    """
+    lines = []
+    for frame in traceback.extract_tb(error.__traceback__):
+        file = Path(frame.filename)
+        if file.is_relative_to(_TOOLKIT):
+            lines.append("")
+        elif file.is_file() and not any(file.is_relative_to(library) for library in _LIBRARIES):
+            lines.append(f"{os.path.relpath(file)}:{frame.lineno}")
+    return lines

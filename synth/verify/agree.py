@@ -21,10 +21,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import column_maps
+from synth import arguments, column_maps
 from synth.block import Block
 from synth.emit.c import casadi_c
-from synth.errors import SignalError
+from synth.errors import SignalError, design_lines
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
@@ -169,19 +169,48 @@ def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
 
 
 def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
-    """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness."""
+    """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness.
+
+    Calling it raises SignalError for a name that the step does not find, and for columns of another shape.
+    """
 
     def witness(states: Columns, inputs: Columns) -> StepResults:
+        shape = np.shape(next(iter((inputs or states).values())))
         try:
-            after, outputs, faults = step(states, inputs)
+            results: Any = step(states, inputs)
         except KeyError as error:
             raise SignalError(
                 f"the reference looks up {error} and does not find it: the states are {', '.join(states)}, the inputs "
                 f"{', '.join(inputs)}"
             ) from error
-        return StepResults(outputs, after, np.asarray(faults, dtype=np.uint32))
+        except ValueError as error:
+            place = next((line for line in reversed(design_lines(error)) if line), "a line of its own")
+            raise SignalError(
+                f"the reference stops at {place}: {error}: states and inputs have the shape {shape}, compute in it"
+            ) from error
+        return _step_results(results, shape)
 
     return witness
+
+
+def _step_results(results: Any, shape: tuple[int, ...]) -> StepResults:
+    """Return what a reference has returned; raise SignalError for no triple and for columns of another shape."""
+    if not (isinstance(results, tuple) and len(results) == 3 and all(isinstance(r, Mapping) for r in results[:2])):
+        raise SignalError(
+            f"the reference returns {arguments.describe(results)}: return three values, the next states by name, the "
+            "outputs by name and the fault words"
+        )
+    after, outputs, faults = results
+    columns = {f"state '{n}'": v for n, v in after.items()} | {f"output '{n}'": v for n, v in outputs.items()}
+    for what, column in columns.items():
+        if np.shape(column) != shape:
+            raise SignalError(
+                f"the reference returns {what} of shape {np.shape(column)}, needed is {shape}: compute it for each step"
+            )
+    words = np.asarray(faults, dtype=np.uint32)
+    if words.shape not in ((), shape):
+        raise SignalError(f"the reference returns fault words of shape {words.shape}, needed is {shape}")
+    return StepResults(outputs, after, np.array(np.broadcast_to(words, shape)))
 
 
 def casadi_of_constants(block: Block) -> Callable[[Mapping[str, float]], Witness]:

@@ -1,5 +1,7 @@
 """Each output has a separate floor, given or from its declared range."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -47,3 +49,26 @@ def test_a_name_that_the_reference_does_not_find_is_refused_with_those_that_ther
     witness = agree.reference(lambda x, u: ({}, {"x": u["y_in"]}, 0))
     with pytest.raises(SignalError, match=r"looks up 'y_in' .* not find it: the states are count, the inputs x_in"):
         witness({"count": np.zeros(1)}, {"x_in": np.zeros(1)})
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (lambda x, u: ({}, {"x": 0.0}, 0), r"output 'x' of shape \(\), needed is \(3,\): compute it for each step"),
+        (lambda x, u: ({"count": np.zeros(2)}, {}, 0), r"state 'count' of shape \(2,\), needed is \(3,\)"),
+        (lambda x, u: ({}, {}, np.zeros(2)), r"fault words of shape \(2,\), needed is \(3,\)"),
+        (lambda x, u: ({}, {}), "the reference returns .*: return three values, the next states by name"),
+        (
+            lambda x, u: ({}, {"x": u["x_in"] + np.zeros(2)}, 0),
+            r"stops at .*test_agree.py:\d+: operands .* the shape \(3,\)",
+        ),
+    ],
+)
+def test_columns_of_another_shape_are_refused(step: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        agree.reference(step)({"count": np.zeros(3)}, {"x_in": np.zeros(3)})
+
+
+def test_a_constant_fault_word_is_that_of_each_step() -> None:
+    results = agree.reference(lambda x, u: ({}, {"x": u["x_in"]}, 4))({}, {"x_in": np.zeros(3)})
+    assert results.faults.tolist() == [4, 4, 4]
