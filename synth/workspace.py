@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from synth.block import Block
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.write import EmittedCode
-from synth.errors import DesignError
+from synth.errors import DesignError, SynthError, design_lines
 from synth.execute import host
 from synth.progress import Progress
 from synth.report.audit import Row
@@ -82,7 +83,7 @@ def regenerate(design: Design, root: Path = Path()) -> None:
 def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
     """Load the `selected` designs of the workspace at `root`, all of them when no name is selected.
 
-    Raises DesignError when the folder is not a workspace, a design is missing, or it has no `DESIGN`.
+    Raises DesignError when the folder is not a workspace, a design is missing, stops at an error, or has no `DESIGN`.
     """
     folder = root / "designs"
     if not folder.is_dir():
@@ -115,8 +116,26 @@ def emitted_files(design: Design, scalar: type[np.floating]) -> Mapping[str, Emi
     return folders
 
 
+def _import(name: str) -> ModuleType:
+    """Import the module of a design; raise DesignError, with its line, for what goes wrong in the design's code."""
+    try:
+        return importlib.import_module(f"designs.{name}.design")
+    except SynthError:
+        raise
+    except Exception as error:
+        lines = design_lines(error)
+        if isinstance(error, SyntaxError):
+            lines.append(f"{error.filename}:{error.lineno}")
+        if not lines or not lines[-1]:  # it went wrong in this package
+            raise
+        raise DesignError(
+            f"design '{name}' stops at {lines[-1]}: {type(error).__name__}: {error}; for the traceback run "
+            f"`python -m designs.{name}.design`"
+        ) from error
+
+
 def _load(name: str) -> Design:
-    module = importlib.import_module(f"designs.{name}.design")
+    module = _import(name)
     design = getattr(module, "DESIGN", None)
     if not isinstance(design, Design):
         raise DesignError(f"designs/{name}/design.py defines no DESIGN: end it with DESIGN = workspace.Design(...)")

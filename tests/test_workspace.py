@@ -1,6 +1,7 @@
 """The workspace and the command line: designs found, refused with the mend, and driven as a user would."""
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -85,6 +86,36 @@ def test_a_design_under_another_name_than_its_folder_is_refused_at_once(
     monkeypatch.setattr(sys, "path", [*sys.path])
     with pytest.raises(DesignError, match=r"designs/stage/design.py has the name 'other': give it the name of its f"):
         workspace.designs(tmp_path)
+
+
+def verify_broken(root: Path, text: str) -> subprocess.CompletedProcess[str]:
+    """Run `synth verify` in a workspace whose design has this text."""
+    (root / "designs/broken").mkdir(parents=True)
+    (root / "designs/broken/design.py").write_text(text, encoding="utf-8")
+    script = [sys.executable, "-c", "from synth.cli import main; main()", "verify"]
+    return subprocess.run(script, cwd=root, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("from synth.stage import Actuator\n\nActuator('i', 0.0)\n", "3: TypeError: .*'slew_per_s'"),
+        ("import numpy as np\nnp.linalg.inv(np.zeros((2, 2)))\n", "2: LinAlgError: Singular matrix"),
+        ("DESIGN = (\n", "1: SyntaxError: '\\(' was never closed"),
+        ("import designs.broken.control\n", "1: ModuleNotFoundError: No module named 'designs.broken.control'"),
+    ],
+)
+def test_an_error_in_a_design_is_one_line_with_its_place(tmp_path: Path, text: str, message: str) -> None:
+    ended = verify_broken(tmp_path, text)
+    assert ended.returncode == 2 and ended.stderr.count("\n") == 1, ended.stderr
+    assert re.search(
+        f"design 'broken' stops at .*design.py:{message}.*; for the traceback run `python -m", ended.stderr
+    )
+
+
+def test_an_error_inside_the_toolkit_keeps_its_traceback(tmp_path: Path) -> None:
+    ended = verify_broken(tmp_path, "from synth import stage\nstage.errors(None, None, [])\n")
+    assert ended.returncode == 1 and ended.stderr.startswith("Traceback") and "AttributeError" in ended.stderr
 
 
 def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
