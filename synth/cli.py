@@ -185,6 +185,8 @@ def faults(
     """Inject faults of sensors, actuators and calls into the closed loop and measure what they do to the machine."""
     from synth import commands
 
+    if write and (every or sweep):
+        raise typer.BadParameter("with --write, leave out --every and --sweep: it only loses sensors")
     if write:
         raise typer.Exit(commands.measure_safe_output(names or (), as_json, fresh, plants))
     raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every, sweep))

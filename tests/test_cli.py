@@ -127,6 +127,12 @@ def test_verify_without_a_target_compares_the_witnesses() -> None:
     assert [c["name"] for c in document["checks"]] == ["replay"] and "target" not in document
 
 
+@pytest.mark.parametrize("option", ["--sweep", "--every"])
+def test_measuring_the_safe_output_refuses_the_options_of_a_campaign(option: str) -> None:
+    result = RUNNER.invoke(cli.app, ["faults", option, "--write"])
+    assert result.exit_code == 2 and "leave out --every" in " ".join(result.stderr.split())
+
+
 @pytest.mark.usefixtures("one_design")
 def test_an_unknown_core_is_wrong_usage() -> None:
     result = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m0"])
