@@ -173,7 +173,10 @@ def open_loop(
     K = of(controller)
     P = _sample_with_delay(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
-        raise SignalError("the sampled plant has direct feedthrough: give the loop at least one sample of delay")
+        direct = [y for y, row in zip(P.outputs, P.D, strict=True) if (row != 0).any()]
+        raise SignalError(
+            f"the sampled plant has direct feedthrough to '{direct[0]}': give the loop at least one sample of delay"
+        )
     signals = arguments.as_name_list("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)

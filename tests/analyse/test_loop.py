@@ -266,7 +266,7 @@ def test_unknown_names_are_refused() -> None:
 def test_time_and_direct_paths_are_checked() -> None:
     with pytest.raises(TimingError, match="continuous"):
         loop.open_loop(plant(), plant(), "f", {}, {})
-    with pytest.raises(SignalError, match="at least one sample of delay"):
+    with pytest.raises(SignalError, match="feedthrough to 'position': give the loop at least one sample"):
         loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
     loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
 
