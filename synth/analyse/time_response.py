@@ -6,8 +6,8 @@
 One matrix exponential of [[A, B], [0, 0]] over the interval gives the exact recursion x+ = F x + G. One input at a time
 is excited; the other inputs and the initial states are 0.
 
-By default the times of a continuous model are equally spaced if 10,000 intervals resolve its fastest oscillating mode
-for the whole duration. Otherwise they have segments: each has the interval for the modes that have not yet decayed.
+By default the times of a continuous model are equally spaced if 10,000 intervals resolve its fastest mode for the whole
+duration. Otherwise they have segments: each has the interval for the modes that have not yet decayed.
 
 The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. Its response is the sequence of
 Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
@@ -30,6 +30,7 @@ POINTS = 500  # at least, for a continuous model
 MAX_SAMPLES = 20_000
 MAX_DEFAULT_SAMPLES = MAX_SAMPLES // 2  # at one interval
 PER_TURN = 20  # points in a period of the fastest oscillating mode
+PER_LIFE = 20  # points in the time constant of the fastest decaying mode
 BAND = 0.02  # of the final value: tolerance of the settling time
 
 
@@ -94,7 +95,7 @@ def step_response(system: System, duration_s: float | None = None, interval_s: f
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
     By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration, and
-    20 points in a period resolve each oscillating mode until it has decayed by 1000, with at least 500 points in all.
+    20 points in a period and in a time constant resolve each mode until it has decayed by 1000, at least 500 in all.
     Beside a slow mode that gives intervals of several lengths; `interval_s` gives equal ones. A sampled model keeps its
     own interval, and its default duration is at most 10,000 samples, even if its slowest mode needs more.
 
@@ -180,27 +181,27 @@ def _segments(model: StateSpace, duration_s: float | None, interval_s: float | N
 
 
 def _resolving_segments(model: StateSpace, span: float) -> tuple[list[_Segment], str]:
-    """Return segments up to `span` that resolve each oscillating mode of a continuous model until it has decayed."""
+    """Return segments up to `span` that resolve each mode of a continuous model until it has decayed."""
     rates = _rates(model)
-    oscillating = rates[rates.imag > 0.1 * np.abs(rates.real)]
-    intervals = 2 * np.pi / (PER_TURN * oscillating.imag)
-    if PER_TURN * span * oscillating.imag.max(initial=0.0) / (2 * np.pi) <= MAX_DEFAULT_SAMPLES:
-        count = max(POINTS, int(span / intervals.min(initial=np.inf)))
+    decay, turn = np.maximum(-rates.real, 0.0), np.abs(rates.imag)
+    density = np.maximum(PER_LIFE * decay, PER_TURN * turn / (2 * np.pi))  # points per s
+    if span * density.max(initial=0.0) <= MAX_DEFAULT_SAMPLES:
+        count = max(POINTS, int(span * density.max(initial=0.0)))
         return [_Segment(span / count, count)], ""
-    decaying = oscillating.real < 0
-    lives = np.where(decaying, DECADES * np.log(10) / np.where(decaying, -oscillating.real, 1.0), span)
+    # A mode on the imaginary axis, or one that grows, lasts for the whole span.
+    lives = np.minimum(DECADES * np.log(10) / np.maximum(decay, DECADES * np.log(10) / span), span)
     segments, start = [], 0.0
-    for end in np.unique(np.append(np.minimum(lives, span), span)):
-        interval = min(span / POINTS, intervals[lives > start].min(initial=np.inf))
-        count = int(np.ceil((end - start) / interval))
+    for end in np.unique(np.append(lives, span)):
+        densest = max(POINTS / span, density[lives > start].max(initial=0.0))
+        count = int(np.ceil((end - start) * densest))
         segments.append(_Segment(float(end - start) / count, count))
         start = end
     total = sum(segment.count for segment in segments)
     if total > MAX_SAMPLES:
-        k = int(np.argmax(np.minimum(lives, span) / intervals))
+        k = int(np.argmax(lives * density))
         raise TimingError(
-            f"the mode at {show.number(oscillating.imag[k])} rad/s needs an interval of {show.number(intervals[k])} s "
-            f"for {show.number(min(lives[k], span))} s in a duration of {show.number(span)} s: that takes {total} "
+            f"the mode at {show.number(turn[k])} rad/s needs an interval of {show.number(1 / density[k])} s "
+            f"for {show.number(lives[k])} s in a duration of {show.number(span)} s: that takes {total} "
             f"intervals, more than {MAX_SAMPLES}; give a shorter duration_s, or give duration_s and interval_s"
         )
     if len(segments) == 1:

@@ -127,6 +127,35 @@ def test_default_times_resolve_a_fast_oscillation_beside_a_slow_mode() -> None:
     )
 
 
+@pytest.mark.parametrize("slow", [1e-3, 1.0])
+def test_default_times_resolve_a_fast_decay_beside_a_slow_one(slow: float) -> None:
+    """The output is 1.01 - exp(-1000 t), short of a slow part of 0.01; its times follow from a logarithm."""
+    response = time_response.step_response(([[-slow, 0], [0, -1e3]], [[0.01 * slow], [1e3]], [[1.0, 1.0]], [[0.0]]))
+    t = response.time
+    np.testing.assert_allclose(
+        response.outputs[:, 0, 0], -0.01 * np.expm1(-slow * t) - np.expm1(-1e3 * t), rtol=0, atol=1e-12
+    )
+    assert t[-1] == pytest.approx(np.log(1000) / slow) and len(t) < 1000
+    row = response.sheet().tables[0].rows[0]
+    rise = 1e-3 * np.log((1 - 0.1 * 1.01) / (1 - 0.9 * 1.01))
+    assert float(row[3]) == pytest.approx(rise, rel=0.01)
+    assert float(row[4]) == pytest.approx(-1e-3 * np.log(1 - 0.98 * 1.01), rel=0.02)
+
+
+def test_the_peak_of_a_fast_impulse_response_stands_beside_a_slow_mode() -> None:
+    """The difference of exp(-1000 t) and exp(-2000 t) is largest, 1/4, at ln 2 ms."""
+    system = np.diag([-1e3, -2e3, -1e-2]), [[1.0]] * 3, [[1.0, -1.0, 1e-6]], [[0.0]]
+    row = time_response.impulse_response(system).sheet().tables[0].rows[0]
+    assert float(row[5]) == pytest.approx(0.25, abs=1e-4) and float(row[6]) == pytest.approx(1e-3 * np.log(2), rel=0.02)
+
+
+def test_modes_within_a_factor_of_70_have_equally_spaced_times() -> None:
+    for fast, count in ((3.0, 500), (10.0, 1381), (70.0, 9670)):
+        response = time_response.step_response(1 / ((S + 1) * (S + fast)))
+        np.testing.assert_allclose(np.diff(response.time), np.log(1000) / count, rtol=1e-9)
+    assert len(time_response.step_response(1 / ((S + 1) * (S + 100))).time) < 1000
+
+
 def test_default_times_that_cannot_resolve_an_oscillation_are_refused() -> None:
     text = r"mode at 6283\.2 rad/s needs an interval of 5e-05 s for 69\.078 s .* than 20000; give a shorter duration_s"
     with pytest.raises(TimingError, match=text):
