@@ -61,6 +61,7 @@ class StudyTable:
 class Summary:
     """The distribution of one figure or check over the rows of a study.
 
+    `median` and `percentile_95` are the least values that at least 50 and 95 % of the rows do not exceed.
     `worst` is the largest value, of row `worst_row`; for a figure without a limit `limit` is NaN and `passed` 1.
     `driver` is the quantity, or its size as "|name|", with the largest rank correlation, `correlation`.
     """
@@ -191,7 +192,7 @@ def _summary(table: StudyTable, name: str, values: Array, driver: tuple[str, flo
     known = values[~np.isnan(values)]
     worst = int(np.nanargmax(values)) if len(known) else 0
     passed = float(np.mean(values <= limit)) if name in table.limits else 1.0
-    middle, high = np.percentile(known, [50, 95], method="lower") if len(known) else (np.nan, np.nan)
+    middle, high = np.percentile(known, [50, 95], method="inverted_cdf") if len(known) else (np.nan, np.nan)
     return Summary(
         name,
         table.units.get(name, ""),

@@ -119,6 +119,14 @@ def test_a_value_that_is_no_number_keeps_no_limit() -> None:
     assert (summary.worst, summary.worst_row, summary.passed) == (2.1, 3, 0.5)
 
 
+@pytest.mark.parametrize("n", [1, 2, 10, 20, 30, 199, 200])
+def test_the_quantiles_are_the_least_values_that_a_share_of_the_machines_does_not_exceed(n: int) -> None:
+    values = np.random.default_rng(n).permutation(n) + 1.0
+    (summary,) = study.summarise(made(values.tolist(), a=values.tolist()))
+    for value, percent in ((summary.median, 50), (summary.percentile_95, 95)):
+        assert value == -(-percent * n // 100), "the values are the ranks"
+
+
 def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     mass = rig.plant.parameter("M").value
     table = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10), EXACT)
