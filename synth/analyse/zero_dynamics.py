@@ -27,15 +27,18 @@ from synth import arguments, show, statespace
 from synth.analyse import box, linearisation
 from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import Array, StateSpace, System
+from synth.timing import Continuous
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
 
 NORM_FLOOR = 1e-6  # of |A|: added to the norm of the zero dynamics, to give a scale for rates where that norm is near 0
-AXIS_TOLERANCE = 1e-6  # of that scale: real parts this small count as 0; a double eigenvalue scatters by 1e-8
+AXIS_TOLERANCE = 1e-6  # of an eigenvalue, and at most of that scale: real parts this small count as 0
+AXIS_ROUNDING = 1e-10  # of that scale times the eigenvalue's condition: a double eigenvalue scatters by 1e-8
+CHAIN_ROUNDING = 1e-9  # of the terms of C A^k B, and of D: an entry below it counts as 0
 TOLERANCE = 1e-5  # of that scale: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
 MAX_CONDITION = 1e8  # condition of D* from which the degree counts as undefined
 AT_REST = 1e-6  # of a state's half range per second
@@ -119,14 +122,20 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
 
     `sizes` gives the half range of each state, by name, by default 1; it is the unit for the dominant states.
 
-    Raises SignalError when the numbers do not fit, ModelError when the decoupling matrix is singular.
+    Raises SignalError when the numbers do not fit, TimingError for a sampled model, ModelError for a degree above that
+    of its output and when the decoupling matrix is singular.
     """
     model = statespace.of(system)
     n, m = model.B.shape
+    if not isinstance(model.time, Continuous):
+        raise TimingError(f"the model is in {model.time}: give the continuous one, as degrees count derivatives")
+    if not n or not m:
+        raise SignalError(f"the model has {n} states and {m} inputs: give one with at least one of each")
     if len(degrees) != len(model.C) or m != len(model.C):
         raise SignalError(f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: give equal numbers of each")
     T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
     scaled = _scaled(model, T)
+    _require_degrees(scaled, degrees)
     C_star, D_star = _highest_derivatives(scaled, degrees)
     _require_regular(D_star, model)
     chains = _chains(scaled, degrees)
@@ -137,12 +146,12 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
             "are linearly dependent; take the degrees from `relative_degree`"
         )
     F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D_star, C_star)) @ Z
-    values, vectors = np.linalg.eig(F)
+    values, left, vectors = scipy.linalg.eig(F, left=True)
     order = np.lexsort((values.imag, values.real))
     modes = tuple(Mode(complex(values[k]), _dominant(Z @ vectors[:, k], model.states)) for k in order)
     zeros = _pencil_zeros(scaled, len(modes))
     scale = float(np.linalg.norm(F)) + NORM_FLOOR * float(np.linalg.norm(scaled.A))
-    return ZeroDynamics(modes, zeros, _distance(values, zeros, scale), _verdict(values.real, scale))
+    return ZeroDynamics(modes, zeros, _distance(values, zeros, scale), _verdict(values, left, vectors, scale))
 
 
 def _require_matching(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
@@ -173,6 +182,22 @@ def _scaled(model: StateSpace, T: Array) -> StateSpace:
 def _chains(model: StateSpace, degrees: Sequence[int]) -> Array:
     rows = [c @ np.linalg.matrix_power(model.A, k) for c, r in zip(model.C, degrees, strict=True) for k in range(r)]
     return np.array(rows).reshape(-1, len(model.A))
+
+
+def _require_degrees(model: StateSpace, degrees: Sequence[int]) -> None:
+    """Raise ModelError for an input that acts on a derivative below the given degree of its output."""
+    for i, (c, degree) in enumerate(zip(model.C, degrees, strict=True)):
+        row, terms = c, np.abs(c)
+        acting = np.abs(model.D[i]) > CHAIN_ROUNDING
+        for order in range(degree):
+            if acting.any():
+                raise ModelError(
+                    f"the relative degree of '{model.outputs[i]}' is {order}, but {degree} was given: "
+                    f"'{model.inputs[int(acting.argmax())]}' acts on its derivative of order {order}; take the "
+                    "degrees from `relative_degree`"
+                )
+            acting = np.abs(row @ model.B) > CHAIN_ROUNDING * (terms @ np.abs(model.B))
+            row, terms = row @ model.A, terms @ np.abs(model.A)
 
 
 def _highest_derivatives(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
@@ -214,12 +239,18 @@ def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], sca
     return float(distances[rows, columns].max(initial=0.0)) / (scale or 1.0)
 
 
-def _verdict(real: Array, scale: float) -> Verdict:
-    if not len(real):
+def _verdict(
+    values: NDArray[np.complex128], left: NDArray[np.complex128], right: NDArray[np.complex128], scale: float
+) -> Verdict:
+    """Return the verdict for eigenvalues with left and right eigenvectors of length 1."""
+    if not len(values):
         return "none"
-    if real.max() > AXIS_TOLERANCE * scale:
+    # Rounding moves an eigenvalue by at most its condition 1 / |w^H v| times the rounding of the matrix.
+    rounding = AXIS_ROUNDING / np.maximum(np.abs((left.conj() * right).sum(axis=0)), AXIS_ROUNDING)
+    width = np.minimum(rounding, AXIS_TOLERANCE) * scale + AXIS_TOLERANCE * np.abs(values)
+    if (values.real > width).any():
         return "not minimum phase"
-    return "minimum phase" if real.max() < -AXIS_TOLERANCE * scale else "not hyperbolic"
+    return "minimum phase" if (values.real < -width).all() else "not hyperbolic"
 
 
 def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:

@@ -9,10 +9,10 @@ import pytest
 from synth.analyse import operating_points, relative_degree, zero_dynamics
 from synth.analyse.linearisation import linearise
 from synth.analyse.zero_dynamics import ZeroDynamics
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.plant import Plant
 from synth.statespace import StateSpace
-from synth.timing import Continuous
+from synth.timing import Continuous, Discrete
 from tests import textbook_plants, tolerances
 
 ROOT = tolerances.of("multiple_root")
@@ -125,6 +125,33 @@ def test_wrong_degrees_do_not_pass(degrees: tuple[int, int]) -> None:
         assert "degree" in str(error)
     else:
         assert not dynamics.is_consistent
+
+
+@pytest.mark.parametrize(("zeros", "C", "degree"), [([2], [-2, 1, 0], 2), ([-1, 1], [-1, 0, 1], 1)])
+def test_a_degree_above_that_of_the_output_is_refused(zeros: list[float], C: list[float], degree: int) -> None:
+    """Chains of integrators, whose transfer function is C's polynomial over s^3: its zeros are the roots."""
+    model = np.diag([1.0, 1.0], 1), [[0.0], [0.0], [1.0]], [C], [[0.0]]
+    np.testing.assert_allclose(values(zero_dynamics.of_linear(model, [degree])), zeros, atol=1e-12)
+    with pytest.raises(ModelError, match=f"degree of 'y1' is {degree}, but 3 was given: 'u1' acts on its derivative"):
+        zero_dynamics.of_linear(model, [3])
+
+
+@pytest.mark.parametrize(
+    ("slow", "verdict"), [(10.0, "not minimum phase"), (-10.0, "minimum phase"), (0.0, "not hyperbolic")]
+)
+def test_a_slow_zero_beside_a_fast_one_is_judged_by_its_own_rounding(slow: float, verdict: str) -> None:
+    s = control.tf("s")
+    dynamics = zero_dynamics.of_linear((s - slow) * (s + 2e7) / ((s + 1) * (s + 2) * (s + 3)), [1])
+    np.testing.assert_allclose(values(dynamics), [-2e7, slow], rtol=1e-6, atol=1e-9)
+    assert dynamics.verdict == verdict
+
+
+def test_sampled_and_empty_models_are_refused() -> None:
+    with pytest.raises(TimingError, match=r"discrete time of 0\.1 s: give the continuous one"):
+        zero_dynamics.of_linear(([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(0.1)), [1])
+    for n, m in ((0, 1), (2, 0)):
+        with pytest.raises(SignalError, match=f"has {n} states and {m} inputs: give one with at least one of each"):
+            zero_dynamics.of_linear((np.zeros((n, n)), np.ones((n, m)), np.ones((m, n)), np.eye(m)), [0] * m)
 
 
 def test_the_beam_has_no_degree_at_its_equilibrium() -> None:
