@@ -74,7 +74,8 @@ class Campaign:
 
     Of `control_runs`, `control_harmed` harm the machine when the controller never latches, `control_latched` when it
     does. `sweeps` are empty where none was run. `spans` and `rate_spans` are the widths of the ranges of positions and
-    velocities, by position; excursions and impacts of different units are compared as fractions of them.
+    velocities, by position; excursions and impacts of different units are compared as fractions of them. `regulated`
+    are the positions with a set-point, or all where none has one.
     """
 
     design: str
@@ -89,6 +90,7 @@ class Campaign:
     units: Mapping[str, str]
     spans: Values
     rate_spans: Values
+    regulated: tuple[str, ...]
 
     @property
     def can_tell(self) -> bool:
@@ -164,6 +166,7 @@ def campaign(
         tuple(_checks(rig.stage.faults.limits, table, healthy, pairs, units)), units,
         {q: states[q].high - states[q].low for q in rates},
         {q: states[v].high - states[v].low for q, v in rates.items()},
+        tuple(q for q in rates if q in rig.positions.values()) or tuple(rates),
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from synth.campaign import FaultCampaign, FaultLimit
 from synth.report import faults, page
-from synth.simulate import fault_rows
+from synth.simulate import fault_rows, fault_table
 from synth.simulate.campaign import FaultRun, HealthyRun
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.injections import Injection
@@ -63,3 +63,10 @@ def test_a_limit_that_the_control_keeps_does_not_count_as_tested() -> None:
     """An impact of 0.05 m/s without the latch keeps 0.06 m/s: such a limit cannot tell whether there is a detector."""
     result = campaign(FaultLimit("impact_z", 0.06, kind="not finite"))
     assert [c.name for c in result.checks if not c.passed] == [fault_rows.CONTROL_LIMITS]
+
+
+def test_the_excursion_is_that_of_a_position_with_a_set_point() -> None:
+    """A mode of the machine's base has a small range, and would hide what the stage does."""
+    row = replace(campaign().rows[0], excursion={"z": 1e-3, "x": 1e-5})
+    moved = [fault_table.cells(replace(campaign(), regulated=names), row)[3] for names in (("z", "x"), ("x",))]
+    assert moved == ["0.001 m z", "1e-05 m x"]
