@@ -33,6 +33,7 @@ from synth.synthesise.riccati import riccati
 from synth.timing import Continuous
 
 EIGENVALUE_ROUNDING = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
+BOUNDARY = 1e-8  # of |A|, or of 1 for |z|: a mode this close to the boundary of stability counts as on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +85,10 @@ def partition_noise(part: Partition, W: Weight) -> Noise:
 def steady_filter(part: Partition, noise: Noise) -> Filter:
     """Return the optimal steady-state filter.
 
-    Raises ModelError when none exists: W does not excite a mode of the error that does not decay, or in continuous time
-    the rate of a measured signal has no noise.
+    A mode of the error that grows and that W does not excite is mirrored into the stable region.
+
+    Raises ModelError when none exists: W does not excite a mode of the error on the boundary of stability, or in
+    continuous time the rate of a measured signal has no noise.
     """
     _require_steady(part, noise)
     A, C, Q, R, S = part.A22, part.A12, noise.W22, noise.W11, noise.W12.T
@@ -115,13 +118,14 @@ def _noise_free_combinations(R: Array) -> Array:
 
 
 def _require_steady(part: Partition, noise: Noise) -> None:
-    """Raise ModelError for a persistent error mode that no noise excites, or in continuous time a noise-free rate."""
+    """Raise ModelError for a marginal error mode that no noise excites, or in continuous time a noise-free rate."""
+    continuous = isinstance(part.model.time, Continuous)
     silent, A_error, W_error = _noise_free_combinations(noise.W11), part.A22, noise.W22
     if not silent.shape[1]:
         q = len(part.estimated)
         shown = np.linalg.solve(noise.W11, np.hstack([noise.W12, part.A12]))
         W_error, A_error = W_error - noise.W12.T @ shown[:, :q], A_error - noise.W12.T @ shown[:, q:]
-    elif isinstance(part.model.time, Continuous):
+    elif continuous:
         share = np.linalg.norm(silent, axis=1)
         who = ", ".join(n for n, s in zip(part.measured, share, strict=True) if s > 0.1 * share.max())
         raise ModelError(
@@ -130,7 +134,10 @@ def _require_steady(part: Partition, noise: Noise) -> None:
         )
     size = np.sqrt(np.diag(noise.W22))
     W_error = np.where(np.abs(W_error) > EIGENVALUE_ROUNDING * size * size[:, None], W_error, 0.0)
+    near = BOUNDARY * float(np.linalg.norm(A_error)) if continuous else BOUNDARY
     for mode in structure.uncontrollable_modes(A_error, W_error, part.estimated, part.model.time):
+        if (mode.value.real if continuous else abs(mode.value) - 1) > near:
+            continue  # the stabilising solution exists and mirrors it
         raise ModelError(
             f"the process noise W excites mode {show.number(mode.value, 4)} of the error in "
             f"{', '.join(mode.states)} at most through {', '.join(part.measured)}: the filter has no steady-state "

@@ -199,6 +199,6 @@ def _observer(part: Partition, gain: Array, certificate: Certificate) -> Reduced
         listed = ", ".join(show.number(p, 9) for p in (slow if slow.size else [lasting]))
         raise ModelError(
             f"the observer of {', '.join(part.estimated)} with this gain has the poles {listed}: its error does not "
-            f"decay, which needs {bound}; design L by_poles, by_riccati or deadbeat in the model's own time"
+            f"decay, which needs {bound}; place its poles with by_poles or deadbeat in the model's own time"
         )
     return ReducedObserver(part, readonly(gain), F, G, H, from_x1, from_x3, poles, certificate)

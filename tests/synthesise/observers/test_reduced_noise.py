@@ -169,6 +169,19 @@ def test_noise_held_over_the_period_leaves_no_steady_filter() -> None:
             reduced_observer.by_riccati(HELD, "x", W)
 
 
+def test_a_growing_mode_that_noise_does_not_excite_is_mirrored() -> None:
+    """In closed form: the error mode z = 1.5 goes to 2/3, with P = z^2 - 1; s = 1 goes to -1, with P = 2 s."""
+    g = np.array([[1.0], [-0.6]])
+    sampled = reduced_observer.by_riccati(([[0.5, 1], [0, 0.9]], [[1], [1]], [[1, 0]], [[0]], 1e-3), ["y1"], g @ g.T)
+    np.testing.assert_allclose(sampled.L, [[0.9 - 2 / 3]], rtol=1e-12)
+    np.testing.assert_allclose(sampled.poles, [2 / 3], rtol=1e-12)
+    np.testing.assert_allclose(noise_filter(sampled).covariance, [[1.25]], rtol=1e-12)
+    g = np.array([[1.0], [-1.0]])
+    continuous = reduced_observer.by_riccati(([[-1, 1], [0, 0]], [[1], [1]], [[1, 0]], [[0]]), ["y1"], g @ g.T)
+    np.testing.assert_allclose(continuous.L, [[1.0]], rtol=1e-12)
+    np.testing.assert_allclose(noise_filter(continuous).covariance, [[2.0]], rtol=1e-12)
+
+
 def test_a_late_input_is_known_exactly_and_takes_no_part() -> None:
     late, W = discretise.with_delay(HELD), np.zeros((3, 3))
     W[:2, :2] = GATHERED
