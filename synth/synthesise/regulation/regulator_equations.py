@@ -29,6 +29,7 @@ from synth.synthesise.regulation import minimal_polynomial
 from synth.timing import Continuous, Time
 
 MAX_RESIDUAL = 1e-9  # of the terms of an equation: above this residual there is no solution
+TERM_FLOOR = 1e-5  # of the largest term: the size given to an equation whose own terms are smaller, as rounding shows
 
 
 @show.result
@@ -164,9 +165,10 @@ class _Equations:
         return z
 
     def residual(self, z: Array) -> float:
-        """Return the largest residual relative to the largest sum of absolute terms."""
+        """Return the largest residual of an equation, relative to the sum of its own absolute terms."""
         terms = np.abs(self.M) @ np.abs(z) + np.abs(self.b)
-        return float(np.abs(self.M @ z - self.b).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
+        size = np.maximum(terms, TERM_FLOOR * terms.max(initial=0.0))
+        return float((np.abs(self.M @ z - self.b) / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
     def _least_squares(self, b: Array) -> Array:
         return np.asarray(np.linalg.lstsq(self.M, b, rcond=staircase.COUPLING)[0])

@@ -144,6 +144,16 @@ def test_other_reasons_are_named() -> None:
         regulator_equations.require_solvable(loose, modes(0.0))
 
 
+def test_a_small_channel_without_a_solution_is_not_hidden_by_a_large_one() -> None:
+    """The second output is x - u = 0 at rest: no input gives it the reference of 1e-6."""
+    D = np.diag([0.0, -1.0])
+    model = -np.eye(2), np.eye(2), np.eye(2), D
+    with pytest.raises(ModelError, match="transmission zero at 0 rad/s"):
+        regulator_equations.solve(model, [[0.0]], np.zeros((2, 1)), [[-1e5], [-1e-6]])
+    steady = regulator_equations.solve(model, [[0.0]], np.zeros((2, 1)), [[-1e5], [0.0]])
+    np.testing.assert_allclose(steady.Pi[0], 1e5, rtol=1e-12)
+
+
 def test_equations_without_a_solution_are_refused() -> None:
     model = coupled_plant()
     oscillation, nothing = [[0.0, 2.0], [-2.0, 0.0]], np.zeros((3, 2))
