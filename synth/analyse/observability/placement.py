@@ -22,6 +22,7 @@ from synth.errors import ModelError
 from synth.statespace import Array, readonly
 
 MAX_COUNT = 100_000  # tries, generations, population, coordinates
+ROUNDING = 1e-12  # relative: a grid point this close to the side of the square is in it
 STEPS = (32, 16, 8, 4, 2, 1)  # of 1/grid
 
 Cost = Callable[[Array], float]
@@ -80,19 +81,26 @@ def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: E
         tol=1e-6,
         polish=False,
     )
-    return improve(fine, np.round(within.grid * best.x) / within.grid, within, effort)
+    return improve(fine, best.x, within, effort)
 
 
 @arguments.checked
 def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Array:
-    """Return coordinates with a cost at most that of `start`, from `effort.tries` steps of each length.
+    """Return coordinates with a cost at most that of the nearest grid point to `start` in the square.
 
-    Raises ModelError for a start that is not finite, or a cost that is not a number.
+    The search makes `effort.tries` steps of each length. `start` itself may cost less where it is no grid point.
+
+    Raises ModelError for a start that is not finite or outside the square, or a cost that is not a number.
     """
-    grid = within.grid
-    best, most = np.round(grid * np.ravel(arguments.real("start", start))), round(grid * within.half_width)
-    if not best.size or not np.isfinite(best).all():
-        raise ModelError(f"the start is {best / grid}: give finite coordinates, one or more")
+    grid, x = within.grid, np.ravel(arguments.real("start", start))
+    if not x.size or not np.isfinite(x).all():
+        raise ModelError(f"the start is {x}: give finite coordinates, one or more")
+    if np.abs(x).max() > within.half_width * (1 + ROUNDING):
+        raise ModelError(
+            f"the start reaches to {np.abs(x).max():g}, the square to {within.half_width:g}: give a start inside"
+        )
+    most = np.floor(grid * within.half_width * (1 + ROUNDING))
+    best = np.clip(np.round(grid * x), -most, most)
     rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)
     for step in STEPS:
         for _ in range(effort.tries):

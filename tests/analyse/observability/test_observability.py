@@ -152,3 +152,15 @@ def test_placement_comes_to_the_nearest_grid_point() -> None:
     assert held[0] == 1.0
     with pytest.raises(ModelError, match="give both above 0"):
         placement.Square(0.0)
+
+
+def test_an_improved_placement_stays_in_the_square_and_on_its_grid() -> None:
+    effort = placement.Effort(tries=40)
+    coarse = placement.improve(lambda x: -float(x[0]), [0.0], placement.Square(0.6, 1), effort)
+    assert coarse.tolist() == [0.0], "the next grid point, 1, is outside"
+    fine = placement.improve(lambda x: -float(x[0]), [0.6], placement.Square(0.6, 7), effort)
+    assert fine.tolist() == [4 / 7]
+    rounded = placement.improve(lambda x: abs(float(x[0]) - 4e-4), [4e-4], placement.Square(1.0), effort)
+    assert rounded.tolist() == [0.0], "the grid point nearest to the start"
+    with pytest.raises(ModelError, match="the start reaches to 5, the square to 1: give a start inside"):
+        placement.improve(lambda x: -float(x[0]), [5.0], placement.Square(1.0), effort)
