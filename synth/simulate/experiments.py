@@ -1,9 +1,9 @@
 """Closed-loop experiments as data: requirements on the response of a stage, and the checks that follow.
 
-    Step      step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
-    Track     moving set-points:          mean |y - r| of the true positions, after the initial transient
-    Hold      constant set-points:        max |y - r| under disturbances, after the initial transient
-    LiftOff   start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
+    StepResponse  step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
+    Track         moving set-points:          mean |y - r| of the true positions, after the initial transient
+    Hold          constant set-points:        max |y - r| under disturbances, after the initial transient
+    LiftOff       start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
 
 Positions are the true positions of the plant, not sensor readings. Each experiment also checks that no fault bit was
 set, and reports the largest actuator commands. `run` runs experiments on a rig.
@@ -55,10 +55,10 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class StepResponse:
     """The set-point steps by `height` in its unit once the loop has settled.
 
-    `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
+    `overshoot` is a fraction of the step, `settling_time_s` the limit of the settling time, `error` that of the final
     |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
 
     Raises SignalError for a step of 0, an overshoot above 1, and a settling time that is not positive.
@@ -67,13 +67,14 @@ class Step:
     set_point: str
     height: float
     overshoot: float
-    settles_s: float
+    settling_time_s: float
     error: float | None = None
     conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
 
     def __post_init__(self) -> None:
-        conditions.require_response(self.name, self.overshoot, settles_s=self.settles_s, height=abs(self.height))
+        positive = {"settling_time_s": self.settling_time_s, "height": abs(self.height)}
+        conditions.require_response(self.name, self.overshoot, **positive)
 
     @property
     def name(self) -> str:
@@ -84,16 +85,17 @@ class Step:
         """Run for a settling time before the step and four after it."""
         position, unit = _position(rig, self.set_point)
         start = self.conditions.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
-        target, time = start + self.height, sample_times(5 * self.settles_s, rig.period_s)
-        course = np.where(time < self.settles_s, start, target)
-        trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.conditions)
-        k = int(np.argmax(time >= self.settles_s))
+        target, limit = start + self.height, self.settling_time_s
+        time = sample_times(5 * limit, rig.period_s)
+        course = np.where(time < limit, start, target)
+        trajectory = _trajectory(rig, 5 * limit, {self.set_point: course}, self.conditions)
+        k = int(np.argmax(time >= limit))
         y, band = trajectory[position], max(BAND * abs(self.height), _resolution(rig, position))
         settling_time = metrics.settling_time(time[k:], y[k:] - target, band)
         overshoot = metrics.overshoot(y[k:], start, target)
         checks = [
             Check("overshoot", overshoot, self.overshoot, "1", f"of the step of {position}"),
-            Check("settling time", settling_time, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
+            Check("settling time", settling_time, limit, "s", f"{position} stays within {band:.3g} {unit}"),
         ]
         if self.error is not None:
             checks.append(_final_error_check(trajectory, position, target, self.error, unit))
@@ -227,10 +229,7 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
     names = [experiment.name for experiment in experiments]
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
-    results = []
-    for experiment in each(experiments, progress, lambda e: e.name):
-        results.append(experiment.run(rig))
-    return results
+    return [experiment.run(rig) for experiment in each(experiments, progress, lambda e: e.name)]
 
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:

@@ -10,7 +10,7 @@ from synth import standard_tasks
 from synth.errors import SignalError
 from synth.simulate import experiments
 from synth.simulate.conditions import Conditions, Sine
-from synth.simulate.experiments import Hold, LiftOff, Step, Track
+from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.simulate.rig import Rig
 from synth.simulate.sensors import Override
 from tests import levitator
@@ -37,7 +37,7 @@ def test_every_experiment_of_the_levitator_holds(rig: Rig) -> None:
 
 
 def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
-    run = Step("z_ref", 2e-4, 0.05, 0.2, error=2e-7, conditions=Conditions(start={"z": -1e-4})).run(rig)
+    run = StepResponse("z_ref", 2e-4, 0.05, 0.2, error=2e-7, conditions=Conditions(start={"z": -1e-4})).run(rig)
     t, r, z = run.trajectory.time, run.references["z"], run.trajectory["z"]
     k = int(np.argmax(r > 0))
     assert t[k] == 0.2 and r[k - 1] == -1e-4 and r[k] == pytest.approx(1e-4) and len(t) == 2000
@@ -77,7 +77,7 @@ def test_a_lift_off_ramps_from_the_set_points_end_and_may_be_too_fast(rig: Rig) 
 
 
 def test_parameters_change_the_plant_alone(rig: Rig) -> None:
-    step = Step("z_ref", 3e-4, 0.05, 0.2)
+    step = StepResponse("z_ref", 3e-4, 0.05, 0.2)
     heavy = replace(step, conditions=Conditions(parameters={"M": 1.9, "K": 12.0}), label="heavy")
     assert all(c.passed for c in step.run(rig).checks)
     run = heavy.run(rig)
@@ -92,11 +92,11 @@ def test_a_fault_fails_any_experiment(rig: Rig) -> None:
 
 
 def test_names_are_kept_apart_and_known(rig: Rig) -> None:
-    step = Step("z_ref", 1e-4, 0.1, 0.1)
+    step = StepResponse("z_ref", 1e-4, 0.1, 0.1)
     with pytest.raises(SignalError, match=r"two experiments are called 'step_z_ref_0\.0001'"):
         experiments.run(rig, [step, step], print)
     with pytest.raises(SignalError, match="no set-point 'z': name one of z_ref, x_ref"):
-        Step("z", 1e-4, 0.1, 0.1).run(rig)
+        StepResponse("z", 1e-4, 0.1, 0.1).run(rig)
 
 
 def test_a_position_is_the_plant_state_and_not_the_biased_reading_of_its_sensor(rig: Rig) -> None:
@@ -114,17 +114,19 @@ def test_a_limit_that_is_meant_as_a_set_point_is_refused(rig: Rig, limit: float)
         Hold({"z_ref": limit}).run(rig)
 
 
-@pytest.mark.parametrize("run", [Step("z_ref", 5e-3, 0.1, 0.2), Track({"z_ref": Sine(5e-3, 6.0)}, 1e-5)])
+@pytest.mark.parametrize("run", [StepResponse("z_ref", 5e-3, 0.1, 0.2), Track({"z_ref": Sine(5e-3, 6.0)}, 1e-5)])
 def test_a_course_beyond_the_range_of_its_set_point_is_refused(rig: Rig, run: Any) -> None:
     with pytest.raises(SignalError, match=r"the course of set-point 'z_ref' reaches 0\.00.*; its range is -0\.000"):
         run.run(rig)
 
 
-@pytest.mark.parametrize("changed", [{"overshoot": 15}, {"settles_s": -0.5}, {"height": 0.0}, {"settles_s": np.nan}])
+@pytest.mark.parametrize(
+    "changed", [{"overshoot": 15}, {"settling_time_s": -0.5}, {"height": 0.0}, {"settling_time_s": np.nan}]
+)
 def test_a_step_with_a_number_that_cannot_be_meant_is_refused(changed: dict[str, float]) -> None:
-    (name, value), good = *changed.items(), {"height": 1e-4, "overshoot": 0.1, "settles_s": 0.2}
+    (name, value), good = *changed.items(), {"height": 1e-4, "overshoot": 0.1, "settling_time_s": 0.2}
     with pytest.raises(SignalError, match=f"{name} {value:g}.*: give an overshoot of at most 1"):
-        Step("z_ref", **(good | changed))
+        StepResponse("z_ref", **(good | changed))
 
 
 @pytest.mark.parametrize("changed", [{"overshoot": 15}, {"ramp_s": 0.0}, {"error": -1e-6}])

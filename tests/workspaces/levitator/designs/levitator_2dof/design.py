@@ -10,7 +10,7 @@ from synth import stage
 from synth.analyse import linearisation, operating_points
 from synth.blocks import axis
 from synth.simulate.conditions import Conditions, Sine
-from synth.simulate.experiments import Hold, LiftOff, Step, Track
+from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
@@ -75,10 +75,10 @@ DESIGN = stage.design(
     require={"phase_margin": 30.0, "modulus_margin": 0.5},
     tolerances=["M", "K"],
     experiments=[
-        Step("z_ref", 3e-4, overshoot=0.05, settles_s=0.2),
-        Step("x_ref", 5e-4, overshoot=0.05, settles_s=0.2),
-        Step("z_ref", 3e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.HEAVY), label="heavy"),
-        Step("x_ref", 5e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.STIFF), label="stiff"),
+        StepResponse("z_ref", 3e-4, overshoot=0.05, settling_time_s=0.2),
+        StepResponse("x_ref", 5e-4, overshoot=0.05, settling_time_s=0.2),
+        StepResponse("z_ref", 3e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.HEAVY), label="heavy"),
+        StepResponse("x_ref", 5e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.STIFF), label="stiff"),
         Track({"z_ref": Sine(3e-4, COURSE), "x_ref": Sine(5e-4, COURSE, pi / 2)}, mean_error=2e-7),
         Hold({"z_ref": 2e-7, "x_ref": 5e-7}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, HUM)})),  # N
         LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, conditions=Conditions(start={"z": -6e-4})),
