@@ -114,14 +114,14 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
             )
     values = {n: v for _, s in declared for n, v in s.safe_output.items()}
     rates = {n: v for _, s in declared for n, v in s.slew_per_s.items()}
-    reasons = [s.reason for _, s in declared if s.safe_output] or [safety.reason]
+    effects = [s.safe_output_effect for _, s in declared if s.safe_output] or [safety.safe_output_effect]
     values, rates = ({o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates))
     judgement = next((s.judgement for _, s in declared if s.judgement), None)
     return Safety(
         safety.bad_samples,
         values,
         rates,
-        "; ".join(dict.fromkeys(reasons)),
+        "; ".join(dict.fromkeys(effects)),
         judgement,
         safety.braking,
         safety.good_samples,

@@ -81,9 +81,9 @@ class Interface:
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor,
-    of which `good_samples` make up for one, the actuators go to their safe values, for the `reason` given. `suspected`
-    are sensors that a law compares. A law that reads ``brakes`` has that many samples more to stop the machine before.
-    `missed_calls` is the input that counts missing calls, if there is one.
+    of which `good_samples` make up for one, the actuators go to their safe values, with the `safe_output_effect` on the
+    machine. `suspected` are sensors that a law compares. A law that reads ``brakes`` has that many samples more to stop
+    the machine before. `missed_calls` is the input that counts missing calls, if there is one.
     """
 
     plant: Plant
@@ -94,7 +94,7 @@ class Interface:
     disturbances: tuple[str, ...]
     delay: int
     bad_samples: int
-    reason: str
+    safe_output_effect: str
     suspected: tuple[str, ...] = ()
     missed_calls: Signal | None = None
     braking: int = 0

@@ -58,16 +58,16 @@ class Judgement:
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
-    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
-    these values. With a `judgement` a law decides which samples count. `braking` of these samples are the last before
-    the latch, in which the step brakes. Where `good_samples` make up for a bad one, bad samples with fewer good ones
-    between them latch, too; with 0 one good sample makes up for all before it.
+    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `safe_output_effect` is
+    what these values do to the machine. With a `judgement` a law decides which samples count. `braking` of these
+    samples are the last before the latch, in which the step brakes. Where `good_samples` make up for a bad one, bad
+    samples with fewer good ones between them latch, too; with 0 one good sample makes up for all before it.
     """
 
     bad_samples: int
     safe_output: Mapping[str, float]
     slew_per_s: Mapping[str, float]
-    reason: str
+    safe_output_effect: str
     judgement: Judgement | None = None
     braking: int = 0
     good_samples: int = 0

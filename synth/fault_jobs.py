@@ -213,9 +213,9 @@ def _identity(stage: Stage) -> str | None:
     """Return a digest of all that the runs of a stage depend on, besides the faults."""
     block = stage.controller.block
     if block.safety is not None:
-        block = replace(block, safety=replace(block.safety, reason=""))
+        block = replace(block, safety=replace(block.safety, safe_output_effect=""))
     loop = (
-        *(block, stage.scalar, stage.surrogate_error, stage.plant, replace(stage.interface, reason="")),
+        *(block, stage.scalar, stage.surrogate_error, stage.plant, replace(stage.interface, safe_output_effect="")),
         *(
             stage.drive,
             stage.wires,

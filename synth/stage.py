@@ -126,7 +126,9 @@ def _composition(
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
     i, inputs = interface, guarded_inputs(interface)
-    guard = safety.guard(time, inputs, i.bad_samples, i.suspected, i.reason, bool(replaced), i.braking, i.good_samples)
+    guard = safety.guard(
+        time, inputs, i.bad_samples, i.suspected, i.safe_output_effect, bool(replaced), i.braking, i.good_samples
+    )
     parts = (
         guard.renamed(replaced),
         *([errors(time, interface, controlled)] if controlled else []),

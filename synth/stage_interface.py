@@ -24,7 +24,7 @@ def interface(
     disturbances: Sequence[str] = (),
     delay: int = 1,
     bad_samples: int = 5,
-    reason: str = "",
+    safe_output_effect: str = "",
     suspected: Sequence[str] = (),
     missed_calls: float | None = None,
     braking: int = 0,
@@ -33,10 +33,11 @@ def interface(
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
-    go to their safe values, with the effect on the machine that `reason` states, for the C header. With `good_samples`
-    N above 0, N good samples cancel a bad one (a leaky counter); with 0, one good sample resets the count. `suspected`
-    are sensors that a law compares. Before the latch, ``brakes`` is 1 for `braking` samples more. With `missed_calls`,
-    the largest number that may be missing in a row, the controller has an input of this name and a fault bit above it.
+    go to their safe values; `safe_output_effect` states what this does to the machine, for the C header. With
+    `good_samples` N above 0, N good samples cancel a bad one (a leaky counter); with 0, one good sample resets the
+    count. `suspected` are sensors that a law compares. Before the latch, ``brakes`` is 1 for `braking` samples more.
+    With `missed_calls`, the largest number that may be missing in a row, the controller has an input of this name and a
+    fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
     actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with negative noise
@@ -65,8 +66,9 @@ def interface(
     ]
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
-        plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
-        tuple(suspected), None if missed_calls is None else calls.signal(missed_calls), braking, good_samples,
+        plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples,
+        safe_output_effect, tuple(suspected), None if missed_calls is None else calls.signal(missed_calls),
+        braking, good_samples,
     )  # fmt: skip
 
 
@@ -128,4 +130,4 @@ def safe(interface: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
     i, samples = interface, interface.bad_samples + interface.braking
     values, slews = {a.name: a.safe for a in i.actuators}, {a.name: a.slew_per_s for a in i.actuators}
-    return safety.Safety(samples, values, slews, i.reason, None, i.braking, i.good_samples)
+    return safety.Safety(samples, values, slews, i.safe_output_effect, None, i.braking, i.good_samples)

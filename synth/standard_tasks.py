@@ -143,13 +143,13 @@ def _call_order(stage: Stage) -> list[str]:
 
 
 def _with_measured_safe_output(stage: Stage) -> Block:
-    """Return the controller's Block, with the measured effect of the safe output appended to the reason for it."""
+    """Return the controller's Block, with the measured effect of the safe output appended to that declared."""
     block = stage.controller.block
     block = replace(block, failures=with_reactions(block.failures, stage.reactions, stage.used_instead))
     if stage.safe_output is None or block.safety is None:
         return block
-    reason = f"{block.safety.reason}; {stage.safe_output.text()}"
-    return replace(block, safety=replace(block.safety, reason=reason))
+    effect = f"{block.safety.safe_output_effect}; {stage.safe_output.text()}"
+    return replace(block, safety=replace(block.safety, safe_output_effect=effect))
 
 
 def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:

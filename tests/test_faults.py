@@ -120,7 +120,7 @@ def test_the_measured_safe_output_goes_to_header_and_manifest(
     files = standard_tasks.emit(quoting, design.scalar)[NAME]
     comment = " ".join(files.files[f"{NAME}.h"].replace(" * ", " ").split())
     assert all(clause in comment for clause in measured.text().split("; "))
-    assert measured.text() in files.manifest["safety"]["reason"]
+    assert measured.text() in files.manifest["safety"]["safe_output_effect"]
     parts = fault_jobs.losses(design, 2)
     assert fault_jobs.safe_output(replace(design, stage=quoting), parts) == measured
 

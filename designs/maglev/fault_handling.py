@@ -65,7 +65,7 @@ COURSES: dict[str, landing.Course] = {
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17 plants; up to 44 on none
-REASON = (
+SENSOR_LOSS_EFFECT = (
     "a gap encoder that is refused or excluded is replaced; without x, without z or without two gap encoders the "
     "platen lands and then latches on the stop; without three gap encoders, or without x and z, it latches as said "
     "above; "
@@ -82,7 +82,10 @@ DEGRADED = Fault(
     about="a reading is refused, replaced or contradicted, or a sensor was a suspect since init",
 )
 INTERFACE_OF_ALL = replace(
-    INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason, missed_calls=missed_calls.signal(MISSED_CALLS)
+    INTERFACE,
+    suspected=SENSORS,
+    safe_output_effect=SENSOR_LOSS_EFFECT + INTERFACE.safe_output_effect,
+    missed_calls=missed_calls.signal(MISSED_CALLS),
 )
 
 

@@ -58,7 +58,7 @@ def of_plant(plant: Plant, held: bool = False) -> Interface:
         set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
         actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in signal_names(planar_stage.INPUTS)],
         bad_samples=BAD_SAMPLES,
-        reason="the air bearings carry the platen, and without current no force acts on it",
+        safe_output_effect="the air bearings carry the platen, and without current no force acts on it",
         suspected=signal_names(hall),
     )
 

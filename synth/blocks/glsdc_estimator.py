@@ -54,7 +54,7 @@ FLAGS = (
     Signal("weak", "1", 0, 1, "the channels do not determine every unknown to its largest deviation"),
     Signal("valid", "1", 0, 1, "converged, complete, not weak, and passes the integrity monitor if there is one"),
 )
-REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
+SAFE_OUTPUT_EFFECT = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 
 
 @arguments.checked
@@ -127,13 +127,15 @@ def estimator(
 
 
 @arguments.checked
-def guarded(block: Block, name: str, channels: Sequence[Signal], bad_samples: int, reason: str = REASON) -> Block:
+def guarded(
+    block: Block, name: str, channels: Sequence[Signal], bad_samples: int, safe_output_effect: str = SAFE_OUTPUT_EFFECT
+) -> Block:
     """Return the estimator behind the guard of its channels, which latches after `bad_samples` incomplete samples.
 
     Raises SignalError as `safety.guard`, WiringError for channels that are not the estimator's.
     """
     inputs = [safety.GuardedInput(s, min(max(0.0, s.low), s.high), True) for s in channels]
-    guard = safety.guard(block.time, inputs, bad_samples, reason=reason)
+    guard = safety.guard(block.time, inputs, bad_samples, safe_output_effect=safe_output_effect)
     return compose(name, [guard, block], inputs=signal_names(channels), outputs=signal_names(block.outputs))
 
 

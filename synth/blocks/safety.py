@@ -74,7 +74,7 @@ def guard(
     inputs: Sequence[GuardedInput],
     bad_samples: int,
     suspected: Sequence[str] = (),
-    reason: str = NO_SAFE_OUTPUT,
+    safe_output_effect: str = NO_SAFE_OUTPUT,
     redundant: bool = False,
     braking: int = 0,
     good_samples: int = 0,
@@ -88,13 +88,13 @@ def guard(
     set; a `redundant` guard has no ``suspected``. ``complete`` then depends on these measurements alone, so they are
     compared even while others are refused.
 
-    `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
-    between the last of the bad samples and the latch there are also the outputs ``latch_certain`` and ``brakes``.
-    Behind a `redundant` guard a Block replaces readings and judges them: once ready, the latch counts samples in which
-    its ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to latch. The
-    `fault.Judgement` declares this. Its output ``judging`` says that it is ready and has not latched before this
-    sample: the observers of a latched controller stand still, and no reading contradicts them. Such a guard does not
-    brake: its law lands the machine before the latch.
+    `safe_output_effect` says what a latch does without a safe output, for a guard that is composed with none. With
+    `braking` samples between the last of the bad samples and the latch there are also the outputs ``latch_certain`` and
+    ``brakes``. Behind a `redundant` guard a Block replaces readings and judges them: once ready, the latch counts
+    samples in which its ``sufficient`` is 0, and ``landed`` causes the latch at once. A suspect is then no reason to
+    latch. The `fault.Judgement` declares this. Its output ``judging`` says that it is ready and has not latched before
+    this sample: the observers of a latched controller stand still, and no reading contradicts them. Such a guard does
+    not brake: its law lands the machine before the latch.
 
     With `good_samples` these make up for a bad one (`bad_samples`), so that bad samples with good ones between them
     latch, too; with 0 one good sample makes up for all before it.
@@ -169,7 +169,7 @@ def guard(
     faults += [Fault(BRAKING_BIT, LATCH_CERTAIN.name, about=BIT_TEXT.format(braking - 1))] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
-    declared = Safety(samples, {}, {}, reason, judgement, braking, good_samples) if measured else None
+    declared = Safety(samples, {}, {}, safe_output_effect, judgement, braking, good_samples) if measured else None
     row = bad_sample_counts.rule(bad_samples, good_samples)
     failures = guard_failures.of_guard(inputs, row, suspected, redundant, braking)
     return replace(block, faults=tuple(faults), safety=declared, failures=failures)

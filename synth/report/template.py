@@ -179,7 +179,7 @@ def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:
         "scalar": np.dtype(stage.scalar).name,
         "delay": interface.delay,
         "bad_samples": interface.bad_samples,
-        "reason": interface.reason,
+        "safe_output_effect": interface.safe_output_effect,
     }
     known |= {f"plant.{p.name}": p.value for p in stage.plant.parameters}
     return known | {f"audit.{row.id}": row.published.text for row in rows}

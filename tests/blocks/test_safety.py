@@ -224,7 +224,7 @@ def test_bad_samples_of_two_measurements_add_up_until_a_complete_sample(guarded:
 
 @pytest.mark.parametrize("bad_samples", [1, 2, 7])
 def test_the_count_of_bad_samples_is_the_declared_one(bad_samples: int) -> None:
-    safety = Safety(bad_samples, SAFE.safe_output, SAFE.slew_per_s, SAFE.reason)
+    safety = Safety(bad_samples, SAFE.safe_output, SAFE.slew_per_s, SAFE.safe_output_effect)
     rows = [{}] + [{"angle": np.nan}] * bad_samples + [{}]
     faults = load(safety=safety).replay(columns(rows)).faults
     assert (faults >= LATCHED).tolist() == [False] * bad_samples + [True, True]

@@ -47,7 +47,7 @@ def test_readme_header_and_manifest_quote_the_figures(name: str) -> None:
     assert f"| `{name}` | {text} |" in (ROOT / "README.md").read_text(encoding="utf-8")
     header = " ".join((folder / f"{name}.h").read_text(encoding="utf-8").replace("\n * ", " ").split())
     assert all(clause in header for clause in text.split("; "))
-    assert text in json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["safety"]["reason"]
+    assert text in json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["safety"]["safe_output_effect"]
 
 
 @pytest.mark.slow

@@ -65,7 +65,7 @@ def controller() -> Controller:
         sensors=[Sensor(s.name) for s in body.outputs],
         disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
-        reason=glsdc_estimator.REASON,
+        safe_output_effect=glsdc_estimator.SAFE_OUTPUT_EFFECT,
     )
     return stage.controller(NAME, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 

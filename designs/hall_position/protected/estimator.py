@@ -50,7 +50,7 @@ def with_guard(name: str, array: PlanarArray, time: Discrete, located: Sequence[
     """Return the Blocks from held voltages to the position behind the guard of the voltages, as one Block."""
     volts = channels.voltages(len(array.positions))
     inputs = [safety.GuardedInput(s, 0.0, True) for s in volts]
-    guard = safety.guard(time, inputs, channels.BAD_SAMPLES, reason=glsdc_estimator.REASON)
+    guard = safety.guard(time, inputs, channels.BAD_SAMPLES, safe_output_effect=glsdc_estimator.SAFE_OUTPUT_EFFECT)
     lengths = [s.name for block in located for s in block.outputs if s.unit == "m"]
     return compose(name, [guard, *located], inputs=signal_names(volts), outputs=[*lengths, *DIRECT])
 

@@ -176,21 +176,22 @@ def _safe_output(block: Block) -> list[str]:
     rule = bad_samples.rule(safety.bad_samples - safety.braking, safety.good_samples)
     bad = f"When a measurement is refused in {rule},"
     if not safety.safe_output:
-        reason = f" {safety.reason[0].upper()}{safety.reason[1:]}." if safety.reason else ""
-        return [f"{bad} the last of them sets the latch bit until init.{reason}"]
+        text = safety.safe_output_effect
+        effect = f" {text[0].upper()}{text[1:]}." if text else ""
+        return [f"{bad} the last of them sets the latch bit until init.{effect}"]
     latches = f"{bad} the step latches in the last of them until init"
     if safety.braking:
         latches = f"{bad} a latch is certain: whatever is measured then, the step brakes the machine in the "
         latches += f"{safety.braking - 1} samples after the last of these, and latches in the next one until init"
     if safety.judgement:
-        reason = f"When the readings do not suffice in {rule}, or a landing is over,"
-        latches = f"{reason} the step latches until init"
+        cause = f"When the readings do not suffice in {rule}, or a landing is over,"
+        latches = f"{cause} the step latches until init"
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}
     for name, value in safety.safe_output.items():
         ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
     slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
-    consequences = [f"{_ITEM}{clause}" for clause in safety.reason.split("; ") if clause]
+    consequences = [f"{_ITEM}{clause}" for clause in safety.safe_output_effect.split("; ") if clause]
     return [
         f"{latches}, and the outputs move to the safe output: {slews}.",
         *(["What this does to the machine:"] if consequences else []),

@@ -102,7 +102,7 @@ def _safety(block: Block) -> dict[str, Any] | None:
         **({"good_samples": safety.good_samples} if safety.good_samples else {}),
         "safe_output": dict(safety.safe_output),
         "slew_per_s": dict(safety.slew_per_s),
-        "reason": safety.reason,
+        "safe_output_effect": safety.safe_output_effect,
         **({"judgement": _judgement(safety.judgement)} if safety.judgement else {}),
     }
 

@@ -69,7 +69,12 @@ def test_every_entry_stands_as_declared() -> None:
     gap = {"name": "gap", "offset": 0, "count": 1, "ctype": "float", "unit": "m"} | bounds
     assert manifest["structs"]["input"]["fields"][0] == gap
     assert [s["type"] for s in manifest["structs"].values()] == ["stage_input_t", "stage_output_t", "stage_state_t"]
-    assert manifest["safety"] == {"bad_samples": 5, "safe_output": {}, "slew_per_s": {}, "reason": NO_SAFE_OUTPUT}
+    assert manifest["safety"] == {
+        "bad_samples": 5,
+        "safe_output": {},
+        "slew_per_s": {},
+        "safe_output_effect": NO_SAFE_OUTPUT,
+    }
     assert manifest["sha256"] == {
         name: hashlib.sha256(made.files[name].encode()).hexdigest() for name in ("stage.c", "stage.h")
     }
@@ -191,7 +196,7 @@ SCHEMA: dict[str, Any] = {
     "functions": {"init": str, "step": str},
     "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output", "state")},
     "faults": [dict],
-    "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "reason": str},
+    "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "safe_output_effect": str},
     "numbers": dict,
     "surrogates": [SURROGATE],
     "diagnostics": dict,
@@ -283,7 +288,7 @@ def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
         "bad_samples": 3,
         "safe_output": {"force": 0.0},
         "slew_per_s": {"force": 5.0},
-        "reason": "at rest",
+        "safe_output_effect": "at rest",
     }
     replay = host.load(made.files, made.manifest).replay({"gap": [0.5] * 4 + [9.0] * 400, "wish": [1.0] * 404})
     latched, force = np.flatnonzero(replay.faults >> LATCH_BIT)[0], replay.outputs["force"]

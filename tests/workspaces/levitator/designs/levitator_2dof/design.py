@@ -29,7 +29,7 @@ INTERFACE = stage.interface(
     actuators=[Actuator("i1", safe=0.0, slew_per_s=100.0), Actuator("i2", safe=0.0, slew_per_s=100.0)],
     disturbances=["hum"],
     bad_samples=4,
-    reason="without current the stage comes down to its stop and the flexure centres x",
+    safe_output_effect="without current the stage comes down to its stop and the flexure centres x",
 )
 FREE = [
     Free("damping_z", 1e3, 1e2, 1e5, "s^2/m^2", "weight of vz"),

@@ -27,7 +27,7 @@ INTERFACE = stage.interface(
     actuators=[Actuator("i1", safe=0.0, slew_per_s=100.0), Actuator("i2", safe=0.0, slew_per_s=100.0)],
     disturbances=["hum"],
     bad_samples=4,
-    reason="without current the magnets hold the stage at its stop and the flexure centres x",
+    safe_output_effect="without current the magnets hold the stage at its stop and the flexure centres x",
 )
 GAINS = {"z": ("i1", 1800.0, 3.4e4, 18.0), "x": ("i2", 1450.0, 3e4, 10.0)}  # A/m, A/m/s, A s/m
 FADE = 0.4  # of the filtered rate, a sample
