@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 import casadi as ca
+import mpmath
 import numpy as np
 import pytest
 
@@ -164,3 +165,16 @@ def test_an_improved_placement_stays_in_the_square_and_on_its_grid() -> None:
     assert rounded.tolist() == [0.0], "the grid point nearest to the start"
     with pytest.raises(ModelError, match="the start reaches to 5, the square to 1: give a start inside"):
         placement.improve(lambda x: -float(x[0]), [5.0], placement.Square(1.0), effort)
+
+
+@pytest.mark.parametrize("condition", [1e3, 1e8, 1e10])
+def test_the_bias_keeps_its_digits_where_the_condition_is_large(condition: float) -> None:
+    """By the normal equations in 60 digits."""
+    rng = np.random.default_rng(5)
+    U, V = np.linalg.qr(rng.normal(size=(6, 3)))[0], np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    H, extra = U @ np.diag([1.0, 0.1, 1 / condition]) @ V.T, rng.normal(size=6)
+    with mpmath.workdps(60):
+        M, e = mpmath.matrix(H.tolist()), mpmath.matrix(extra.tolist())
+        exact = np.array([float(v) for v in mpmath.lu_solve(M.T * M, M.T * e)])
+    bias = information.bias(H[None], extra[None], np.ones(3))[0]
+    assert np.linalg.norm(bias - exact) < 100 * np.finfo(float).eps * condition * np.linalg.norm(exact)
