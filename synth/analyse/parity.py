@@ -56,9 +56,11 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
     The positions are the states that an output depends on. Their ranges are those of the plant, and C is that at their
     middle. Units of sensors that stand in one relation must agree.
 
-    Raises ModelError for an output that the plant does not have, a missing tolerance, or a relation between sensors of
-    different units.
+    Raises ModelError for no sensors, an output that the plant does not have, that depends on an input or on no state, a
+    missing tolerance, or a relation between sensors of different units.
     """
+    if not sensors:
+        raise ModelError("no sensors are given: give the output that each sensor reads")
     outputs = {s.name: s for s in plant.outputs}
     for sensor, of in sensors.items():
         if of not in outputs or sensor not in tolerances:
@@ -91,12 +93,20 @@ def _output_map(plant: Plant, names: Sequence[str]) -> tuple[ca.Function, Array,
         if values
         else ca.vcat([rows[n] for n in names])
     )
+    for name in names:
+        acting = [s.name for s, e in zip(plant.inputs, ca.which_depends(rows[name], u, 1, False), strict=True) if e]
+        if acting:
+            raise ModelError(
+                f"the output '{name}' depends on the input '{acting[0]}', which no parity relation cancels: "
+                "leave its sensor out"
+            )
+        if not any(ca.which_depends(rows[name], x, 1, False)):
+            raise ModelError(f"the output '{name}' depends on no state: leave its sensor out")
     moving = [i for i, depends in enumerate(ca.which_depends(y, x, 1, False)) if depends]
     free = ca.vcat([x[i] for i in moving])
     fixed = [i for i in range(x.numel()) if i not in moving]
     others = ca.vcat([x[i] for i in fixed])
     y = ca.substitute(y, others, ca.DM.zeros(others.numel())) if fixed else y
-    y = ca.substitute(y, u, ca.DM.zeros(u.numel())) if u.numel() else y
     ends = [(plant.states[i].low, plant.states[i].high) for i in moving]
     grid = np.array(list(product(*(np.linspace(low, high, GRID) for low, high in ends))))
     return ca.Function("measured", [free], [y]), np.mean(ends, axis=1), grid

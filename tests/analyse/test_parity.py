@@ -65,3 +65,19 @@ def test_mixed_units_and_unknown_outputs_are_refused() -> None:
         parity.relations(bent(0.0, "rad"), sensors, tolerances(sensors))
     with pytest.raises(ModelError, match="give an output"):
         parity.relations(bent(0.0), {"a": "nothing"}, tolerances("a"))
+
+
+def test_outputs_that_no_relation_of_the_states_describes_are_refused() -> None:
+    q, f = Signal("q", "m", -1.0, 1.0), Signal("f", "N", -1.0, 1.0)
+    outputs = [Signal(name, "m", -2.0, 2.0) for name in ("a", "b", "c")]
+
+    def physics(x, u, p):  # type: ignore[no-untyped-def]
+        return {"q": u["f"]}, {"a": x["q"], "b": x["q"] + 0.5 * u["f"], "c": ca.SX(1)}
+
+    plant = build("driven", [q], [f], outputs, [], physics)
+    with pytest.raises(ModelError, match=r"the output 'b' depends on the input 'f', .*: leave its sensor out"):
+        parity.relations(plant, {"a": "a", "b": "b"}, tolerances("ab"))
+    with pytest.raises(ModelError, match="the output 'c' depends on no state: leave its sensor out"):
+        parity.relations(plant, {"a": "a", "c": "c"}, tolerances("ac"))
+    with pytest.raises(ModelError, match="no sensors are given"):
+        parity.relations(plant, {}, {})
