@@ -139,7 +139,7 @@ def test_a_degree_above_that_of_the_output_is_refused(zeros: list[float], C: lis
 @pytest.mark.parametrize(
     ("slow", "verdict"), [(10.0, "not minimum phase"), (-10.0, "minimum phase"), (0.0, "not hyperbolic")]
 )
-def test_a_slow_zero_beside_a_fast_one_is_judged_by_its_own_rounding(slow: float, verdict: str) -> None:
+def test_a_slow_zero_beside_a_fast_one_has_its_own_rounding(slow: float, verdict: str) -> None:
     s = control.tf("s")
     dynamics = zero_dynamics.of_linear((s - slow) * (s + 2e7) / ((s + 1) * (s + 2) * (s + 3)), [1])
     np.testing.assert_allclose(values(dynamics), [-2e7, slow], rtol=1e-6, atol=1e-9)
