@@ -223,11 +223,12 @@ typedef struct {
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
 MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, float expected,
-    float accepted, bool in_time, bool unanswered, bool sound, uint32_t ready, bool good)
+    float accepted, bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
+    static const float wide = 0.0005f; /* m; growth of the distance to the prediction that needs no earlier agreement */
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
@@ -235,16 +236,17 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
 
     const float code = state->code;
     const bool same = maglev_5dof_equal(accepted, code);
+    const float before = state->before;
     const uint32_t doubts = state->doubts;
     uint32_t unchanged = 0u;
-    float before_next = expected;
+    float before_next_if_ready = before;
     uint32_t doubts_next_choice = doubts;
     uint32_t doubts_next = doubts;
     if (same) {
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
-        before_next = state->before;
     } else {
+        before_next_if_ready = expected;
         doubts_next_choice = doubted_changes;
         if (1u <= doubts) {
             doubts_next = doubts - 1u;
@@ -252,13 +254,15 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
             doubts_next = 0u;
         }
     }
+    const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
     const float distance = fabsf(expected - accepted);
     const uint32_t jumps = state->jumps;
     const bool doubts_below_1 = doubts < 1u;
+    const bool grown = wide < (distance - fabsf(code - before));
     bool jumping = false;
     if (gate < distance) {
         if (jump < distance) {
-            const bool believed = doubts_below_1 && in_time && (-travel < expected) && (expected < travel) &&
+            const bool believed = (doubts_below_1 || grown) && in_time && (-travel < expected) && (expected < travel) &&
                 (-travel < code) && (code < travel);
             jumping = (1u <= jumps) || (believed && !same);
             doubts_next = (same || believed) ? doubts : doubted_changes;
@@ -267,6 +271,8 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
         }
     }
     const uint32_t excluded = state->excluded;
+    const bool usable = good && (excluded == 0u);
+    const bool measured = (ready != 0u) ? false : usable;
     bool usual = false;
     uint32_t suspect = 1u;
     bool trusted = false;
@@ -278,31 +284,27 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
         const bool last = excluded_from <= jumps;
         excluded_next = (last) ? 1u : excluded;
         jumps_next = (last) ? 0u : (jumps + 1u);
+    } else if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
+            (((gate < fabsf(expected - before_next)) && doubts_below_1) || grown || unanswered)) {
+        const uint32_t stopped = ((ready != 0u) && usable) ? 1u : excluded;
+        suspect = stopped;
+        frozen = stopped;
+        excluded_next = stopped;
+        trusted = measured;
+        held = (measured) ? accepted : expected;
     } else {
-        const bool usable = good && (excluded == 0u);
-        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-                (((gate < fabsf(expected - before_next)) && doubts_below_1) || unanswered)) {
-            const uint32_t stopped = ((ready != 0u) && usable) ? 1u : excluded;
-            suspect = stopped;
-            frozen = stopped;
-            excluded_next = stopped;
-            const bool measured = (ready != 0u) ? false : usable;
-            trusted = measured;
-            held = (measured) ? accepted : expected;
+        usual = sound;
+        if (sound) {
+            suspect = 0u;
+            frozen = 0u;
+            excluded_next = 0u;
+            trusted = true;
+            held = accepted;
         } else {
-            usual = sound;
-            if (sound) {
-                suspect = 0u;
-                frozen = 0u;
-                excluded_next = 0u;
-                trusted = true;
-                held = accepted;
-            } else {
-                suspect = excluded;
-                excluded_next = excluded;
-                trusted = usable;
-                held = (usable) ? accepted : expected;
-            }
+            suspect = excluded;
+            excluded_next = excluded;
+            trusted = usable;
+            held = (usable) ? accepted : expected;
         }
     }
     return (maglev_5dof_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
@@ -549,9 +551,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
     const maglev_5dof_monitor_t x_monitor = maglev_5dof_monitor(&state->x_monitor, state->observer_x.q, x_accepted,
-        in_time, x_unanswered, sound, guard_ready, (faults & 0x00000010u) == 0u);
+        in_time, guard_ready, x_unanswered, sound, (faults & 0x00000010u) == 0u);
     const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, state->observer_z.q, z_accepted,
-        in_time, z_unanswered, sound, guard_ready, (faults & 0x00000020u) == 0u);
+        in_time, guard_ready, z_unanswered, sound, (faults & 0x00000020u) == 0u);
     const bool lost_x = !x_monitor.trusted;
     const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;

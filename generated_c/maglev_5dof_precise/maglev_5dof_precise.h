@@ -157,9 +157,10 @@
  * not vanish, and the internal model would push the platen into the stop until the currents are at their limit.
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
- * platen, these tests are off; so are they after missed calls, until the prediction agrees again with ten changes of
- * the code. A platen that rests is pushed there and back by the probe after each 40 samples without a change of the
- * code of x or z.
+ * platen, these tests are off. After missed calls, and while the platen accelerates otherwise than predicted, until the
+ * prediction agrees with ten changes of the code, they notice only a distance between both that grows by more than 0.5
+ * mm. A platen that rests is pushed there and back by the probe after each 40 samples without a change of the code of x
+ * or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.

@@ -10,6 +10,10 @@
               body has moved on, nor where the prediction or the code before it is outside `travel`; a sensor that
               jumps is not frozen in the same sample
 
+While a body accelerates hard, its prediction seldom agrees with it. With `wide` no agreement is needed where |y - y^|
+has grown by more than `wide` since the last change of the code: one that stands still is frozen, one that changes
+jumps. A prediction that returns to its code, as after missing calls, makes |y - y^| smaller.
+
 A frozen sensor is excluded until init at once, one that jumps after `persistent` samples in a row. Once latched,
 predictions stand still, and no jump is looked for any more.
 
@@ -40,7 +44,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     ``<s>_frozen``, ``<s>_suspect`` and ``<s>_usual`` for `redundancy`, and ``<s>_unchanged``. `missed_calls` is the
     input that counts missing calls, if there is one.
 
-    Raises SignalError for a sensor without a gate or a travel, or with a gate of jumps below its gate.
+    Raises SignalError for a sensor without a gate or a travel, or with a gate of jumps or a wide one below its gate.
     """
     n = sensor.name
     decision.require(n)
@@ -50,10 +54,14 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
         same = y == x["code"]
         unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
-        before = ca.if_else(same, x["before"], expected)
+        before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)  # at first nothing is predicted
         distance = ca.fabs(expected - y)
+        grown = ca.SX(0)
+        if n in decision.wide:
+            grown = distance - ca.fabs(x["code"] - x["before"]) > decision.wide[n]
         far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
-        believed = _is_jump_possible(travel, (expected, x["code"]), doubts, _is_in_time(u, missed_calls))
+        told = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
+        believed = _is_free(travel, (expected, x["code"]), told)
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
@@ -62,7 +70,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
         agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
-        moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
+        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), grown)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
@@ -116,14 +124,12 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
-def _is_jump_possible(
-    travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], doubts: ca.SX, in_time: ca.SX
-) -> ca.SX:
-    """Return whether a prediction is believed and no stop may hold the body: then a large innovation is a jump.
+def _is_free(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], told: ca.SX) -> ca.SX:
+    """Return whether a large innovation, if it is `told` by its prediction, is a jump: no stop may hold the body.
 
     The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
     """
-    (low, high), believed = travel, ca.logic_and(doubts < 1, in_time)
+    low, high = travel
     for position in positions:
-        believed = ca.logic_and(believed, ca.logic_and(position > low, position < high))
-    return believed
+        told = ca.logic_and(told, ca.logic_and(position > low, position < high))
+    return told

@@ -6,7 +6,8 @@ parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refu
              or more follow from the predictions
 isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
 others       a code that stands still while the prediction moves by more than a gate is frozen; a reading further
-             than `jump` from a prediction that is believed has jumped
+             than `jump` from a prediction that is believed has jumped; where the distance grew by more than `wide`
+             since the last change of the code, it is believed
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,6 +39,7 @@ class Sensors:
     others: Sequence[str]
     gate: float
     jump: float
+    wide: float
     travel: float
     longest: int
     low: Array
@@ -81,17 +83,19 @@ def readings(
     readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
     undecided = after["waited"] | readmitted.any(axis=0)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
-    before = np.where(same[g:], rows(state, of.states("before")[g:]), expected[g:])
+    remembered = rows(state, of.states("before")[g:])
+    before = np.where(ready, np.where(same[g:], remembered, expected[g:]), y[g:])
     unanswered = rows(state, [f"probe_{n}_attempt" for n in of.others]) >= attempts
     doubts = rows(state, of.states("doubts")[g:])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, of.states("jumps")[g:])
-    with np.errstate(invalid="ignore"):
-        believed = judging & (doubts == 0) & (np.asarray(missed) == 0)
     last = rows(state, of.states("code")[g:])
+    grown = distance - np.abs(last - remembered) > of.wide
+    with np.errstate(invalid="ignore"):
+        believed = judging & ((doubts == 0) | grown) & (np.asarray(missed) == 0)
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
-    doubted = np.where(far & believed, 0, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
-    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | unanswered
+    doubted = np.where(far & believed, doubts, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
+    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | grown | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     freezes = ready & stands & ~jumps & usable[g:]

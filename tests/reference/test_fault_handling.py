@@ -55,10 +55,10 @@ def differs(block: Block, x: Columns, u: Columns, states: Columns, outputs: Colu
 
 
 SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
-DECISION = redundancy_block.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3})
+DECISION = redundancy_block.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3}, wide={"x": 5e-3})
 MISSED = Signal("missed_calls", "1", 0, 40)
 OF = redundancy.Sensors(
-    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
+    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 5e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
 )
 
 
@@ -71,6 +71,7 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     rng = np.random.default_rng(1)
     u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, -1.0, np.nan), N)
     x["x_monitor_doubts"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["x_monitor_doubts"])
+    x["x_monitor_before"] = np.clip(u["x_accepted"] + rng.choice((0, 0.02), N), -1, 1)
     u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 0.01), N), -1, 1)
     for s, code in zip(SENSORS, of.states("code"), strict=True):
         off = rng.choice((0.0, 5e-4, 0.02), N) * rng.choice((-1, 1), N)
@@ -152,6 +153,7 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
         lambda: redundancy_differs(replace(OF, threshold=0.02)),
         lambda: redundancy_differs(replace(OF, gate=0.05)),
         lambda: redundancy_differs(replace(OF, jump=0.03)),
+        lambda: redundancy_differs(replace(OF, wide=0.03)),
         lambda: predictor_differs(61.0),
         lambda: probe_differs(4),
         lambda: landing_differs(2.1),

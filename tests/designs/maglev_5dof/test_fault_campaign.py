@@ -122,11 +122,12 @@ def lose_x_tilted(rig: Rig, plant: int, gap: float) -> Trajectory:
 
 def with_defect(rig: Rig, text: str, defect: str) -> Rig:
     """Return the rig with a defect planted in the controller's C."""
-    files = {path.name: path.read_text() for path in FOLDER.glob("*.[ch]")}
-    source = files[f"{DESIGN.name}.c"]
+    name, folder = rig.stage.name, FOLDER.parent / rig.stage.name
+    files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
+    source = files[f"{name}.c"]
     assert source.count(text) == 1
-    files[f"{DESIGN.name}.c"] = source.replace(text, defect)
-    return replace(rig, controller=host.load(files, json.loads((FOLDER / "manifest.json").read_text())))
+    files[f"{name}.c"] = source.replace(text, defect)
+    return replace(rig, controller=host.load(files, json.loads((folder / "manifest.json").read_text())))
 
 
 @pytest.mark.parametrize("gap", [0.0185, 0.020, 0.021])

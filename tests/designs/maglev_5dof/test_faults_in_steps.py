@@ -1,0 +1,81 @@
+"""Encoders of x and z that freeze or jump inside a large step of the set-point, and the wide gate for them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof_precise.design import DESIGN as PRECISE
+from synth import standard_tasks
+from synth.simulate import campaign
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Trajectory, sample_times
+from tests.designs.maglev_5dof.test_fault_campaign import with_defect
+
+pytestmark = pytest.mark.slow
+
+STEP, SIZE = 1000, 0.06  # sample, m
+RIGS = {
+    d.name: campaign.with_stops(standard_tasks.rig(d.stage, d.scalar)) for d in (DESIGN, PRECISE) if d.stage is not None
+}
+
+
+def in_a_step(
+    rig: Rig, sensor: str, after: int, jumps: float = 0.0, plant: int = 0, duration: float = 2.5
+) -> Trajectory:
+    """Return a run in which an encoder freezes, or `jumps` by so many m, so many samples `after` a step of 60 mm."""
+    time = sample_times(duration, rig.period_s)
+    k = np.arange(len(time))
+    rig = replace(rig, plant=campaign.plant_number(rig.plant, plant))
+    start, references = {sensor: -SIZE / 2}, {f"{sensor}_ref": np.where(k < STEP, -SIZE / 2, SIZE / 2)}
+    if not jumps:
+        return rig.run(duration, start, references, lags={sensor: np.clip(k - STEP - after + 1, 0, None)})
+    noise = {sensor: np.where(k < STEP + after, 0.0, jumps)}
+    return rig.run(duration, start, references, noise=noise)
+
+
+def notice(run: Trajectory, sensor: str, after: int) -> float:
+    """Return the samples from the onset to the first bit that names the sensor; inf for never."""
+    named = np.flatnonzero(run.faults >> (15 + "xz".index(sensor)) & 1)
+    return float(named[0] - STEP - after) if len(named) else np.inf
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize("sensor", ["x", "z"])
+@pytest.mark.parametrize("after", [80, 150])
+def test_an_encoder_that_freezes_in_a_large_step_is_named_within_20_ms(name: str, sensor: str, after: int) -> None:
+    for plant in (0, 1):
+        run = in_a_step(RIGS[name], sensor, after, plant=plant)
+        assert 0 < notice(run, sensor, after) <= 20
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize("jumps", [1e-3, -0.02])
+def test_an_encoder_that_jumps_in_a_large_step_is_named_at_once(name: str, jumps: float) -> None:
+    for sensor, after in (("x", 60), ("z", 120)):
+        assert notice(in_a_step(RIGS[name], sensor, after, jumps), sensor, after) == 0
+
+
+def test_without_the_wide_gate_an_encoder_that_freezes_or_jumps_in_a_large_step_is_noticed_late() -> None:
+    """The planted defect: the gate is wider than any distance."""
+    planted = with_defect(RIGS[PRECISE.name], "wide = 0.0005f", "wide = 1.0f")
+    frozen = {sensor: in_a_step(planted, sensor, 150) for sensor in "xz"}
+    assert min(notice(run, s, 150) for s, run in frozen.items()) > 50
+    assert max(run.impacts[s] for s, run in frozen.items()) > 0.3  # m/s
+    assert notice(in_a_step(planted, "x", 60, 1e-3), "x", 60) == np.inf
+
+
+def from_the_start(rig: Rig) -> float:
+    """Return when an encoder of x that stands still from the start, at 30 mm, is named in a step after 20 samples."""
+    k = np.arange(300)
+    moves = {"x_ref": np.where(k < 20, 0.03, -0.03)}
+    run = rig.run(0.3, {"x": 0.03}, moves, lags={"x": k})
+    return float(np.argmax(run.faults >> 15 & 1))
+
+
+def test_the_remembered_prediction_starts_where_the_encoder_does() -> None:
+    """The planted defect remembers 0 until the code changes, which it never does."""
+    rig = RIGS[DESIGN.name]
+    planted = with_defect(rig, "(ready != 0u) ? before_next_if_ready : accepted", "before_next_if_ready")
+    assert 20 < from_the_start(rig) < 50 and not 0 < from_the_start(planted) < 50
