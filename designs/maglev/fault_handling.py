@@ -77,8 +77,8 @@ SENSOR_LOSS_EFFECT = (
 UNTESTED = (
     f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
     "may hold the platen, these tests are off. After missed calls, and while the platen accelerates otherwise than "
-    "predicted, until the prediction agrees with ten changes of the code, they notice only a distance between both that "
-    f"grows by more than {WIDE * 1e3:g} mm. A platen that rests is pushed there and back by the probe after each "
+    "predicted, until the prediction agrees with ten changes of the code, they notice only a distance between both "
+    f"that grows by more than {WIDE * 1e3:g} mm. A platen that rests is pushed there and back by the probe after each "
     f"{PROBE.quiet} samples without a change of the code of x or z."
 )
 DEGRADED = Fault(

@@ -60,8 +60,8 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         if n in decision.wide:
             grown = distance - ca.fabs(x["code"] - x["before"]) > decision.wide[n]
         far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
-        told = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
-        believed = _is_free(travel, (expected, x["code"]), told)
+        contradicts = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
+        believed = _is_free(travel, (expected, x["code"]), contradicts)
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
@@ -124,12 +124,12 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
-def _is_free(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], told: ca.SX) -> ca.SX:
-    """Return whether a large innovation, if it is `told` by its prediction, is a jump: no stop may hold the body.
+def _is_free(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], contradicts: ca.SX) -> ca.SX:
+    """Return whether a large innovation, if it `contradicts` a believed prediction, is a jump: no stop may hold the body.
 
     The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
     """
     low, high = travel
     for position in positions:
-        told = ca.logic_and(told, ca.logic_and(position > low, position < high))
-    return told
+        contradicts = ca.logic_and(contradicts, ca.logic_and(position > low, position < high))
+    return contradicts
