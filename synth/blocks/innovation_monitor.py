@@ -125,7 +125,7 @@ def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: 
 
 
 def _is_free(travel: tuple[float, float], positions: tuple[ca.SX, ca.SX], contradicts: ca.SX) -> ca.SX:
-    """Return whether a large innovation, if it `contradicts` a believed prediction, is a jump: no stop may hold the body.
+    """Return whether an innovation that `contradicts` a believed prediction is a jump: no stop may hold the body.
 
     The positions are the prediction, and the code before: a body that leaves a stop is not where it is predicted.
     """
