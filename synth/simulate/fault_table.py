@@ -26,10 +26,10 @@ def worst_targets(result: Campaign) -> tuple[Row, ...]:
 
 
 def _severity(result: Campaign, row: Row) -> tuple[float, float]:
-    return _largest(row.impacts, result.rate_spans)[1], _largest(_regulated(result, row), result.spans)[1]
+    return _largest(row.impacts, result.rate_spans)[1], _largest(_controlled_excursions(result, row), result.spans)[1]
 
 
-def _regulated(result: Campaign, row: Row) -> dict[str, float]:
+def _controlled_excursions(result: Campaign, row: Row) -> dict[str, float]:
     """Return the excursions of the positions with a set-point: a mode of the base may have a far smaller range."""
     return {q: value for q, value in row.excursion.items() if q in result.regulated}
 
@@ -54,7 +54,7 @@ def cells(result: Campaign, row: Row) -> tuple[str, ...]:
     Times are the slowest, in ms; counts are of the runs, without those without effect. `tolerated` is the time that the
     machine tolerates without the latch, where it was measured; too late says that the latch takes longer.
     """
-    q = _largest(_regulated(result, row), result.spans)[0]
+    q = _largest(_controlled_excursions(result, row), result.spans)[0]
     effective = row.runs - row.without_effect
     return (
         f"{row.target} {row.kind}",
