@@ -66,5 +66,5 @@ def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     ratios = headroom.ratios(controller, inputs)
-    assert ratios["pid_x_last"] == pytest.approx(1) and ratios["pid_z_last"] == 0
-    assert set(ratios) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}
+    assert ratios["pid_x_e_previous"] == pytest.approx(1) and ratios["pid_z_e_previous"] == 0
+    assert set(ratios) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "e_previous")}

@@ -30,7 +30,7 @@ INTERFACE = stage.interface(
     safe_output_effect="without current the magnets hold the stage at its stop and the flexure centres x",
 )
 GAINS = {"z": ("i1", 1800.0, 3.4e4, 18.0), "x": ("i2", 1450.0, 3e4, 10.0)}  # A/m, A/m/s, A s/m
-FADE = 0.4  # of the filtered rate, a sample
+VELOCITY_POLE = 0.4  # of the filtered rate, a sample
 
 
 def pid(axis: str) -> Block:
@@ -39,18 +39,24 @@ def pid(axis: str) -> Block:
     error, limit = INTERFACE.error(axis), INTERFACE.signals[actuator].high
     width = (error.high - error.low) / TIME.period_s
     demand = INTERFACE.demand(actuator, P * error.high + 2 * limit + D * width)
-    values = {"p": P, "i": Ki * TIME.period_s, "d": D, "fade": FADE, "rise": (1 - FADE) / TIME.period_s}
-    units = {"p": "A/m", "i": "A/m", "d": "A s/m", "fade": "1", "rise": "1/s"}
+    values = {
+        "p": P,
+        "i": Ki * TIME.period_s,
+        "d": D,
+        "velocity_pole": VELOCITY_POLE,
+        "velocity_gain": (1 - VELOCITY_POLE) / TIME.period_s,
+    }
+    units = {"p": "A/m", "i": "A/m", "d": "A s/m", "velocity_pole": "1", "velocity_gain": "1/s"}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         e = u[error.name]
-        v = k["fade"] * x["v"] + k["rise"] * (e - x["last"]) * u["ready"]
+        v = k["velocity_pole"] * x["v"] + k["velocity_gain"] * (e - x["e_previous"]) * u["ready"]
         return Step({demand.name: k["p"] * e + x["integral"] + k["d"] * v}, _next(x, k, e, v, u[f"{actuator}_excess"]))
 
     states = [
         State(Signal("integral", "A", -2 * limit, 2 * limit), 0.0),
         State(Signal("v", "m/s", -width, width), 0.0),
-        State(Signal("last", "m", error.low, error.high), 0.0),
+        State(Signal("e_previous", "m", error.low, error.high), 0.0),
     ]
     inputs = [error, Signal("ready", "1", 0, 1), INTERFACE.excess(actuator, demand.high)]
     constants = [Constant(n, v, units[n], "by hand") for n, v in values.items()]
@@ -60,7 +66,7 @@ def pid(axis: str) -> Block:
 
 
 def _next(x: Exprs, k: Exprs, e: Exprs, v: Exprs, excess: Exprs) -> Exprs:
-    return {"integral": x["integral"] + k["i"] * e + 0.05 * excess, "v": v, "last": e}
+    return {"integral": x["integral"] + k["i"] * e + 0.05 * excess, "v": v, "e_previous": e}
 
 
 @dataclass(frozen=True)
