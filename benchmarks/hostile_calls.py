@@ -74,7 +74,7 @@ def examples() -> Mapping[str, Call]:
         [[0.5]], [[1.0, 0.0]], [[0.0], [1.0]], [[0.0, 1.0], [2.0, 0.0]], ("k",), ("x", "s"), ("c", "s_out"), TIME
     )
     slopes = {"deviations": lambda q: 1 / (2 + np.cos(q)), "changes": lambda q, half: half + 0 * q}
-    placing = {"fine": np.ptp, "within": placement.Square(1.0, 10), "effort": placement.Effort(1, 2, 1)}
+    placing = {"fine": np.ptp, "within": placement.Square(1.0, 10), "budget": placement.SearchBudget(1, 2, 1)}
     unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
     first = square_root_kalman.initial(held, np.eye(2))
     servo = common["servo"]
@@ -99,7 +99,7 @@ def examples() -> Mapping[str, Call]:
         },
         "worst_deviation.bound_cells": {**slopes, "q": [[1.0]], "half": [[0.1]]},
         "placement.Square": {"half_width": 1.0, "grid": 10},
-        "placement.Effort": {},
+        "placement.SearchBudget": {},
         "placement.search": {**placing, "coarse": np.ptp, "coordinates": 1},
         "placement.improve": {**placing, "start": [0.5]},
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},

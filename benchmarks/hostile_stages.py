@@ -36,7 +36,7 @@ def examples() -> Mapping[str, Call]:
         "model": feedback_linearisation.of_plant(maglev).chain("gap"),
         "modes": {0.0: 5.0},
         "weights": {"gap": 1.0},
-        "effort": 1e-8,
+        "command_weight": 1e-8,
         "anti_windup": 5.0,
         "estimator": axis.kalman(noise["process"], noise["sensor"]),
     }

@@ -1,6 +1,6 @@
 """Servo LQG axes of a stage (MATLAB `lqi` with `kalman`): from a model and weights to Blocks, gains and bounds.
 
-    Z = axis.servo(inverse.chain("z"), modes={0.0: 25.0}, weights={"z": 1e8, "vz": 1e3}, effort=1e-2,
+    Z = axis.servo(inverse.chain("z"), modes={0.0: 25.0}, weights={"z": 1e8, "vz": 1e3}, command_weight=1e-2,
                    estimator=axis.kalman(process={"vz": 1e-5}, sensor={"z": 1e-14}), anti_windup=30.0)
     stage.controller("levitator", Discrete(1 / 2000), interface, [Z, ...])
 
@@ -63,23 +63,23 @@ def servo(
     *,
     modes: Mapping[float, float],
     weights: Mapping[str, float],
-    effort: float,
+    command_weight: float,
     estimator: Kalman,
     anti_windup: float,
-    set_point: float | None = None,
+    set_point_weight: float | None = None,
 ) -> ServoLaw:
     """Specify one axis: a servo of the measured output of `model` by its input.
 
-    model        a continuous StateSpace of one input and one output, about an equilibrium, or a Chain of a
-                 `feedback_linearisation.Linearisation`; states without influence are left out
-    modes        {frequency in rad/s: decay rate in 1/s} of the internal model: a constant for frequency 0, else a sine;
-                 the error of each mode decays at about this rate, as long as the loop is faster
-    weights      {state or output: weight in 1/unit^2}; the output needs a weight above 0
-    effort       weight on the command, in 1/unit^2; only ratios of `weights` and `effort` matter
-    estimator    the Kalman filter of the model's states from the output, from `kalman`
-    anti_windup  rate in 1/s at which the internal model tracks the actuator while the actuator is at its limit
-    set_point    set-point weight b >= 0 of the state feedback K_x (y - b r): 0 for none, 1 for the error; by default
-                 its zero cancels the pole of mode 0 at that mode's speed, and without mode 0 it is 1
+    model             a continuous StateSpace of one input and one output, about an equilibrium, or a Chain of a
+                      `feedback_linearisation.Linearisation`; states without influence are left out
+    modes             {frequency in rad/s: decay rate in 1/s} of the internal model: a constant for frequency 0, else a
+                      sine; the error of each mode decays at about this rate, as long as the loop is faster
+    weights           {state or output: weight in 1/unit^2}; the output needs a weight above 0
+    command_weight    weight on the command, in 1/unit^2; only its ratios to `weights` matter
+    estimator         the Kalman filter of the model's states from the output, from `kalman`
+    anti_windup       rate in 1/s at which the internal model tracks the actuator while that is at its limit
+    set_point_weight  weight b >= 0 of the set-point in the state feedback K_x (y - b r): 0 for none, 1 for the error;
+                      by default its zero cancels the pole of mode 0 at that mode's speed, and without mode 0 it is 1
 
     In the first sample the estimator rests at the measured position. With mode 0, the first command is then the
     actuator's safe value if the set-point is there, too.
@@ -103,13 +103,17 @@ def servo(
     _require_known("sensor noise", estimator.sensor, plant.outputs)
     internal_model.exosystem(list(modes))
     _require_positive("speed of a mode", modes, "1/s")
-    _require_positive("effort", {plant.inputs[0]: effort}, f"1/{plant.unit(plant.inputs[0]) or 'unit'}^2")
+    _require_positive(
+        "command weight", {plant.inputs[0]: command_weight}, f"1/{plant.unit(plant.inputs[0]) or 'unit'}^2"
+    )
     _require_positive("rate of the anti-windup", {plant.inputs[0]: anti_windup}, "1/s")
     if plant.outputs[0] not in weights:
         raise SignalError(f"there is no weight on '{plant.outputs[0]}', which scales the speeds of the modes: give one")
-    if set_point is not None and not 0 <= set_point < np.inf:
-        raise SignalError(f"the weight of the set-point is {set_point}: give a finite number of 0 or more")
-    return ServoLaw((Axis(plant, inverse, dict(modes), dict(weights), effort, estimator, anti_windup, set_point),))
+    if set_point_weight is not None and not 0 <= set_point_weight < np.inf:
+        raise SignalError(f"the weight of the set-point is {set_point_weight}: give a finite number of 0 or more")
+    return ServoLaw(
+        (Axis(plant, inverse, dict(modes), dict(weights), command_weight, estimator, anti_windup, set_point_weight),)
+    )
 
 
 def _require_known(what: str, values: Mapping[str, float], known: Sequence[str]) -> None:

@@ -7,12 +7,12 @@
 
 The command is held over each period T and acts d samples after it is computed. K minimises
 
-    int ( sum_s w_s s^2  +  effort u^2  +  sum_i 2^(f_i > 0) v_i^2 w_y |z_i|^2 ) dt
+    int ( sum_s w_s s^2  +  w_u u^2  +  sum_i 2^(f_i > 0) v_i^2 w_y |z_i|^2 ) dt
 
-with the weights w_s of the states and w_y of the output y, and for each mode of frequency f_i the oscillator
-z_i' = j f_i z_i + e (an integrator for f_i = 0). While the loop is fast, e = -k z has the least mean cost over one
-period when z_i decays at the rate v_i. A mode is therefore specified by the speed v_i in 1/s at which its error decays,
-not by a weight.
+with the weights w_s of the states, w_y of the output y and w_u of the command, and for each mode of frequency f_i the
+oscillator z_i' = j f_i z_i + e (an integrator for f_i = 0). While the loop is fast, e = -k z has the least mean cost
+over one period when z_i decays at the rate v_i. A mode is therefore specified by the speed v_i in 1/s at which its
+error decays, not by a weight.
 
 u cannot change the cost before it acts. The gain for the delay d is therefore the gain of the undelayed loop, applied
 to the state d samples later. The model predicts that state from the estimate and from the commands in the delay line:
@@ -64,10 +64,10 @@ class Axis:
     inverse: Linearisation | None
     modes: Mapping[float, float]
     weights: Mapping[str, float]
-    effort: float
+    command_weight: float
     estimator: Kalman
     anti_windup: float
-    set_point: float | None
+    set_point_weight: float | None
 
     @property
     def output(self) -> str:
@@ -115,7 +115,7 @@ class Regulator:
             "speeds_per_s": list(axis.modes.values()),
             "weights": dict(axis.weights),
             "weights_of_internal_model": internal_weights(axis.modes, axis.weights[axis.output]).tolist(),
-            "effort": axis.effort,
+            "command_weight": axis.command_weight,
             "K": [_six_digits(v) for v in self.servo.K[0]],
             "set_point_gain": _six_digits(self.feedforward),
             "process_noise": dict(axis.estimator.process),
@@ -185,7 +185,7 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     if delay < 0:
         raise SignalError(f"the delay is {delay} samples: give 0 or more")
     model, T, frequencies = axis.model, time.period_s, list(axis.modes)
-    undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.effort], T, exact=True)
+    undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.command_weight], T, exact=True)
     held = loop.sampled(model, T, delay * T)
     regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
@@ -249,14 +249,14 @@ def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
     def by_part() -> Any:
         c = precise.matrix(C)
         onto_output = (precise.matrix(regulator.K_x) * c.transpose()) * (c * c.transpose()).inv()
-        return onto_output * -flint.arb(1.0 if axis.set_point is None else axis.set_point)
+        return onto_output * -flint.arb(1.0 if axis.set_point_weight is None else axis.set_point_weight)
 
     def by_zero() -> Any:
         z = (-flint.arb(speed) * flint.arb(period_s)).exp()
         resolvent = precise.identity(len(model.Phi)) * z - precise.matrix(model.Phi)
         return precise.matrix(regulator.K_xi) * resolvent.solve(precise.matrix(model.N))
 
-    chosen = by_zero if axis.set_point is None and speed is not None else by_part
+    chosen = by_zero if axis.set_point_weight is None and speed is not None else by_part
     return float(precise.round_correctly(chosen, "the gain from the set-point")[0, 0])
 
 

@@ -51,7 +51,7 @@ def default_axis(model: Any = None, **changed: Any) -> axis.ServoLaw:
     arguments = {
         "modes": {0.0: 5.0},
         "weights": {"q": 1e8, "v": 1e2},
-        "effort": 1e-2,
+        "command_weight": 1e-2,
         "estimator": NOISE,
         "anti_windup": 10.0,
     }
@@ -117,7 +117,7 @@ def test_the_modes_leave_no_error_in_another_plant() -> None:
 
 def test_the_default_set_point_weight_cancels_the_pole_of_the_integrator() -> None:
     """The response to a step then has no slow tail: it is within 1 % long before exp(-5 t)."""
-    tails = {b: settling(regulator_for(1, set_point=b)) for b in (None, 0.0, 1.0)}
+    tails = {b: settling(regulator_for(1, set_point_weight=b)) for b in (None, 0.0, 1.0)}
     assert tails[None] < 0.1 < min(tails[0.0], tails[1.0])
 
 
@@ -210,7 +210,7 @@ def beam_axis(inverse: feedback_linearisation.Linearisation, name: str) -> axis.
     noise = axis.kalman(process={f"v{name}": 1e-3}, sensor={name: 1e-12})
     weights = {name: 1e8, f"v{name}": 1e3}
     return axis.servo(
-        inverse.chain(name), modes={0.0: 10.0}, weights=weights, effort=1e-2, estimator=noise, anti_windup=20.0
+        inverse.chain(name), modes={0.0: 10.0}, weights=weights, command_weight=1e-2, estimator=noise, anti_windup=20.0
     )
 
 
@@ -254,9 +254,9 @@ def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
         ({"weights": {"v": 1.0}}, "no weight on 'q'"),
         ({"weights": {"q": 1.0, "p": 1.0}}, "'p' is not one of q, v"),
         ({"weights": {"q": -1.0}}, "above 0"),
-        ({"effort": 0.0}, "effort"),
+        ({"command_weight": 0.0}, "command weight"),
         ({"anti_windup": -1.0}, "rate of the anti-windup"),
-        ({"set_point": -0.5}, "part of the set-point|weight of the set-point"),
+        ({"set_point_weight": -0.5}, "part of the set-point|weight of the set-point"),
         ({"estimator": axis.kalman({"x": 1.0}, {"q": 1.0})}, "process noise of the axis: 'x' is not one of q, v"),
     ],
 )

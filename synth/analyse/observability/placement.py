@@ -46,8 +46,8 @@ class Square:
 
 @arguments.checked
 @dataclass(frozen=True)
-class Effort:
-    """The effort of a search: `generations` of a `population` per coordinate, then `tries` steps of each length.
+class SearchBudget:
+    """The budget of a search: `generations` of a `population` per coordinate, then `tries` steps of each length.
 
     Raises ModelError for numbers below 0 or above MAX_COUNT, or no population.
     """
@@ -60,12 +60,12 @@ class Effort:
     def __post_init__(self) -> None:
         numbers = (self.generations, self.population, self.tries, self.seed)
         if not (min(numbers) >= 0 and max(numbers) <= MAX_COUNT and self.population):
-            raise ModelError(f"the effort is {numbers}: give whole numbers up to {MAX_COUNT}, and a population")
+            raise ModelError(f"the search budget is {numbers}: give whole numbers up to {MAX_COUNT}, and a population")
 
 
 @arguments.checked
-def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: Effort) -> Array:
-    """Return coordinates x (coordinates,) of the least cost found with this effort.
+def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, budget: SearchBudget) -> Array:
+    """Return coordinates x (coordinates,) of the least cost found within this budget.
 
     Raises ModelError for fewer than 1 or more than MAX_COUNT coordinates, and as `improve`.
     """
@@ -75,20 +75,20 @@ def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: E
     best = optimize.differential_evolution(
         partial(_value, coarse),
         bounds,
-        seed=effort.seed,
-        maxiter=effort.generations,
-        popsize=effort.population,
+        seed=budget.seed,
+        maxiter=budget.generations,
+        popsize=budget.population,
         tol=1e-6,
         polish=False,
     )
-    return improve(fine, best.x, within, effort)
+    return improve(fine, best.x, within, budget)
 
 
 @arguments.checked
-def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Array:
+def improve(fine: Cost, start: ArrayLike, within: Square, budget: SearchBudget) -> Array:
     """Return coordinates with a cost at most that of the nearest grid point to `start` in the square.
 
-    The search makes `effort.tries` steps of each length. `start` itself may cost less where it is no grid point.
+    The search makes `budget.tries` steps of each length. `start` itself may cost less where it is no grid point.
 
     Raises ModelError for a start that is not finite or outside the square, or a cost that is not a number.
     """
@@ -101,9 +101,9 @@ def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Arr
         )
     most = np.floor(grid * within.half_width * (1 + ROUNDING))
     best = np.clip(np.round(grid * x), -most, most)
-    rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)
+    rng, least = np.random.default_rng(budget.seed), _value(fine, best / grid)
     for step in STEPS:
-        for _ in range(effort.tries):
+        for _ in range(budget.tries):
             direction = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
             candidate = np.clip(best + np.round(step * direction), -most, most)
             value = _value(fine, candidate / grid)

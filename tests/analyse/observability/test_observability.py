@@ -147,9 +147,9 @@ def bowl(centre: np.ndarray, x: np.ndarray) -> float:
 
 def test_placement_comes_to_the_nearest_grid_point() -> None:
     cost, square = partial(bowl, np.array([0.1234, -0.5])), placement.Square(1.0, 100)
-    coordinates = placement.search(cost, cost, 2, square, placement.Effort(5))
+    coordinates = placement.search(cost, cost, 2, square, placement.SearchBudget(5))
     np.testing.assert_allclose(coordinates, [0.12, -0.5], atol=1e-12)
-    held = placement.improve(partial(bowl, np.array([9.0])), [0.0], square, placement.Effort(tries=60))
+    held = placement.improve(partial(bowl, np.array([9.0])), [0.0], square, placement.SearchBudget(tries=60))
     assert held[0] == 1.0
     with pytest.raises(ModelError, match="give both above 0"):
         placement.Square(0.0)

@@ -70,14 +70,14 @@ def test_no_small_step_betters_a_layout_much(yaw: int) -> None:
 def test_a_short_search_betters_the_published_layout() -> None:
     coarse, fine = (cost_of(FIELD, over_yaws(FIELD, YAW, points)) for points in ((12, 3), (32, 5)))
     square, finest = placement.Square(layouts.SEARCH_RADIUS), cost_of(FIELD, over_yaws(FIELD, YAW, (60, 9)))
-    searched = [placement.search(coarse, fine, 6, square, placement.Effort(60, 8, 15, seed)) for seed in (0, 2)]
+    searched = [placement.search(coarse, fine, 6, square, placement.SearchBudget(60, 8, 15, seed)) for seed in (0, 2)]
     assert min(map(finest, searched)) < 0.9 * finest(np.ravel(PUBLISHED))
 
 
 def test_steps_better_a_layout() -> None:
     cost = cost_of(FIELD, over_yaws(FIELD, YAW, (64, 11)))
     start = np.ravel(LAYOUTS[15])
-    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.Effort(tries=1))
+    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.SearchBudget(tries=1))
     assert cost(better) < cost(start)
 
 
@@ -138,7 +138,7 @@ def test_any_sensor_may_be_lost_of_six_and_with_less_accuracy_of_five() -> None:
 def test_steps_better_places_in_six_degrees_of_freedom() -> None:
     cost = cost_of(ANY, over_yaws(ANY, YAW, (20, 3)))
     start = np.array([0.3, -0.3, -0.3, -0.3, -0.3, 0.3, 0.3, 0.3])
-    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.Effort(tries=3))
+    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.SearchBudget(tries=3))
     assert cost(better) < cost(start) and np.abs(better).max() <= layouts.SEARCH_RADIUS
 
 

@@ -33,9 +33,9 @@ INTERFACE = stage.interface(
 )
 FREE = [
     Free("damping_z", 1e3, 1e2, 1e5, "s^2/m^2", "weight of vz"),
-    Free("set_point_z", 0.6, 0.0, 1.0, "1", "weight of the set-point"),
+    Free("set_point_weight_z", 0.6, 0.0, 1.0, "1", "weight of the set-point"),
     Free("damping_x", 1e2, 1e1, 1e5, "s^2/m^2", "weight of vx"),
-    Free("set_point_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
+    Free("set_point_weight_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
 ]
 
 
@@ -45,19 +45,19 @@ def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
         INVERSE.chain("z"),
         modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
         weights={"z": 1e8, "vz": p["damping_z"]},
-        effort=1e-2,
+        command_weight=1e-2,
         estimator=axis.kalman(process={"vz": 3e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
         anti_windup=30.0,  # 1/s
-        set_point=p["set_point_z"],
+        set_point_weight=p["set_point_weight_z"],
     )
     x = axis.servo(
         linearisation.linearise(PLANT, REST).channel("x", "i2"),
         modes={0.0: 25.0, COURSE: 20.0, HUM: 20.0},
         weights={"x": 1e8, "vx": p["damping_x"]},
-        effort=1e1,
+        command_weight=1e1,
         estimator=axis.kalman(process={"vx": 1e-4}, sensor={"x": 1e-14}),
         anti_windup=30.0,
-        set_point=p["set_point_x"],
+        set_point_weight=p["set_point_weight_x"],
     )
     return z, x
 

@@ -38,16 +38,16 @@ SLEW, BAD_SAMPLES = 100.0, 4
 
 @dataclass(frozen=True)
 class Axis:
-    """What an axis is asked for: continuous model, {frequency: speed}, weights of its states and effort, noises, b."""
+    """What an axis is asked for: continuous model, {frequency: speed}, weights of its states and command, noises, b."""
 
     A: Sequence[Sequence[float]]
     B: Sequence[float]
     modes: Mapping[float, float]
     weights: Sequence[float]
-    effort: float
+    command_weight: float
     process: float
     sensor: float
-    set_point: float
+    set_point_weight: float
 
 
 AXES = {
@@ -136,7 +136,7 @@ def gains(name: str) -> Gains:
         F[:n, :n], F[:n, n + k], F[n : n + k, n : n + k], F[n : n + k, n + k + 1] = A, B, Phi, N
         W = precise.diagonal(
             precise.diagonal(mpmath.diag(list(axis.weights)), weight_of_modes(axis.modes, axis.weights[0])),
-            mpmath.diag([axis.effort, 0]),
+            mpmath.diag([axis.command_weight, 0]),
         )
         E, cost = precise.gramian(F, W, T)
         held = mpmath.zeros(n + k + 2, n + k + 1)  # e = C x at the sample
@@ -159,7 +159,7 @@ def gains(name: str) -> Gains:
         numbers = (A_T, B_T, A_T * correction, correction, on_x, K_x * B_T, on_eta, turn, drive)
         E = observer_gain(turn, on_eta, modes)
         doubles = [np.array(v.tolist(), dtype=np.float64) for v in (*numbers, E)]
-        return Gains(*doubles, float(-axis.set_point * on_x[0]))
+        return Gains(*doubles, float(-axis.set_point_weight * on_x[0]))
 
 
 def initial_state() -> dict[str, Array]:
