@@ -103,7 +103,7 @@ def examples() -> Mapping[str, Call]:
         "placement.search": {**placing, "coarse": np.ptp, "coordinates": 1},
         "placement.improve": {**placing, "start": [0.5]},
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
-        "discretise.with_delay": {"system": held, "samples": 2},
+        "discretise.delay_samples": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
         "lie.affine": single,
         "linearisation.linearise": single,

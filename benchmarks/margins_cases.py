@@ -136,7 +136,7 @@ def case(kind: str, rng: np.random.Generator) -> Case:
         return Case(kind, len(poles), chain(zeros, poles, gain), bare, features, low, 1e4 * fast)
     if kind == "delayed":
         late, hold = 10 ** rng.uniform(-3, 0.5) / fast, rng.choice([0.0, 1.0]) * 10 ** rng.uniform(-2, 0) / fast
-        model = transfer.delayed(chain(zeros, poles, gain), late, hold)
+        model = transfer.with_delay_and_hold(chain(zeros, poles, gain), late, hold)
 
         def delayed_response(w: Array) -> Complex:
             held = np.sinc(w * hold / (2 * np.pi)) * np.exp(-1j * w * hold / 2)

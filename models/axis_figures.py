@@ -103,7 +103,7 @@ def integrating(axes: Sequence[Axis], order: float) -> int:
 def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
     """Return the margins of the continuous loop, or with `hold_s` of the held loop with a delay."""
     L = feedback_loop.close(axis.plant, axis.compensator.model).L
-    return _margin(transfer.delayed(L, delay_s, hold_s) if hold_s else L)
+    return _margin(transfer.with_delay_and_hold(L, delay_s, hold_s) if hold_s else L)
 
 
 @cache

@@ -1,8 +1,10 @@
 """Run-time validation of arguments against the annotations of a function (as `beartype`, `typeguard`).
 
     @checked
-    def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises TimingError:
-                            "`delay_s` of `transfer.delayed` is None: give a number of seconds"
+    def with_delay_and_hold(system: System, delay_s: float) -> Delayed
+
+    with_delay_and_hold(S, None) raises TimingError:
+        "`delay_s` of `transfer.with_delay_and_hold` is None: give a number of seconds"
 
 `checked` decorates every function and constructor that users call. Internal functions, whose arguments another
 function has read already, go without. An annotation says which values pass:

@@ -73,11 +73,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "skew": (lambda: disk.of_loop(TWO, skew=None), SignalError, "`skew` of `disk.of_loop` is None: give a number"),
     "delayed": (
-        lambda: transfer.delayed(TWO, None),
+        lambda: transfer.with_delay_and_hold(TWO, None),
         TimingError,
         "`delay_s` of .* is None: .* of seconds",
     ),
-    "a huge delay": (lambda: discretise.with_delay(of(HELD), 10**9), TimingError, "take at most 10000"),
+    "a huge delay": (lambda: discretise.delay_samples(of(HELD), 10**9), TimingError, "take at most 10000"),
 }
 
 
@@ -99,12 +99,12 @@ def test_a_long_delay_is_the_shift_register_of_its_samples() -> None:
     A, B, C, D = (rng.normal(size=shape) for shape in shapes)
     names = (("x1", "x2", "x3"), ("u1", "u2"), ("y",))
     model = StateSpace(A, B, C, D, *names, Discrete(0.1), {"u1": "A"})
-    late = discretise.with_delay(model, 3)
+    late = discretise.delay_samples(model, 3)
     assert late.states == (*names[0], *(f"u{j}_late{k}" for k in (1, 2, 3) for j in (1, 2)))
     assert late.unit("u1_late3") == "A" and late.unit("u2_late1") == ""
     z = np.exp(1j * np.array([0.1, 1.0, 3.0]))
     np.testing.assert_allclose(late.response(z), model.response(z) * z[:, None, None] ** -3, rtol=1e-12)
-    assert len(discretise.with_delay(model, 1500).states) == 3003
+    assert len(discretise.delay_samples(model, 1500).states) == 3003
 
 
 MASKED = np.ma.array([[0.0, 1.0], [-1.0, -1.0]], mask=[[False, True], [False, False]])

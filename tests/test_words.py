@@ -18,7 +18,6 @@ CHANGED_COPIES = frozenset(
         "balanced",
         "bracketed",
         "deflated",
-        "delayed",
         "displaced",
         "elided",
         "equilibrated",

@@ -6,7 +6,7 @@ Operating points
 
 Linear models
     c2d(system, period_s)                zero-order hold
-    delay(system, samples)               a sampled model with delayed inputs
+    delay_samples(system, samples)       a sampled model with delayed inputs
     connect(models, inputs, ...)         models wired by the names of their signals
     feedback(forward, back)              the closed loop with negative feedback
     minreal(system)                      the model without uncontrollable and unobservable states
@@ -15,7 +15,7 @@ Linear models
     gramians(system)                     controllability and observability Gramians, Hankel singular values
 
 Loops
-    delayed(system, delay_s, hold_s)     a continuous loop with an exact delay and hold
+    with_delay_and_hold(system, ...)     a continuous loop with an exact delay and hold
     margins(loop)                        gain, phase, delay and modulus margins with all crossings, verified
     disk_margin(loop)                    the gain and phase that may change together, certified
     sensitivity(plant, controller)       L, S, T, PS and CS of the closed loop

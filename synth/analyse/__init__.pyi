@@ -1,4 +1,4 @@
-from synth.analyse.discretise import with_delay as delay
+from synth.analyse.discretise import delay_samples as delay_samples
 from synth.analyse.discretise import zero_order_hold as c2d
 from synth.analyse.disk import of_loop as disk_margin
 from synth.analyse.feedback_loop import close as sensitivity
@@ -17,15 +17,14 @@ from synth.analyse.structure import poles as poles
 from synth.analyse.structure import transmission_zeros as zeros
 from synth.analyse.time_response import impulse_response as impulse_response
 from synth.analyse.time_response import step_response as step_response
-from synth.analyse.transfer import delayed as delayed
 from synth.analyse.transfer import response as frequency_response
+from synth.analyse.transfer import with_delay_and_hold as with_delay_and_hold
 
 __all__ = [
     "bode",
     "c2d",
     "connect",
-    "delay",
-    "delayed",
+    "delay_samples",
     "disk_margin",
     "feedback",
     "frequency_response",
@@ -41,5 +40,6 @@ __all__ = [
     "step",
     "step_response",
     "trim",
+    "with_delay_and_hold",
     "zeros",
 ]

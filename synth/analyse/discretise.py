@@ -108,7 +108,7 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> FirstOrderH
 
 
 @arguments.checked
-def with_delay(system: System, samples: int = 1) -> StateSpace:
+def delay_samples(system: System, samples: int = 1) -> StateSpace:
     """Return a sampled model whose inputs arrive `samples` periods late; each delay is a state ``<input>_late<k>``.
 
     Such a state has the unit of its input.

@@ -105,13 +105,13 @@ def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> Sta
         raise TimingError(
             f"the delay is {samples * T:g} s, {samples:.6g} samples of {T:g} s for each of {m} inputs: at most "
             f"{MAX_DELAY_STATES} states are added for it; take a longer period, or keep the loop continuous "
-            "(transfer.delayed)"
+            "(transfer.with_delay_and_hold)"
         )
     n, fraction = len(plant.A), samples - np.floor(samples)
     if abs(samples - whole) < DELAY_ROUNDING:
         E = _held_response(plant, T, 0.0)
-        return discretise.with_delay(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
-    return discretise.with_delay(_sample_with_fraction(plant, time, fraction), int(samples))
+        return discretise.delay_samples(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
+    return discretise.delay_samples(_sample_with_fraction(plant, time, fraction), int(samples))
 
 
 def _sample_with_fraction(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:

@@ -10,8 +10,8 @@
 
 A sampled loop is evaluated exactly, on z = exp(i w T) up to w = pi/T. Its hold and delays are part of its model. Its
 delay margin is exact for whole samples (for others, close the loop on `loop.sampled`). A continuous loop may have an
-exact delay and hold (`transfer.delayed`). L is real at w = 0 and at pi/T or infinity, and a phase crossing may lie
-there. A continuous loop with |L| >= 1 at infinity tolerates no delay: its delay margin is 0.
+exact delay and hold (`transfer.with_delay_and_hold`). L is real at w = 0 and at pi/T or infinity, and a phase crossing
+may lie there. A continuous loop with |L| >= 1 at infinity tolerates no delay: its delay margin is 0.
 
 Method. Up to EXACT_STATES states, a loop is an exact ratio of two polynomials, and `crossings` isolates every crossing.
 With a delay, `delayed_crossings` encloses L between frequencies. Above EXACT_STATES, `grid_crossings` traces L on a

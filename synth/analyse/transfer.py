@@ -61,7 +61,7 @@ class Curve:
 
 
 @arguments.checked
-def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
+def with_delay_and_hold(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     """Return a scalar continuous loop with an exact delay and hold, seconds, each 0 or more.
 
     Raises TimingError for a sampled model or a time that is negative or not finite; SignalError when it is not scalar.

@@ -56,7 +56,7 @@ def test_a_slope_without_the_delay_would_be_detected() -> None:
 
 
 def test_crossings_are_those_of_a_fine_grid() -> None:
-    model = transfer.delayed(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real), 0.2, 0.7)
+    model = transfer.with_delay_and_hold(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real), 0.2, 0.7)
     course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, 20.0)
     w = np.linspace(1e-3, 20, 2_000_001)
     L = brute(w)
@@ -71,7 +71,7 @@ def test_a_gain_that_only_touches_one_counts_as_a_crossing() -> None:
     """|L| = 1 touched from below by a resonance: an interval that stays undecided counts as a crossing."""
     zeta = 0.05
     touching = control.tf([2 * zeta * np.sqrt(1 - zeta**2)], [1, 2 * zeta, 1])
-    loop_margins = stability_margins.of_loop(transfer.delayed(touching, 0.3))
+    loop_margins = stability_margins.of_loop(transfer.with_delay_and_hold(touching, 0.3))
     assert loop_margins.phase_margin < 180 and loop_margins.gain_crossings[0].frequency == pytest.approx(
         np.sqrt(1 - 2 * zeta**2), rel=1e-6
     )
@@ -89,7 +89,7 @@ def test_a_gain_that_only_touches_one_counts_as_a_crossing() -> None:
 def test_a_crossing_on_a_node_is_kept(
     numerator: list[float], denominator: list[float], delay: float, crossings: list[float] | None
 ) -> None:
-    loop_margins = stability_margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
+    loop_margins = stability_margins.of_loop(transfer.with_delay_and_hold(control.tf(numerator, denominator), delay))
     plain = stability_margins.of_loop(control.tf(numerator, denominator))
     expected = [c.frequency for c in plain.gain_crossings] if crossings is None else crossings
     assert [c.frequency for c in loop_margins.gain_crossings] == pytest.approx(expected, rel=1e-9)
@@ -102,7 +102,7 @@ def test_a_crossing_on_a_node_is_kept(
 
 @pytest.mark.parametrize("b", [[-1.0, 1.0], [1.0, 1.0], [-2.0, -2.0]])
 def test_a_delayed_all_pass_of_gain_one_has_no_delay_margin(b: list[float]) -> None:
-    loop_margins = stability_margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
+    loop_margins = stability_margins.of_loop(transfer.with_delay_and_hold(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
     assert (
         not loop_margins.stable
         and loop_margins.delay_margin == 0
@@ -113,7 +113,7 @@ def test_a_delayed_all_pass_of_gain_one_has_no_delay_margin(b: list[float]) -> N
 def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
     """L = -s / (s + 1), delayed and held: direct feedthrough of -1, removed by the hold."""
     loop_margins, beside = (
-        stability_margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1))
+        stability_margins.of_loop(transfer.with_delay_and_hold(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1))
         for d in (-1.0, -1 + 1e-9)
     )
     assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
@@ -125,12 +125,12 @@ def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
     monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
     with pytest.raises(ModelError, match="cannot be separated"):
-        stability_margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))
+        stability_margins.of_loop(transfer.with_delay_and_hold(flat * 0.9999999999999, 0.1))
 
 
 def test_lobes_of_the_hold_above_all_rates_of_the_loop_are_counted() -> None:
     """A loop with a gain of 500 at infinity crosses |L| = 1 in every lobe up to 2 * 500 / hold."""
-    model = transfer.delayed(control.tf([500.0, -10.0], [1.0, 0.77]), 1e-3, 1e-3)
+    model = transfer.with_delay_and_hold(control.tf([500.0, -10.0], [1.0, 0.77]), 1e-3, 1e-3)
     course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, None)
     w = np.linspace(1.0, 1.2e6, 2_400_001)
     size = np.abs((500j * w - 10) / (1j * w + 0.77) * np.sinc(w * 1e-3 / (2 * np.pi)))

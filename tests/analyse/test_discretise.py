@@ -127,7 +127,7 @@ def test_the_norm_of_an_unbounded_ball_is_infinite() -> None:
 @pytest.mark.parametrize("samples", [0, 1, 3])
 def test_a_delay_multiplies_the_response_by_a_power_of_z(samples: int) -> None:
     held = discretise.zero_order_hold(random_model(7), T)
-    late = discretise.with_delay(held, samples)
+    late = discretise.delay_samples(held, samples)
     z = np.exp(1j * np.array([0.1, 1.0, 3.0]))
     np.testing.assert_allclose(
         late.response(z), held.response(z) * z[:, None, None] ** -samples, rtol=1e3 * tolerances.of("double")
@@ -236,14 +236,14 @@ def test_arrays_and_python_control_systems_are_sampled_too() -> None:
     for system in ((c.A, c.B, c.C, c.D), c.to_control()):
         again = discretise.zero_order_hold(system, T)
         assert again.A.tobytes() == held.A.tobytes() and again.B.tobytes() == held.B.tobytes()
-    late = discretise.with_delay(held.to_control())
-    assert late.A.tobytes() == discretise.with_delay(held).A.tobytes()
+    late = discretise.delay_samples(held.to_control())
+    assert late.A.tobytes() == discretise.delay_samples(held).A.tobytes()
 
 
 def test_sampling_and_delay_carry_units() -> None:
     units = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
     c = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), units)
-    late = discretise.with_delay(discretise.zero_order_hold(c, T), 2)
+    late = discretise.delay_samples(discretise.zero_order_hold(c, T), 2)
     assert late.units == {**units, "f_late1": "N", "f_late2": "N"}
 
 
@@ -256,9 +256,9 @@ def test_time_is_not_mixed() -> None:
         with pytest.raises(TimingError, match="finite and positive"):
             discretise.first_order_hold(c.A, c.B, period)
     with pytest.raises(TimingError, match="sample the model"):
-        discretise.with_delay(c)
+        discretise.delay_samples(c)
     with pytest.raises(TimingError, match="delay of -1 samples"):
-        discretise.with_delay(held, -1)
+        discretise.delay_samples(held, -1)
 
 
 def test_models_without_states_are_sampled_without_warnings(capfd: pytest.CaptureFixture[str]) -> None:
@@ -276,7 +276,7 @@ def test_periods_and_arrays_are_accepted_or_refused() -> None:
     with pytest.raises(SignalError, match=r"A is \(1, 1\) and B is \(2, 1\): give B 1 rows"):
         discretise.first_order_hold([[1.0]], [[1.0], [1.0]], 0.1)
     with pytest.raises(TimingError, match=r"`samples` of .* is 1\.5: give a whole number"):
-        discretise.with_delay(([[1.0]], [[1.0]], Discrete(0.1)), 1.5)
+        discretise.delay_samples(([[1.0]], [[1.0]], Discrete(0.1)), 1.5)
 
 
 @pytest.mark.parametrize("horizon", [0.3, 0.8, 1.5, 10.0])

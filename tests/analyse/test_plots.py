@@ -16,7 +16,7 @@ LOOP = control.ss(control.tf([30.0, 900.0], [1 / 300, 1.0, 0.0, 0.0]))
 LOOPS = {
     "continuous": LOOP,
     "sampled": control.c2d(LOOP, 2e-3),
-    "delayed": transfer.delayed(LOOP, 1e-3, 1e-3),
+    "delayed": transfer.with_delay_and_hold(LOOP, 1e-3, 1e-3),
     "conditionally stable": control.ss(control.tf([2.0], [1.0, -1.0])),
     "resonant": control.ss(control.tf([50.0], [1 / 160_000, 2 * 0.005 / 400, 1.0, 0.0])),
     "not stable": control.ss(control.tf([-2.0], [1.0, -1.0])),

@@ -83,7 +83,7 @@ def test_random_loops_agree_with_python_control(seed: int, sampled: bool) -> Non
     poles = np.concatenate([-rng.uniform(0.2, 5, n), [0.0]])
     zeros = -rng.uniform(0.5, 8, n - 1)
     L = loop(np.poly(zeros) * rng.uniform(0.5, 30), np.poly(poles))
-    L = discretise.with_delay(discretise.zero_order_hold(L, 0.05), 1) if sampled else L
+    L = discretise.delay_samples(discretise.zero_order_hold(L, 0.05), 1) if sampled else L
     loop_margins, witness = stability_margins.of_loop(L), control.stability_margins(L.to_control(), returnall=True)
     gm, pm, _, wpc, wgc, _ = witness
     assume(len(wgc) > 0)
@@ -147,7 +147,9 @@ def test_a_sampled_loop_is_stable_up_to_its_delay_margin_in_whole_samples(k: flo
     L = discretise.zero_order_hold(loop([20 * k, 60 * k], [1, 8, 0]), T)
     samples = stability_margins.of_loop(L).delay_margin / T
     below = int(np.floor(samples))
-    assert below >= 3 and decays(discretise.with_delay(L, below)) and not decays(discretise.with_delay(L, below + 1))
+    assert (
+        below >= 3 and decays(discretise.delay_samples(L, below)) and not decays(discretise.delay_samples(L, below + 1))
+    )
 
 
 def test_a_continuous_loop_is_stable_up_to_its_delay_margin() -> None:
@@ -186,7 +188,7 @@ def test_a_closed_loop_pole_lies_on_the_boundary_at_each_crossing(seed: int, sam
     resonance = [1, 2 * 10 ** rng.uniform(-4, -1), 1]
     poles = np.polymul(resonance, np.poly([*-rng.uniform(0.2, 5, 2), 0.0]))
     L = loop(rng.uniform(0.1, 3) * np.poly(-rng.uniform(0.5, 4, 2)), poles)
-    L = discretise.with_delay(discretise.zero_order_hold(L, 0.3), 2) if sampled else L
+    L = discretise.delay_samples(discretise.zero_order_hold(L, 0.3), 2) if sampled else L
     loop_margins = stability_margins.of_loop(L)
     crossings = [(c.frequency, np.exp(-1j * np.radians(c.phase_margin))) for c in loop_margins.gain_crossings]
     crossings += [(c.frequency, c.gain_margin) for c in loop_margins.phase_crossings if 0 < c.frequency < 10]
@@ -228,7 +230,7 @@ def test_a_loop_of_gain_one_at_infinity_has_no_delay_margin() -> None:
             and loop_margins.delay_margin == 0
             and "Delay margin 0: |L| is" in repr(loop_margins)
         )
-        assert not stability_margins.of_loop(transfer.delayed(loop([D, 0.5], [1, pole]), 1e-3)).stable
+        assert not stability_margins.of_loop(transfer.with_delay_and_hold(loop([D, 0.5], [1, pole]), 1e-3)).stable
     loop_margins = stability_margins.of_loop(loop([2, 1], [1, 3]))
     assert (
         loop_margins.stable and loop_margins.gain_crossings[0].delay_margin > 0

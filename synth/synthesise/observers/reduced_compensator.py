@@ -8,9 +8,10 @@
             |         +------ z ---[ computed: z' = Az z + Bz q,  q some of y, x^ and u ]
             +--> u, to the observer and to the computed states
 
-u uses the y of the same sample; `discretise.with_delay` adds a sample of delay to the plant. The states z are computed,
-not estimated: integrals of measured signals, or any other model. If they were counted as measured, L would use them as
-exact measurements. With e = x2 - x2^, d = n = 0 and the plant with z driven by the true x, (A, B) of `augmented`,
+u uses the y of the same sample; `discretise.delay_samples` adds a sample of delay to the plant. The states z are
+computed, not estimated: integrals of measured signals, or any other model. If they were counted as measured, L would
+use them as exact measurements. With e = x2 - x2^, d = n = 0 and the plant with z driven by the true x, (A, B) of
+`augmented`,
 
     [x; z]' = (A + B K) [x; z] + R e,     e' = F e,
 
@@ -168,7 +169,7 @@ def _solve_algebraic_loop(loop: flint.arb_mat, right: flint.arb_mat) -> flint.ar
     if equilibrate.is_singular(precise.rounded(loop)):
         raise ModelError(
             "the algebraic loop of u through D and K has no solution: I + K from_x1 D is singular; put a sample "
-            "of delay into the plant (discretise.with_delay)"
+            "of delay into the plant (discretise.delay_samples)"
         )
     return loop.solve(right)
 

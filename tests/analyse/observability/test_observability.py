@@ -156,15 +156,15 @@ def test_placement_comes_to_the_nearest_grid_point() -> None:
 
 
 def test_an_improved_placement_stays_in_the_square_and_on_its_grid() -> None:
-    effort = placement.Effort(tries=40)
-    coarse = placement.improve(lambda x: -float(x[0]), [0.0], placement.Square(0.6, 1), effort)
+    budget = placement.SearchBudget(tries=40)
+    coarse = placement.improve(lambda x: -float(x[0]), [0.0], placement.Square(0.6, 1), budget)
     assert coarse.tolist() == [0.0], "the next grid point, 1, is outside"
-    fine = placement.improve(lambda x: -float(x[0]), [0.6], placement.Square(0.6, 7), effort)
+    fine = placement.improve(lambda x: -float(x[0]), [0.6], placement.Square(0.6, 7), budget)
     assert fine.tolist() == [4 / 7]
-    rounded = placement.improve(lambda x: abs(float(x[0]) - 4e-4), [4e-4], placement.Square(1.0), effort)
+    rounded = placement.improve(lambda x: abs(float(x[0]) - 4e-4), [4e-4], placement.Square(1.0), budget)
     assert rounded.tolist() == [0.0], "the grid point nearest to the start"
     with pytest.raises(ModelError, match="the start reaches to 5, the square to 1: give a start inside"):
-        placement.improve(lambda x: -float(x[0]), [5.0], placement.Square(1.0), effort)
+        placement.improve(lambda x: -float(x[0]), [5.0], placement.Square(1.0), budget)
 
 
 @pytest.mark.parametrize("condition", [1e3, 1e8, 1e10])

@@ -64,7 +64,7 @@ def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, op
     """The whole loop is put together here, from the controller as it ships and the plant under its delay."""
     rest = robustness.equilibrium_at(loops, f"{gap} mm")
     K, sensors = rest.controller, {s.name: s.of for s in platen.INTERFACE.sensors}
-    P = discretise.with_delay(discretise.zero_order_hold(rest.plant, platen.TIME.period_s), 1)
+    P = discretise.delay_samples(discretise.zero_order_hold(rest.plant, platen.TIME.period_s), 1)
     S = np.array([[float(sensors.get(i) == o) for o in P.outputs] for i in K.inputs])
     U = np.array([[float(WIRES[i] == o) for o in K.outputs] for i in P.inputs])
     A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])

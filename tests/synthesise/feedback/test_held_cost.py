@@ -113,14 +113,14 @@ def test_without_a_delay_nothing_changes() -> None:
 
 @pytest.mark.parametrize("samples", [1, 2, 4])
 def test_for_whole_samples_it_is_the_sum_of_the_delayed_model(samples: int) -> None:
-    """Against `dlqr` of `with_delay`, x predicted by hand; and against the sum with the cost on the late input alone.
+    """Against `dlqr` of `delay_samples`, x predicted by hand; against the sum with the cost on the late input alone.
 
     The latter weighs u[k] by nothing, so that its gain is found from the end of a long horizon backwards.
     """
     plant, Q, R, N = problem(4)
     gain = lqr.lqrd(plant, Q, R, T, N, delay_s=samples * T)
     cost = lqr.sampled_cost(plant, Q, R, T, N)
-    late = discretise.with_delay(cost.model, samples)
+    late = discretise.delay_samples(cost.model, samples)
     assert gain.states == late.states == loop.sampled(plant, T, samples * T).states
     A, B = cost.model.A, cost.model.B
     powers = [np.linalg.matrix_power(A, k) for k in range(samples, -1, -1)]

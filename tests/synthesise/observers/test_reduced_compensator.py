@@ -241,7 +241,7 @@ def test_a_continuous_loop_separates() -> None:
 
 
 def test_a_sample_of_delay_belongs_to_the_plant() -> None:
-    late = discretise.with_delay(PLAIN)
+    late = discretise.delay_samples(PLAIN)
     gain = lqr.lqr(late, np.diag([1e6] * 3 + [1.0] * 3 + [1e-3] * 3), np.eye(3))
     known = (*POSITIONS, "iA_late1", "iB_late1", "iC_late1")
     for observer in (

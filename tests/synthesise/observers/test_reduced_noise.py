@@ -183,7 +183,7 @@ def test_a_growing_mode_that_noise_does_not_excite_is_mirrored() -> None:
 
 
 def test_a_late_input_is_known_exactly_and_takes_no_part() -> None:
-    late, W = discretise.with_delay(HELD), np.zeros((3, 3))
+    late, W = discretise.delay_samples(HELD), np.zeros((3, 3))
     W[:2, :2] = GATHERED
     plain, with_input = (reduced_observer.by_riccati(m, "x", w) for m, w in ((HELD, GATHERED), (late, W)))
     np.testing.assert_allclose(with_input.L, [plain.L[0], [0]], rtol=1e-6)

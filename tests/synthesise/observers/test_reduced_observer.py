@@ -258,7 +258,7 @@ def test_gains_agree_with_python_control() -> None:
 
 
 def test_a_late_input_is_estimated_or_measured() -> None:
-    late = discretise.with_delay(HELD)
+    late = discretise.delay_samples(HELD)
     observer = reduced_observer.by_poles(late, "x", [0.2, 0.3])
     known = reduced_observer.by_poles(late, ("x", "i_late1"), [0.3])
     assert (observer.estimated_states, known.estimated_states) == (("v", "i_late1"), ("v",))

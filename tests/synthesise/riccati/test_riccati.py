@@ -329,7 +329,7 @@ def test_a_deadbeat_pole_has_no_frequency_and_a_constant_no_damping() -> None:
 @pytest.mark.parametrize("samples", [1, 2, 3, 5])
 def test_a_delayed_loop_shows_its_deadbeat_poles(samples: int) -> None:
     """Rounding scatters them, three by some 1e-5, which is no frequency of 4 kHz."""
-    late = discretise.with_delay(model([[1.0]], [[1.0]], Discrete(5e-4)), samples)
+    late = discretise.delay_samples(model([[1.0]], [[1.0]], Discrete(5e-4)), samples)
     solution = riccati.solve(late, np.diag([1.0] + [0.0] * samples), [1.0])
     shown = [row[1] for row in modes.table(solution.poles, solution.time).rows]
     assert shown.count("deadbeat") == samples
