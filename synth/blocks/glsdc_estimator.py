@@ -35,7 +35,7 @@ from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_exclusion import Separation
 from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_jacobian import Model
-from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Turned, Unknown
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.glsdc_monitor import Monitor
 from synth.blocks.glsdc_search import Sample, Search
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
@@ -61,7 +61,7 @@ SAFE_OUTPUT_EFFECT = "an estimator moves nothing: once latched it continues, and
 def estimator(
     name: str,
     time: Discrete,
-    h: Measurement | Implicit | Turned,
+    h: Measurement | Implicit | RotatedMeasurement,
     R: ArrayLike,
     *,
     channels: Sequence[Signal],

@@ -11,7 +11,8 @@ Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
 
-An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq. A Turned model brings its H.
+An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq. A RotatedMeasurement brings its
+H.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
 weighted least squares).
@@ -27,7 +28,7 @@ import numpy as np
 from synth import arguments
 from synth import law as laws
 from synth.block import Constant, Exprs
-from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Turned, Unknown
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
@@ -91,7 +92,7 @@ class Model:
 
 
 def model(
-    h: Measurement | Implicit | Turned,
+    h: Measurement | Implicit | RotatedMeasurement,
     R: Array,
     channels: Sequence[Signal],
     angles: Sequence[str],
@@ -108,17 +109,17 @@ def model(
     _check(R, channels, unknowns)
     if strangers := [n for n in angles if n not in signal_names(channels)]:
         raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
-    if isinstance(h, Turned):
+    if isinstance(h, RotatedMeasurement):
         _check_pairs(h, R, channels, unknowns)
     of = _symbols(channels, unknowns, phases, constants)
     q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
-    if isinstance(h, Turned):
+    if isinstance(h, RotatedMeasurement):
         _require_values(laws.evaluate("h", h.fixed, q, k), of)
     turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
     slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
-    moving, turning = _fixed_axes(h, of, q, k) if isinstance(h, Turned) else (residuals, {})
+    moving, turning = _fixed_axes(h, of, q, k) if isinstance(h, RotatedMeasurement) else (residuals, {})
     columns = [
         _derivative(moving, u, of) + _by_phases(moving, s, of) + turning.get(u.name, 0)
         for u, s in zip(unknowns, slopes, strict=True)
@@ -172,7 +173,7 @@ def _symbols(
     )
 
 
-def _residuals(h: Measurement | Implicit | Turned, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
+def _residuals(h: Measurement | Implicit | RotatedMeasurement, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
     """Return the residuals (m,): y - h, or those of an Implicit model."""
     y = laws.NamedSymbols("h: the channels", of.y)
     values = laws.evaluate("h", h, q, k) if callable(h) else laws.evaluate("h", h.residual, q, y, k)
@@ -187,14 +188,14 @@ def _require_values(values: object, of: _Symbols) -> None:
     laws.require_names("h", list(of.y), values)
 
 
-def _fixed_axes(h: Turned, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
-    """Return -f (m,) of a Turned model, and what the turn adds to its derivative by the angle."""
+def _fixed_axes(h: RotatedMeasurement, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return -f (m,) of a RotatedMeasurement, and what the turn adds to its derivative by the angle."""
     f = laws.evaluate("h", h.fixed, q, k)
     turning = h.turning(f)
     return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
 
 
-def _check_pairs(h: Turned, R: Array, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
+def _check_pairs(h: RotatedMeasurement, R: Array, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
     angles, names = [u.name for u in unknowns if u.rate == 1], signal_names(channels)
     if not callable(h.fixed):
         raise SignalError(

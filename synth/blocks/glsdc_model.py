@@ -3,7 +3,8 @@
     h(q, k):   maps unknowns q and constants k by name to the value of each channel; of a periodic unknown q_i and of a
                Phase a there are cos_<name> and sin_<name> besides
     Implicit:  e(q, y, k) maps to the residuals instead, for models that are simpler in other axes than the sensors'
-    Turned:    f(q, k) maps to plane vectors in fixed axes, which a body measures that an unknown angle turns
+    RotatedMeasurement:
+               f(q, k) maps to plane vectors in fixed axes, which a body measures that an unknown angle turns
     R:         covariance of the errors v, f^2 (noise^2 + model_error^2)
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
@@ -40,7 +41,7 @@ class Implicit:
 
 
 @dataclass(frozen=True)
-class Turned:
+class RotatedMeasurement:
     """A model of plane vectors in fixed axes, `fixed`(q, k), measured in those of a body at the unknown `angle`, rad.
 
     The two channels of a vector are one of the `pairs`, of equal variances. In fixed axes, with R(angle) and its

@@ -26,7 +26,7 @@ from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_solution
 from synth.blocks.glsdc import NamedExpressions, Solution
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_linearisation import Prediction
-from synth.blocks.glsdc_model import Measurement, Phase, Turned, Unknown
+from synth.blocks.glsdc_model import Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.glsdc_solution import Iteration, Normal
 from synth.signals import Signal
 
@@ -106,9 +106,9 @@ def _phase(axis: str, arm: Pair) -> Callable[[Exprs, Exprs], ca.SX]:
     return phase
 
 
-def in_body_axes(of: Measurement, sensors: int) -> Turned:
+def in_body_axes(of: Measurement, sensors: int) -> RotatedMeasurement:
     """Return the model of sensors in a field, by its voltages in fixed axes."""
-    return Turned(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])
+    return RotatedMeasurement(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])
 
 
 def field(sensors: int, c: float, q: Exprs, k: Exprs, amplitude: str = "") -> Exprs:

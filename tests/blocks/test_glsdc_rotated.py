@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from synth.blocks import glsdc_jacobian, glsdc_linearisation, phasor
-from synth.blocks.glsdc_model import Implicit, Turned, Unknown
+from synth.blocks.glsdc_model import Implicit, RotatedMeasurement, Unknown
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 from synth.statespace import Array
 
 
-def turned_model(h: Turned | Implicit) -> glsdc_jacobian.Model:
+def rotated_model(h: RotatedMeasurement | Implicit) -> glsdc_jacobian.Model:
     channels = [Signal(n, "V", -5, 5) for n in ("V_x", "V_y")]
     unknowns = [Unknown(Signal(n, "rad", -pi, pi), 1.0, 0.5, periodic=True, prior=1.0) for n in ("x", "yaw")]
     return glsdc_jacobian.model(h, np.eye(2), channels, (), unknowns, (), ())
 
 
-TURNED = Turned(lambda q, k: {"V_x": 2 * q["sin_x"], "V_y": 3 * q["cos_x"]}, "yaw", [("V_x", "V_y")])
+ROTATED = RotatedMeasurement(lambda q, k: {"V_x": 2 * q["sin_x"], "V_y": 3 * q["cos_x"]}, "yaw", [("V_x", "V_y")])
 
 
 def jacobian_error(of: glsdc_jacobian.Model, volts: Array) -> float:
@@ -42,8 +42,8 @@ def jacobian_error(of: glsdc_jacobian.Model, volts: Array) -> float:
 
 def test_the_jacobian_of_a_turned_body_is_that_of_its_measurements() -> None:
     """Far from a solution the derivative of the turned residual is another one."""
-    assert jacobian_error(turned_model(TURNED), np.array([1.0, -2.0])) < 1e-8
-    assert jacobian_error(turned_model(Implicit(TURNED.residual)), np.array([1.0, -2.0])) > 0.5
+    assert jacobian_error(rotated_model(ROTATED), np.array([1.0, -2.0])) < 1e-8
+    assert jacobian_error(rotated_model(Implicit(ROTATED.residual)), np.array([1.0, -2.0])) > 0.5
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_the_jacobian_of_a_turned_body_is_that_of_its_measurements() -> None:
 )
 def test_a_turned_body_that_cannot_be_is_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(SignalError, match=message):
-        turned_model(replace(TURNED, **change))
+        rotated_model(replace(ROTATED, **change))
 
 
 def test_a_covariance_that_is_not_that_of_fixed_axes_is_refused() -> None:
@@ -68,7 +68,7 @@ def test_a_covariance_that_is_not_that_of_fixed_axes_is_refused() -> None:
     unknowns = [Unknown(Signal(n, "rad", -pi, pi), 1.0, 0.5, periodic=True, prior=1.0) for n in ("x", "yaw")]
     for R in (np.diag([1.0, 2.0]), np.array([[1.0, 0.5], [0.5, 1.0]])):
         with pytest.raises(ModelError, match="R changes when the pairs turn"):
-            glsdc_jacobian.model(TURNED, R, channels, (), unknowns, (), ())
+            glsdc_jacobian.model(ROTATED, R, channels, (), unknowns, (), ())
 
 
 def test_a_phasor_moves_without_a_difference_of_cosines() -> None:
