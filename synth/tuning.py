@@ -1,7 +1,7 @@
 """Declaration of a tuning: the free parameters of a control law within bounds, and the goals beyond the requirements.
 
     tuning=Tuning(
-        free=[Free("speed", 25.0, 5.0, 80.0, "1/s"), Free("weight", 1e3, 10.0, 1e5)],
+        free=[FreeParameter("speed", 25.0, 5.0, 80.0, "1/s"), FreeParameter("weight", 1e3, 10.0, 1e5)],
         controller=lambda values: stage.controller("levitator", TIME, INTERFACE, [law(**values)]),
         require={"disk_margin": 0.5},
     )
@@ -22,7 +22,7 @@ LARGEST = 100.0  # a larger ratio, or a value that is missing, counts as this
 
 
 @dataclass(frozen=True)
-class Free:
+class FreeParameter:
     """A free parameter: the declared `value`, and bounds; the search is logarithmic where `low` is above 0."""
 
     name: str
@@ -66,7 +66,7 @@ class Tuning:
     require      least margins beyond those of the stage; `disk_margin` is that of all actuators and sensors at once
     """
 
-    free: Sequence[Free]
+    free: Sequence[FreeParameter]
     controller: Callable[[Mapping[str, float]], Any]
     experiments: Sequence[str] = ()
     points: Sequence[str] = ()

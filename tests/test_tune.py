@@ -14,11 +14,11 @@ from synth.progress import Lines, silent
 from synth.simulate import closed_loop, lane_blocks, study
 from synth.simulate.integration import Integration
 from synth.simulate.sampling import Sampling
-from synth.tuning import LARGEST, Candidate, Free, Goal, Plan, Tuning
+from synth.tuning import LARGEST, Candidate, FreeParameter, Goal, Plan, Tuning
 from tests import levitator
 
 QUIET = Lines(lambda job, line: None)
-FREE = (Free("a", 1.0, 0.1, 10.0), Free("b", 0.0, -1.0, 1.0))
+FREE = (FreeParameter("a", 1.0, 0.1, 10.0), FreeParameter("b", 0.0, -1.0, 1.0))
 
 
 def test_a_share_of_the_range_is_logarithmic_above_zero() -> None:
@@ -26,7 +26,7 @@ def test_a_share_of_the_range_is_logarithmic_above_zero() -> None:
     assert FREE[1].at(0.75) == 0.5 and FREE[1].share == 0.5
     assert FREE[0].at(0.0) == 0.1 and FREE[0].at(1.0) == 10.0
     with pytest.raises(SignalError, match="'c' is 3"):
-        Free("c", 3.0, 0.0, 1.0)
+        FreeParameter("c", 3.0, 0.0, 1.0)
 
 
 @pytest.mark.parametrize(

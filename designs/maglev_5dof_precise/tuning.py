@@ -10,7 +10,7 @@ from dataclasses import replace
 from designs.maglev_5dof_precise import control
 from synth import stage
 from synth.plant import Plant
-from synth.tuning import Free, Tuning
+from synth.tuning import FreeParameter, Tuning
 
 AXES = ("x", "z")  # they share their parameters
 
@@ -24,8 +24,8 @@ def tuning(plant: Plant) -> Tuning:
         return control.controller(plant, {**control.LOOPS, **dict.fromkeys(AXES, loop)})
 
     free = (
-        Free("bandwidth", control.X.bandwidth, 250.0, 600.0, "rad/s", "of the observers"),
-        Free("damping", control.X.weights[1], 400.0, 2400.0, "s^2/m^2", "weight of the rate"),
+        FreeParameter("bandwidth", control.X.bandwidth, 250.0, 600.0, "rad/s", "of the observers"),
+        FreeParameter("damping", control.X.weights[1], 400.0, 2400.0, "s^2/m^2", "weight of the rate"),
     )
     goals = {"x_30: gap moves by": 1e-4}  # m
     return Tuning(free, controller, ["x_30"], ["25 mm"], goals, {"disk_margin": 0.35})

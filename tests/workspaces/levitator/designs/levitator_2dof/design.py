@@ -14,7 +14,7 @@ from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
-from synth.tuning import Free, Tuning
+from synth.tuning import FreeParameter, Tuning
 
 TIME = Discrete(1 / 2000)
 HUM, COURSE = 100 * pi, 20 * pi  # rad/s: of the mains, and of the course that is to be tracked
@@ -32,10 +32,10 @@ INTERFACE = stage.interface(
     safe_output_effect="without current the stage comes down to its stop and the flexure centres x",
 )
 FREE = [
-    Free("damping_z", 1e3, 1e2, 1e5, "s^2/m^2", "weight of vz"),
-    Free("set_point_weight_z", 0.6, 0.0, 1.0, "1", "weight of the set-point"),
-    Free("damping_x", 1e2, 1e1, 1e5, "s^2/m^2", "weight of vx"),
-    Free("set_point_weight_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
+    FreeParameter("damping_z", 1e3, 1e2, 1e5, "s^2/m^2", "weight of vz"),
+    FreeParameter("set_point_weight_z", 0.6, 0.0, 1.0, "1", "weight of the set-point"),
+    FreeParameter("damping_x", 1e2, 1e1, 1e5, "s^2/m^2", "weight of vx"),
+    FreeParameter("set_point_weight_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
 ]
 
 
