@@ -42,22 +42,22 @@ class FaultLimit:
 class FaultCampaign:
     """Conditions, magnitudes and limits of a fault campaign.
 
-    motion       {set-point: course} in motion, from rest at its start; by default each set-point swings as a sine
-    poses        {name: {set-point: value}} where the machine rests, too, besides its initial set-points
-    period_s     period of the motion, over which the onsets are spread, and of the default motion
-    settle_s     from the start of a run to the first onset; `watch_s` from the last onset to the end
-    onsets       number of onsets in motion
-    durations_s  of faults that are neither permanent nor short
+    motion            {set-point: course} in motion, from rest at its start; by default each set-point swings as a sine
+    operating_points  {name: {set-point: value}} where the machine rests, too, besides its initial set-points
+    period_s          period of the motion, over which the onsets are spread, and of the default motion
+    settle_s          from the start of a run to the first onset; `watch_s` from the last onset to the end
+    onsets            number of onsets in motion
+    durations_s       of faults that are neither permanent nor short
     offset, noise, drift_per_s   of a faulty sensor, as fractions of its range; noise as standard deviation
-    bit          the highest bit whose weight is at most this fraction of the sensor's range is flipped or stuck
-    jump         of a set-point, as a fraction of its range
-    repeated     samples in which a sensor repeats a reading
-    weak         fraction of the command that a weak actuator applies
-    inertias     {position: plant parameter}, its mass or moment of inertia: impacts on its stop have an energy
+    bit               the highest bit whose weight is at most this fraction of the sensor's range is flipped or stuck
+    jump              of a set-point, as a fraction of its range
+    repeated          samples in which a sensor repeats a reading
+    weak              fraction of the command that a weak actuator applies
+    inertias          {position: plant parameter}, its mass or moment of inertia: impacts on its stop have an energy
     """
 
     motion: Mapping[str, Any] = field(default_factory=dict)
-    poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     period_s: float = 1.0
     settle_s: float = 1.0
     watch_s: float = 1.0

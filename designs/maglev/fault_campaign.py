@@ -6,7 +6,7 @@ from designs.maglev import motions, platen
 from synth.campaign import FaultCampaign, FaultLimit
 
 # The platen is level in the tracking where it is nearest to the magnets, and symmetry hides what a tilt shows.
-POSE = {"y_ref": 0.0185, "x_ref": 0.02, "z_ref": -0.02, "phi_ref": 0.5e-3, "theta_ref": 3e-3}  # m, rad
+TILTED_POINT = {"y_ref": 0.0185, "x_ref": 0.02, "z_ref": -0.02, "phi_ref": 0.5e-3, "theta_ref": 3e-3}  # m, rad
 LEVEL, TILTED = ("at rest", "in motion"), "at rest, tilted at 18.5 mm"
 ENCODERS = ("y?", "x", "z")
 # rad/s, 0.12 m/s at the motors: phi of the precise design, which swings on while the platen lies on its lower stop
@@ -39,7 +39,7 @@ LIMITS = (  # one encoder that fails does not harm the machine; docs/decisions/m
 INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
 FAULTS = FaultCampaign(
     {f"{n}_ref": course for n, course in motions.COURSES.items()},
-    {"tilted at 18.5 mm": POSE},
+    {"tilted at 18.5 mm": TILTED_POINT},
     2 * pi / platen.OMEGA0,
     watch_s=2.0,
     limits=LIMITS,

@@ -28,9 +28,9 @@ LIMITS = (
     *(FaultLimit(f"final_speed_{q}", v, "V_*", "frozen", duration="permanent") for q, v in RATES.items()),
 )
 # Torques of the vertical currents, and slopes of the Hall voltages that differ from those in the middle.
-POSES = {
+OPERATING_POINTS = {
     "tilted, off the middle": {
         "x_ref": 0.037, "y_ref": -0.041, "phi_ref": 6e-3, "z_ref": 1e-4, "theta_ref": 1e-3, "psi_ref": -1e-3
     }
 }  # fmt: skip
-CAMPAIGN = FaultCampaign(MOTION, settle_s=1.0, watch_s=2.0, onsets=2, limits=LIMITS, poses=POSES)
+CAMPAIGN = FaultCampaign(MOTION, settle_s=1.0, watch_s=2.0, onsets=2, limits=LIMITS, operating_points=OPERATING_POINTS)

@@ -117,13 +117,13 @@ def condition_names(stage: Stage) -> tuple[str, ...]:
     """Return the names of the conditions; a stage without set-points has one."""
     if not stage.interface.set_points:
         return (AT_REST,)
-    return AT_REST, IN_MOTION, *(f"{AT_REST}, {pose}" for pose in stage.faults.poses)
+    return AT_REST, IN_MOTION, *(f"{AT_REST}, {name}" for name in stage.faults.operating_points)
 
 
 def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
-    """Return the conditions "at rest", "in motion" and at rest in each declared pose, as in `condition_names`.
+    """Return the conditions of `condition_names`: at rest, in motion, and at rest at each declared operating point.
 
-    Raises SignalError for a pose or a motion with an unknown set-point, or one out of its range.
+    Raises SignalError for an operating point or a motion with an unknown set-point, or one out of its range.
     """
     campaign, T = rig.stage.faults, rig.period_s
     first_onset = round(campaign.settle_s / T)
@@ -134,33 +134,34 @@ def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
     onsets = tuple(first_onset + round(i * campaign.period_s / campaign.onsets / T) for i in range(campaign.onsets))
     duration = onsets[-1] * T + campaign.watch_s
     courses = _motion(rig, sample_times(duration, T))
-    poses = [_hold(rig, pose, len(sample_times(rest_s, T))) for pose in campaign.poses.values()]
+    samples = len(sample_times(rest_s, T))
+    courses_at_rest = [_hold(rig, point, samples) for point in campaign.operating_points.values()]
     return (
         still,
         Condition(IN_MOTION, duration, _start(rig, courses), courses, onsets),
         *(
             Condition(name, rest_s, _start(rig, held), held, (first_onset,))
-            for name, held in zip(names[2:], poses, strict=True)
+            for name, held in zip(names[2:], courses_at_rest, strict=True)
         ),
     )
 
 
-def _hold(rig: Rig, pose: Values, n: int) -> dict[str, Array]:
-    """Return n samples of the set-points of a pose."""
+def _hold(rig: Rig, operating_point: Values, n: int) -> dict[str, Array]:
+    """Return n samples of the set-points of an operating point."""
     points = {s.name: s for s in rig.stage.interface.set_points}
-    for name, value in pose.items():
+    for name, value in operating_point.items():
         if name not in points:
             known = ", ".join(points)
             raise SignalError(
-                f"a pose of the fault campaign gives '{name}', which is no set-point: give some of {known}"
+                f"an operating point of the fault campaign gives '{name}', which is no set-point: give some of {known}"
             )
         low, high = points[name].low, points[name].high
         if not low <= value <= high:
             raise SignalError(
-                f"the fault campaign has a pose with {name} = {value:g}; its range is {low:g} .. {high:g}; "
+                f"the fault campaign has an operating point with {name} = {value:g}; its range is {low:g} .. {high:g}; "
                 "choose a value in it"
             )
-    return {name: np.full(n, value) for name, value in pose.items()}
+    return {name: np.full(n, value) for name, value in operating_point.items()}
 
 
 def _motion(rig: Rig, time: Array) -> dict[str, Array]:

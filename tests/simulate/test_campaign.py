@@ -131,8 +131,8 @@ def test_a_lost_sensor_is_noticed_at_once_named_and_latches(rig: Rig) -> None:
         assert short.notice_s == 0 and short.latch_s == np.inf and short.named and not short.harms
 
 
-def test_a_pose_is_a_further_condition_at_rest(rig: Rig) -> None:
-    tried = with_campaign(rig, replace(SHORT_RUNS, poses={"aside": {"x_ref": 3e-4}}))
+def test_an_operating_point_is_a_further_condition_at_rest(rig: Rig) -> None:
+    tried = with_campaign(rig, replace(SHORT_RUNS, operating_points={"aside": {"x_ref": 3e-4}}))
     still, moving, aside = campaign.motion_and_standstill(tried)
     assert [still.name, moving.name, aside.name] == ["at rest", "in motion", "at rest, aside"]
     assert campaign.condition_names(tried.stage) == (still.name, moving.name, aside.name)
@@ -144,16 +144,18 @@ def test_a_pose_is_a_further_condition_at_rest(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pose", "message"),
+    ("point", "message"),
     [
         ({"y_ref": 0.0}, "'y_ref', which is no set-point: give some of z_ref, x_ref"),
         ({"x_ref": 1.0}, "x_ref = 1; its range is .*; choose a value in it"),
         ({"x_ref": math.nan}, "x_ref = nan"),
     ],
 )
-def test_a_pose_that_the_set_points_cannot_hold_is_refused(rig: Rig, pose: dict[str, float], message: str) -> None:
+def test_an_operating_point_that_the_set_points_cannot_hold_is_refused(
+    rig: Rig, point: dict[str, float], message: str
+) -> None:
     with pytest.raises(SignalError, match=message):
-        campaign.motion_and_standstill(with_campaign(rig, replace(SHORT_RUNS, poses={"aside": pose})))
+        campaign.motion_and_standstill(with_campaign(rig, replace(SHORT_RUNS, operating_points={"aside": point})))
 
 
 @pytest.mark.parametrize(

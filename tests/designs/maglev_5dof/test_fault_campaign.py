@@ -140,7 +140,7 @@ def test_a_tilted_platen_that_loses_x_near_its_upper_stop_lands_without_tilting_
 
 
 def test_the_campaign_sees_a_handover_that_does_not_wait_at_small_gaps() -> None:
-    """The planted defect: the platen tilts to its stop, at rest in the tilted pose alone."""
+    """The planted defect: the platen tilts to its stop, at rest at the tilted operating point alone."""
     rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
     planted = with_defect(rig, "held_by_spring = 0.022f", "held_by_spring = 0.0f")
     lost = [Injection("sensor", "x", "not finite", "permanent")]
@@ -151,7 +151,7 @@ def test_the_campaign_sees_a_handover_that_does_not_wait_at_small_gaps() -> None
 
 
 def freeze_tilted(rig: Rig, plant: int, name: str) -> campaign.FaultRun:
-    """Return the run in which a gap encoder freezes at rest in the tilted pose."""
+    """Return the run in which a gap encoder freezes at rest at the tilted operating point."""
     tilted = next(c for c in campaign.motion_and_standstill(rig) if c.name == fault_campaign.TILTED)
     return campaign.run(rig, plant, tilted, silent, [Injection("sensor", name, "frozen", "permanent")])[1][0]
 
