@@ -118,7 +118,7 @@ def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) ->
     synth(folder, *COMMAND, "faults", "my_stage", "--write", "--plants", "2")
     synth(folder, *COMMAND, "emit", "my_stage", "--out", "firmware")
     header = (folder / "firmware" / "my_stage" / "my_stage.h").read_text(encoding="utf-8")
-    assert "measured on 2 plants, each sensor lost in turn" in " ".join(header.replace("\n * ", " ").split())
+    assert "measured on 2 plants with each sensor lost in turn" in " ".join(header.replace("\n * ", " ").split())
 
 
 def test_the_commands_of_a_study_on_the_page_run_on_a_new_stage(tmp_path: Path) -> None:
