@@ -20,6 +20,7 @@ from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
 
 LIMIT = 0.05  # of what the commands change: the details that only the driven plant has stay below
+LEAST_CHANGE = 1e-6  # of a rate: commands that change it less do not act on it
 SAMPLES = 40  # of each run
 
 
@@ -30,7 +31,8 @@ def checks(rig: Rig, runs: Iterable[Trajectory]) -> list[Check]:
         return []
     driven, direct, unforced = np.moveaxis(rates, 1, 0)
     change, difference = np.abs(direct - unforced).max(axis=0), np.abs(driven - direct).max(axis=0)
-    shares = np.where(difference > 0, difference / np.where(change > 0, change, np.finfo(float).tiny), 0.0)
+    size = np.maximum(change, LEAST_CHANGE * np.abs(direct).max(axis=0))
+    shares = np.where(difference > 0, difference / np.where(size > 0, size, np.finfo(float).tiny), 0.0)
     worst = int(shares.argmax())
     about = f"of what the commands change, rate of {rig.plant.states[worst].name}"
     name = "rates at rest through the drive differ from the plant's by"
