@@ -7,6 +7,7 @@ from pathlib import Path
 
 from synth import store, strict_json, study_jobs, tables, workspace
 from synth.command_results import run_jobs
+from synth.errors import DesignError
 from synth.jobs import Job
 from synth.report import study as report
 from synth.simulate import sampling, study_table, worst_case
@@ -44,6 +45,9 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     (design,) = workspace.designs(Path.cwd(), [name])
     if chosen.files.parquet is not None:
         study_table.require_parquet()
+    for path in (chosen.files.csv, chosen.files.parquet, chosen.files.report):
+        if path is not None and (path.is_dir() or not path.parent.is_dir()):
+            raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
     drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
     plan = study_jobs.Plan(drawn, chosen.experiments)
     outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)

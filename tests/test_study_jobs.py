@@ -103,6 +103,15 @@ def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytes
     assert len(lines) == 10 and lines[0].startswith("row,z ") and lines[9].startswith("8,")
 
 
+@pytest.mark.parametrize("name", [".", "nowhere/table.csv"])
+def test_a_file_that_cannot_be_written_is_refused_before_the_study(design: Design, tmp_path: Path, name: str) -> None:
+    chosen = study_command.StudyChoice(
+        9, (), 1, "corners", None, study_command.StudyFiles(csv=tmp_path / name), None, None
+    )
+    with pytest.raises(DesignError, match="cannot be written: give a name in a folder that exists"):
+        study_command.study(NAME, True, False, chosen)
+
+
 def test_rows_and_designs_that_do_not_exist_are_refused(design: Design) -> None:
     with pytest.raises(DesignError, match="row 293 of a study of 293 rows: give 0 to 292"):
         study_jobs.row(design, PLAN, 293, silent)

@@ -110,7 +110,9 @@ class DiskMargin:
             f"{n(self.lower)} <= alpha <= {n(self.upper)}, skew {n(self.skew)}; the lower bound is {proof}",
             f"all gains may change at once by factors from {n(self.gain_low)} to {n(self.gain_high)}, or all phases "
             f"by {n(self.phase)} deg",
-            f"the factors f below put a closed-loop pole at {n(self.frequency)} rad/s",
+            f"the factors f below put a closed-loop pole at {n(self.frequency)} rad/s"
+            if np.isfinite(self.upper)
+            else "no factors make the loop unstable",
         )
         rows = tuple(
             (name, n(delta), n(abs(f)), n(float(np.degrees(np.angle(f)))))

@@ -72,8 +72,13 @@ def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
     """Return integrators z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
 
     An integral has the unit of its signal times s.
+
+    Raises SignalError for a signal that the model does not have.
     """
     model, k = of(system), len(signals)
+    known = (*model.outputs, *model.states, *model.inputs)
+    if unknown := [source for source in signals.values() if source not in known]:
+        raise SignalError(f"'{unknown[0]}' is no signal of the model: give some of {', '.join(known)}")
     inputs = tuple(dict.fromkeys(signals.values()))
     B = np.array([[float(name == source) for name in inputs] for source in signals.values()]).reshape(k, len(inputs))
     A, rate = (np.zeros((k, k)), 1.0) if isinstance(model.time, Continuous) else (np.eye(k), model.time.period_s)

@@ -1,8 +1,9 @@
 """Modal controllability and observability: Popov-Belevitch-Hautus (PBH) measures of each mode of a linear model.
 
 The measure of an eigenvalue s is the least singular value of [A - s I, B], or of [A - s I; C], in scaled units
-(`staircase.scaled`) with columns of B and rows of C of length 1. It is 0 for an uncontrollable or unobservable mode and
-1 at best. The measure of one input alone is also 0 if two modes have the same eigenvalue.
+(`staircase.scaled`) with columns of B and rows of C of length 1. It is 0 for an uncontrollable or unobservable mode,
+and at most the root of the number of inputs or outputs. The measure of one input alone is also 0 if two modes have the
+same eigenvalue.
 """
 
 from collections.abc import Mapping, Sequence

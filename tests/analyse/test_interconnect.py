@@ -95,3 +95,8 @@ def test_units_make_no_algebraic_loop() -> None:
         second = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1 / scale]]))
         wires = {"a": {"r": 1.0, "y1": -1.0}, "u1": {"b": 1.0}}
         assert interconnect.connect([first, second], ["r"], ["y1"], wires).response(0)[0, 0, 0] == 0.5
+
+
+def test_an_integral_of_an_unknown_signal_is_refused() -> None:
+    with pytest.raises(SignalError, match="'nope' is no signal of the model: give some of y1, x1, u1"):
+        interconnect.integrals(([[-1.0]], [[1.0]], [[1.0]]), {"z": "nope"})

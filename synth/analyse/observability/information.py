@@ -33,7 +33,8 @@ class Accuracy:
 def jacobians(h: ca.Function, q: ArrayLike) -> Array:
     """Return dh/dq (N, m, n) at places q (N, n) of a measurement h: (n,) -> (m,) without further arguments.
 
-    Raises ModelError unless h takes one column and returns one, and the places are finite, (N, n).
+    Raises ModelError unless h takes one column and returns one, the places are finite, (N, n), and h has a derivative
+    at each of them.
     """
     if h.n_in() != 1 or h.n_out() != 1 or h.size2_in(0) != 1 or h.size2_out(0) != 1:
         raise ModelError(f"'{h.name()}' has {h.n_in()} inputs and {h.n_out()} outputs: give one column each")
@@ -43,7 +44,10 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
         raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), at least one row")
     x = ca.SX.sym("q", n)
     (slopes,) = column_maps.map_columns(ca.Function("slopes", [x], [ca.jacobian(h(x), x)]), places.T)
-    return readonly(slopes.reshape(m, len(places), n).transpose(1, 0, 2))
+    by_place = slopes.reshape(m, len(places), n).transpose(1, 0, 2)
+    if (bad := ~np.isfinite(by_place).all(axis=(1, 2))).any():
+        raise ModelError(f"'{h.name()}' has no finite derivative at {places[int(bad.argmax())]}: leave this place out")
+    return readonly(by_place)
 
 
 @arguments.checked

@@ -11,7 +11,7 @@ Cells whose bound exceeds the largest attained deviation are halved along each s
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import ceil
+from math import ceil, prod
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -56,8 +56,13 @@ def search(
 
     `cells` (n,) are the initial numbers of cells along each side.
 
-    Raises ModelError for invalid sides, and if `max_cells` cells do not suffice, for example because rank is lost.
+    Raises ModelError for invalid sides, a tolerance that is not positive, and if `max_cells` cells do not suffice, for
+    example because rank is lost.
     """
+    if not 0 < tolerance < np.inf:
+        raise ModelError(f"the tolerance is {tolerance}: give a finite number above 0, relative to the bound")
+    if (first := prod(cells)) > max_cells:
+        raise ModelError(f"{first} cells to begin with are more than {max_cells}: give fewer, or a larger max_cells")
     q, half = _cells(low, high, cells)
     n = len(q)
     attained, at, count = np.zeros(n), np.zeros((n, n)), 0

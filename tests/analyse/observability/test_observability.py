@@ -178,3 +178,23 @@ def test_the_bias_keeps_its_digits_where_the_condition_is_large(condition: float
         exact = np.array([float(v) for v in mpmath.lu_solve(M.T * M, M.T * e)])
     bias = information.bias(H[None], extra[None], np.ones(3))[0]
     assert np.linalg.norm(bias - exact) < 100 * np.finfo(float).eps * condition * np.linalg.norm(exact)
+
+
+def test_a_place_without_a_derivative_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"'ranges' has no finite derivative at \[0\. 0\.\]: leave this place out"):
+        information.jacobians(RANGES, [[1.0, 1.0], [0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("cells", "tolerance", "message"),
+    [
+        ([5000] * 3, 1e-3, "125000000000 cells to begin with are more than 30000000"),
+        ([2] * 3, np.nan, "the tolerance is nan: give a finite number above 0"),
+        ([2] * 3, 0.0, r"the tolerance is 0\.0"),
+    ],
+)
+def test_a_search_that_cannot_end_is_refused_at_once(cells: list[int], tolerance: float, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        worst_deviation.search(
+            lambda q: 1 / (1 + q**2), lambda q, h: 3 * h + 0 * q, [0.0] * 3, [1.0] * 3, cells, tolerance
+        )
