@@ -191,6 +191,8 @@ def _rounded_norm_h2(model: StateSpace) -> NormH2:
 
     try:
         value, scale = precise.round_correctly(compute, "the H2 norm")[0]
+    except precise.BeyondDoubleError as error:
+        raise OverflowError(str(error)) from error  # `_require_finite` names the mend
     except ModelError as error:
         raise ModelError(
             "the H2 norm is not determined: rounding errors of the poles decide whether all modes decay; the slowest "

@@ -17,6 +17,10 @@ BITS = 256
 ZERO = flint.arb(2) ** -200  # relative to the largest entry: a smaller entry is the rounding error of a zero
 
 
+class BeyondDoubleError(ModelError):
+    """A result exceeds what a double holds."""
+
+
 @contextmanager
 def precision(bits: int = BITS) -> Iterator[None]:
     """Compute with `bits` of precision inside the block."""
@@ -47,8 +51,8 @@ def rounded(balls: flint.arb_mat) -> Array:
 def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
-    Raises ModelError when 16 times the usual bits do not suffice, and for entries beyond what a double holds;
-    ZeroDivisionError when `compute` inverts a matrix that may be singular even then.
+    Raises ModelError when 16 times the usual bits do not suffice, BeyondDoubleError for entries that a double does not
+    hold; ZeroDivisionError when `compute` inverts a matrix that may be singular even then.
     """
     for bits in (BITS, 4 * BITS, 16 * BITS):
         with precision(bits):
@@ -62,7 +66,7 @@ def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
             if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
                 values = rounded(balls)
                 if not np.isfinite(values).all():
-                    raise ModelError(
+                    raise BeyondDoubleError(
                         f"{what} exceeds what a double holds: take a shorter period or leave the mode that grows out "
                         "of the model"
                     )

@@ -172,9 +172,10 @@ def assess(calibration: Calibration, held_out: Log, corrections: Array | None = 
     of, N = calibration.channels, len(held_out)
     h, _, by_q = of.evaluate(held_out, np.array(list(calibration.values.values())))
     if corrections is not None:
-        if np.shape(corrections) != h.shape:
-            raise SignalError(f"the corrections are {np.shape(corrections)}: give one for each residual, {h.shape}")
-        h = h + corrections
+        added = arguments.real("corrections", corrections)
+        if added.shape != h.shape:
+            raise SignalError(f"the corrections are {added.shape}: give one for each residual, {h.shape}")
+        h = h + added
     squares = ((held_out.columns(tuple(of.readings)) - h) ** 2).sum(axis=0)
     explained = of.deviations(by_q)
     left = np.sqrt(np.maximum(squares / stats.chi2.ppf(1 - BOUND, N) - explained**2, 0))

@@ -71,7 +71,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
         "K-8",
         "GLSDC",
         "Six degrees",
-        "shipped one leans",
+        "shipped one weights its prediction more",
     ):
         assert text in html, text
     assert not re.search(r"\bnan\b|>no number<", html)
