@@ -17,7 +17,7 @@ from time import process_time
 import numpy as np
 
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks import derivative_filter, regulator, safety
+from synth.blocks import derivative_filter, regulator, safe_output, safety
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import compile as host_compiler
@@ -64,7 +64,7 @@ def block(n: int) -> Block:
     current = [Signal(f"i{k}", "A", -CURRENT, CURRENT, "current") for k in range(1, n + 1)]
     guarded = [safety.GuardedInput(position[0], 0.0, True), safety.GuardedInput(set_point[0], 0.0, False)]
     axes = [b for k in range(1, n + 1) for b in _axis(k)]
-    parts = [safety.guard(TIME, guarded, BAD_SAMPLES), *axes, safety.safe_output(TIME, current, safe(n))]
+    parts = [safety.guard(TIME, guarded, BAD_SAMPLES), *axes, safe_output.block(TIME, current, safe(n))]
     inputs = [s.name for pair in zip(position, set_point, strict=True) for s in pair]
     return safety.frozen(compose(f"axes_{n}", parts, inputs=inputs, outputs=[s.name for s in current]))
 

@@ -263,7 +263,7 @@ def examples() -> Mapping[str, Call]:
         "safety.GuardedInput": {"signal": GAP, "initial": 0.02, "measurement": True, "held": True},
         "fault.Safety": fields(safe),
         "safety.guard": {"inputs": [safety.GuardedInput(GAP, 0.02, True)], "bad_samples": 3},
-        "safety.safe_output": {"outputs": [Y], "safety": safe},
+        "safe_output.block": {"outputs": [Y], "safety": safe},
         "safety.frozen": {"block": safety.guard(TIME, [safety.GuardedInput(GAP, 0.02, True)], 3)},
         "servo.of_gain": {"K": [[-1.0, -1.0, -1.0]]},
         "servo.with_observer": {"L": [[1.0], [1.0]]},

@@ -114,8 +114,11 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
             )
     values = {n: v for _, s in declared for n, v in s.safe_output.items()}
     rates = {n: v for _, s in declared for n, v in s.slew_per_s.items()}
+    landed = {n: v for _, s in declared for n, v in s.landed_output.items()}
     effects = [s.safe_output_effect for _, s in declared if s.safe_output] or [safety.safe_output_effect]
-    values, rates = ({o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates))
+    values, rates, landed = (
+        {o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates, landed)
+    )
     judgement = next((s.judgement for _, s in declared if s.judgement), None)
     return Safety(
         safety.bad_samples,
@@ -125,6 +128,7 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
         judgement,
         safety.braking,
         safety.good_samples,
+        landed,
     )
 
 

@@ -62,8 +62,8 @@ class SetPoint:
 class Actuator:
     """A controller output that drives the plant input `of`, called like it where `of` is left out.
 
-    It is limited to `low` .. `high`, the input's own range where they are left out. Once latched it slews to `safe` by
-    `slew_per_s`, both in the input's unit.
+    It is limited to `low` .. `high`, by default the input's own range. Once latched it slews to `safe`, or where a
+    landing is over to `landed` if that is given, by `slew_per_s`, all in the input's unit.
     """
 
     name: str
@@ -73,6 +73,7 @@ class Actuator:
     low: float | None = None
     high: float | None = None
     about: str = ""
+    landed: float | None = None
 
 
 @show.result

@@ -1,7 +1,7 @@
 """Fault word: the bits that a step returns, and the safe output after a latch."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from synth import arguments
 from synth.errors import SignalError
@@ -58,8 +58,9 @@ class Judgement:
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
-    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `safe_output_effect` is
-    what these values do to the machine. With a `judgement` a law decides which samples count. `braking` of these
+    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. After a latch by the
+    `judgement` flag `at_once`, the outputs in `landed_output` slew to its values instead. `safe_output_effect` is what
+    these values do to the machine. With a `judgement` a law decides which samples count. `braking` of these
     samples are the last before the latch, in which the step brakes. Where `good_samples` make up for a bad one, bad
     samples with fewer good ones between them latch, too; with 0 one good sample makes up for all before it.
     """
@@ -71,11 +72,13 @@ class Safety:
     judgement: Judgement | None = None
     braking: int = 0
     good_samples: int = 0
+    landed_output: Mapping[str, float] = field(default_factory=dict)
 
     def renamed(self, names: Mapping[str, str]) -> "Safety":
         """Return the safety with outputs and measurements renamed, old name to new; other names stay."""
-        values, rates = ({names.get(n, n): v for n, v in of.items()} for of in (self.safe_output, self.slew_per_s))
+        mappings = self.safe_output, self.slew_per_s, self.landed_output
+        values, rates, landed = ({names.get(n, n): v for n, v in of.items()} for of in mappings)
         judgement = self.judgement
         if judgement:
             judgement = replace(judgement, measurements=tuple(names.get(n, n) for n in judgement.measurements))
-        return replace(self, safe_output=values, slew_per_s=rates, judgement=judgement)
+        return replace(self, safe_output=values, slew_per_s=rates, judgement=judgement, landed_output=landed)

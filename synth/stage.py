@@ -20,7 +20,7 @@ import numpy as np
 from synth import stage_consistency, standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import missed_calls as calls
-from synth.blocks import safety
+from synth.blocks import safe_output, safety
 from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.composition import compose
 from synth.declaration import (
@@ -104,7 +104,7 @@ def controller(
     default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
     distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
 
-    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safety.safe_output`.
+    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safe_output.block`.
     """
 
     def compose_laws() -> Composition:
@@ -134,7 +134,7 @@ def _composition(
         *([errors(time, interface, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, interface, demands)] if demands else []),
-        *([safety.safe_output(time, interface.outputs, safe(interface))] if interface.actuators else []),
+        *([safe_output.block(time, interface.outputs, safe(interface))] if interface.actuators else []),
         *behind,
     )
     if interface.missed_calls:

@@ -130,4 +130,5 @@ def safe(interface: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
     i, samples = interface, interface.bad_samples + interface.braking
     values, slews = {a.name: a.safe for a in i.actuators}, {a.name: a.slew_per_s for a in i.actuators}
-    return safety.Safety(samples, values, slews, i.safe_output_effect, None, i.braking, i.good_samples)
+    landed = {a.name: a.landed for a in i.actuators if a.landed is not None}
+    return safety.Safety(samples, values, slews, i.safe_output_effect, None, i.braking, i.good_samples, landed)

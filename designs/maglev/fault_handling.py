@@ -71,8 +71,8 @@ SENSORS = tuple(s.name for s in INTERFACE.sensors)
 MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17 plants; up to 44 on none
 SENSOR_LOSS_EFFECT = (
     "a gap encoder that is refused or excluded is replaced; without x, without z or without two gap encoders the "
-    "platen lands and then latches on the stop; without three gap encoders, or without x and z, it latches as said "
-    "above; "
+    "platen lands, latches on the stop and lies there without current; without three gap encoders, or without x and z, "
+    "it latches as said above; "
 )
 UNTESTED = (
     f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
@@ -88,6 +88,9 @@ DEGRADED = Fault(
 )
 INTERFACE_OF_ALL = replace(
     INTERFACE,
+    # At the lower stop the magnets carry less than the weight. Current at a measured angle would repel the platen, but
+    # an encoder that freezes there turns it into an unstable thrust, which drives the platen sideways and up.
+    actuators=tuple(replace(a, landed=0.0) for a in INTERFACE.actuators),
     suspected=SENSORS,
     safe_output_effect=SENSOR_LOSS_EFFECT + INTERFACE.safe_output_effect,
     missed_calls=missed_calls.signal(MISSED_CALLS),

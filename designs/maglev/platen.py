@@ -71,9 +71,9 @@ INTERFACE = stage.interface(
     ],
     bad_samples=BAD_SAMPLES,
     good_samples=GOOD_SAMPLES,
-    safe_output_effect=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; the safe output, "
-    f"{SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to {GAP[1] * 1e3:g} mm, "
-    "also with all parameters at their tolerances",
+    safe_output_effect=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; in flight the "
+    f"safe output, {SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to "
+    f"{GAP[1] * 1e3:g} mm, also with all parameters at their tolerances",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (

@@ -2,17 +2,16 @@
 
 from designs.maglev.commutation import DESCENT
 from designs.maglev.handover import FADE, OF_AXIS
-from designs.maglev.platen import BAD_SAMPLES, CURRENT, LOST, SAFE_CURRENT
+from designs.maglev.platen import BAD_SAMPLES, LOST, SAFE_CURRENT
 
 (X_FIRST, X_SECOND), (Z_FIRST, Z_SECOND) = OF_AXIS["x"], OF_AXIS["z"]
 ALL_GO_ON = "all axes go on"
-AT_THE_END = f"then all i_d = {SAFE_CURRENT:g} A and all i_q = 0 A, commutated at the measured positions"
+AT_THE_END = "then all currents fade to 0 A: on the stop the magnets carry less than the weight"
 LATCHES = f"the {BAD_SAMPLES}th sample in a row latches in flight, without a landing: i_d {SAFE_CURRENT:g} A, i_q 0 A"
 HANDOVER = (
     f"lands; without x, motors {X_FIRST} and {X_SECOND} hand i_d over to {Z_FIRST} and {Z_SECOND} in {FADE} samples "
-    "and keep i_q, and vice versa without z; commutated at the prediction; then i_d "
-    f"{SAFE_CURRENT:g} A, i_q 0 A, and {LOST:g} m for the lost position: the phase step refuses it and fades the "
-    f"currents of its motors out, so that the two others carry with {min(2 * SAFE_CURRENT, CURRENT):.3g} A"
+    f"and keep i_q, and vice versa without z; commutated at the prediction; {AT_THE_END}, and the lost position is "
+    f"{LOST:g} m, which the phase step refuses"
 )
 REACTIONS = {
     "one_refused": ALL_GO_ON,

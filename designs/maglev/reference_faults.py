@@ -132,13 +132,14 @@ def step(
     complete = good.all(axis=0)
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), complete)
     after = accepted.after | guard.count(state, enough, reference_stage.BAD_SAMPLES, reference_stage.GOOD_SAMPLES)
-    latched = (after["guard_latched"] > 0) | after_landing.pop("landed")
+    landed = after_landing.pop("landed")
+    latched = (after["guard_latched"] > 0) | landed
     after |= {"guard_latched": latched, "guard_ready": np.where(complete, 1, state["guard_ready"])}
     demands = {"w_y": w[0], "a_x": thrust[0], "a_z": thrust[1], "w_phi": w[3], "w_theta": w[4]}
     next: dict[str, Any] = after_readings | after_observers | after_landing | after_probe | after_law
     next |= {f"delay_{n}_last": np.clip(x, -DELAYED, DELAYED) for n, x in demands.items()}
     next["handover_transfer"] = transfer
-    outputs, slewed = reference_stage.safe_outputs(state, computed, latched)
+    outputs, slewed = reference_stage.safe_outputs(state, computed, latched, landed)
     word = (
         accepted.word
         | (1 << np.arange(11, 17)) @ suspects

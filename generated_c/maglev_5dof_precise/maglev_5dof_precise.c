@@ -870,10 +870,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
+    static const float safe_i_d = 2.5f;                         /* A; safe output */
     const float landing_r_y = state->landing_r_y;
     const uint32_t landing_landing = state->landing_landing;
     const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
     const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+    const float target_i_d = (landed) ? 0.0f : safe_i_d;
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
@@ -1012,15 +1014,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         fault_word = faults_before | 0x80000000u;
 
         /* safe_output: slew to the safe output once latched */
-        static const float safe_i_d = 2.5f;                     /* A; safe output */
         static const float slew_step = 0.1f;                    /* A; 100 A/s times 0.001 s */
-        state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, safe_i_d, slew_step);
+        state->safe_output_last_i_d1 = maglev_5dof_precise_slew(state->safe_output_last_i_d1, target_i_d, slew_step);
         out->i_d1 = state->safe_output_last_i_d1;
-        state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, safe_i_d, slew_step);
+        state->safe_output_last_i_d2 = maglev_5dof_precise_slew(state->safe_output_last_i_d2, target_i_d, slew_step);
         out->i_d2 = state->safe_output_last_i_d2;
-        state->safe_output_last_i_d3 = maglev_5dof_precise_slew(state->safe_output_last_i_d3, safe_i_d, slew_step);
+        state->safe_output_last_i_d3 = maglev_5dof_precise_slew(state->safe_output_last_i_d3, target_i_d, slew_step);
         out->i_d3 = state->safe_output_last_i_d3;
-        state->safe_output_last_i_d4 = maglev_5dof_precise_slew(state->safe_output_last_i_d4, safe_i_d, slew_step);
+        state->safe_output_last_i_d4 = maglev_5dof_precise_slew(state->safe_output_last_i_d4, target_i_d, slew_step);
         out->i_d4 = state->safe_output_last_i_d4;
         state->safe_output_last_u_x = maglev_5dof_precise_slew(state->safe_output_last_u_x, 0.0f, slew_step);
         state->safe_output_last_u_z = maglev_5dof_precise_slew(state->safe_output_last_u_z, 0.0f, slew_step);

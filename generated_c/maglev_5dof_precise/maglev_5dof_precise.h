@@ -11,7 +11,7 @@
  *
  * When the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or a landing is over, the step
  * latches until init, and the outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2,
- * i_q3, i_q4 to 0 A at 100 A/s.
+ * i_q3, i_q4 to 0 A at 100 A/s; but once a landing is over, i_d1, i_d2, i_d3, i_d4, i_q1, i_q2, i_q3, i_q4 to 0 A.
  *
  * What this does to the machine:
  *   - a gap encoder that is refused or excluded is replaced

@@ -1,4 +1,4 @@
-"""Input range check with hold, fault latch and safe output: fault handling of a controller.
+"""Input range check with hold, and fault latch: fault handling of a controller, in front of its `safe_output`.
 
 An input is accepted when low <= value <= high; NaN fails both comparisons. While an input is refused, its last accepted
 value replaces it; before the first accepted value, the declared initial one does. For an input that is not held, the
@@ -20,14 +20,13 @@ sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their v
 is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from synth import arguments
-from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
+from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build
 from synth.blocks import bad_samples as bad_sample_counts
 from synth.blocks import guard_failures, safety_numbers
 from synth.errors import SignalError
@@ -37,7 +36,7 @@ from synth.timing import Discrete
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
-    *("BRAKES", "GuardedInput", "LATCH_CERTAIN", "Safety", "SOUND", "SUSPECTED", "frozen", "guard", "safe_output"),
+    *("BRAKES", "GuardedInput", "LATCH_CERTAIN", "Safety", "SOUND", "SUSPECTED", "frozen", "guard"),
     "without_latch",
 ]
 
@@ -173,55 +172,6 @@ def guard(
     row = bad_sample_counts.rule(bad_samples, good_samples)
     failures = guard_failures.of_guard(inputs, row, suspected, redundant, braking)
     return replace(block, faults=tuple(faults), safety=declared, failures=failures)
-
-
-@arguments.checked
-def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
-    """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
-
-    The computed value is limited to the output's range; the slew from there to the safe output stays inside the range.
-    ``<name>_before`` is the output of the previous sample.
-
-    Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe output lies outside
-    its range.
-    """
-    for s in outputs:
-        if s.name not in safety.safe_output or s.name not in safety.slew_per_s:
-            raise SignalError(f"output '{s.name}' has no safe value or no rate: declare both")
-        if not s.low <= safety.safe_output[s.name] <= s.high:
-            raise SignalError(
-                f"the safe output {safety.safe_output[s.name]} of '{s.name}' is outside {s.low} .. {s.high}: "
-                "choose one inside"
-            )
-        if not 0 < safety.slew_per_s[s.name] < math.inf:
-            raise SignalError(
-                f"output '{s.name}' slews at {safety.slew_per_s[s.name]} {s.unit} per second: "
-                "the rate must be finite and positive"
-            )
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        value = {}
-        for s in outputs:
-            step, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
-            slewed = ca.fmax(ca.fmin(safety.safe_output[s.name], last + step), last - step)
-            computed = clip(u[f"{s.name}_computed"], s)
-            value[s.name] = ca.if_else(u["latched"], slewed, computed)
-        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
-        return Step(
-            value | before,
-            {f"last_{n}": v for n, v in value.items()},
-            numbers=safety_numbers.slew(time, outputs, safety),
-        )
-
-    last = "last output"
-    read = [_flag("latched", "latched until init"), *(replace(s, name=f"{s.name}_computed") for s in outputs)]
-    block = build(
-        SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",
-        outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in outputs)],
-        states=[State(replace(s, name=f"last_{s.name}", about=last), safety.safe_output[s.name]) for s in outputs],
-    )  # fmt: skip
-    values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
-    return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
 
 
 @arguments.checked

@@ -105,7 +105,7 @@ def frozen(state: Columns, after: Columns, latched: Flags) -> dict[str, Array]:
 
 
 def slew(
-    state: Columns, computed: Columns, latched: Flags, step: float, safe: Mapping[str, float] | None = None
+    state: Columns, computed: Columns, latched: Flags, step: float, safe: Mapping[str, float | Array] | None = None
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the outputs and the next states of the safe output: once latched, by `step` a sample to `safe`, else 0."""
     outputs = {}

@@ -6,7 +6,7 @@ import pytest
 
 from synth.analyse import equilibrium, loop, operating_points, stability_margins
 from synth.block import Block, Exprs, State, Step, build
-from synth.blocks import safety
+from synth.blocks import safe_output, safety
 from synth.composition import compose
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
@@ -63,7 +63,7 @@ def pid_block(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) ->
             outputs=[Signal("drive_computed", "A", -100, 100)],
             states=states,
         ),
-        safety.safe_output(TIME, [DRIVE], rest),
+        safe_output.block(TIME, [DRIVE], rest),
     ]
     return compose("held", blocks, inputs=["q", "wish"], outputs=["drive"])
 

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks.safety import LATCH_BIT, GuardedInput, Safety, frozen, guard, safe_output
+from synth.blocks import safe_output
+from synth.blocks.safety import LATCH_BIT, GuardedInput, Safety, frozen, guard
 from synth.composition import compose
 from synth.emit.write import EmittedCode, emit
 from synth.errors import SignalError
@@ -61,7 +62,7 @@ def controller(safety: Safety = SAFE) -> Block:
         inputs=held,
         outputs=[Signal("force_computed", "A", -1, 1)],
     )
-    blocks = [safe_output(TIME, [FORCE], safety), law, guard(TIME, INPUTS, safety.bad_samples)]
+    blocks = [safe_output.block(TIME, [FORCE], safety), law, guard(TIME, INPUTS, safety.bad_samples)]
     return compose("guarded", blocks, inputs=NAMES, outputs=["force"])
 
 
@@ -335,7 +336,7 @@ def counting() -> Block:
         return Step({"force_computed": 100 * x["total"]}, {"total": x["total"] + u["wish_held"]})
 
     summed = build("law", TIME, law, inputs=[wish], outputs=outputs, states=[total])
-    blocks = [guard(TIME, INPUTS, SAFE.bad_samples), summed, safe_output(TIME, [FORCE], SAFE)]
+    blocks = [guard(TIME, INPUTS, SAFE.bad_samples), summed, safe_output.block(TIME, [FORCE], SAFE)]
     return compose("counting", blocks, inputs=NAMES, outputs=["force"])
 
 
@@ -371,7 +372,7 @@ def emit_self_limited(width: float) -> EmittedCode:
         inputs=[wish],
         outputs=[wide],
     )
-    blocks = [guard(TIME, INPUTS, SAFE.bad_samples), law, safe_output(TIME, [FORCE], SAFE)]
+    blocks = [guard(TIME, INPUTS, SAFE.bad_samples), law, safe_output.block(TIME, [FORCE], SAFE)]
     return emit(compose("passed", blocks, inputs=NAMES, outputs=["force"]), f32)
 
 
@@ -437,7 +438,7 @@ def test_invalid_guards_are_refused(inputs: list[GuardedInput], bad_samples: int
 )
 def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str, float], text: str) -> None:
     with pytest.raises(SignalError, match=text):
-        safe_output(TIME, [FORCE], Safety(5, safe, slew, "test"))
+        safe_output.block(TIME, [FORCE], Safety(5, safe, slew, "test"))
 
 
 SUSPICIOUS = ("suspected", "suspect_reading", "suspect_angle")
@@ -463,7 +464,7 @@ def suspicious_block() -> Block:
         inputs=[Signal(f"{n}_held", g.signal.unit, -1, 1) for n, g in zip(NAMES, INPUTS, strict=True)],
         outputs=[Signal("force_computed", "A", -1, 1)],
     )
-    blocks = [guard(TIME, INPUTS, 5, ("reading", "angle")), watch, force, safe_output(TIME, [FORCE], SAFE)]
+    blocks = [guard(TIME, INPUTS, 5, ("reading", "angle")), watch, force, safe_output.block(TIME, [FORCE], SAFE)]
     return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in flags)], outputs=["force"])
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.blocks import safety
+from synth.blocks import safe_output, safety
 from synth.composition import compose
 from synth.reference import guard
 from synth.signals import Signal
@@ -27,7 +27,7 @@ COMPUTED = Signal("i_computed", "A", -3.0, 3.0)
 
 def block(good: int) -> Any:
     law = safety.Safety(BAD, SAFE, {"i": SLEW}, "it is heavy")
-    parts = [safety.guard(TIME, INPUTS, BAD, good_samples=good), safety.safe_output(TIME, [OUTPUT], law)]
+    parts = [safety.guard(TIME, INPUTS, BAD, good_samples=good), safe_output.block(TIME, [OUTPUT], law)]
     return compose("guarded", parts, inputs=["y", "v", "r", "i_computed"], outputs=["y_held", "v_held", "r_held", "i"])
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks import axes
 from synth.block import Block
-from synth.blocks import safety
+from synth.blocks import safe_output, safety
 from synth.emit import write
 from synth.execute import host
 from synth.verify import latch
@@ -15,13 +15,13 @@ SLEW, SAFE = "slews at", "ends from its safe value by"
 
 def planted(monkeypatch: pytest.MonkeyPatch, **wrong: dict[str, float]) -> host.Controller:
     """Return two axes whose C has another safe output than their manifest."""
-    right, original = axes.block(2), safety.safe_output
+    right, original = axes.block(2), safe_output.block
 
     def other(time: object, outputs: object, limits: safety.Safety) -> Block:
         return original(time, outputs, safety.replace(limits, **wrong))  # type: ignore[attr-defined, arg-type]
 
     if wrong:
-        monkeypatch.setattr(axes.safety, "safe_output", other)
+        monkeypatch.setattr(axes.safe_output, "block", other)
     made = write.emit(axes.block(2), np.float32)
     claimed = {"safe_output": dict(right.safety.safe_output), "slew_per_s": dict(right.safety.slew_per_s)}
     return host.load(made.files, {**made.manifest, "safety": {**made.manifest["safety"], **claimed}})

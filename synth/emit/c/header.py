@@ -191,6 +191,11 @@ def _safe_output(block: Block) -> list[str]:
     for name, value in safety.safe_output.items():
         ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
     slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
+    values: dict[tuple[float, str], list[str]] = {}
+    for name, value in safety.landed_output.items():
+        values.setdefault((value, units[name]), []).append(name)
+    landed = "; ".join(f"{', '.join(names)} to {v:g} {u}" for (v, u), names in values.items())
+    slews += f"; but once a landing is over, {landed}" if landed else ""
     consequences = [f"{_ITEM}{clause}" for clause in safety.safe_output_effect.split("; ") if clause]
     return [
         f"{latches}, and the outputs move to the safe output: {slews}.",

@@ -94,7 +94,7 @@ def _safety(block: Block) -> dict[str, Any] | None:
     if safety is None:
         raise EmitError(
             f"block '{block.name}' latches (fault bit {LATCH_BIT}) but does not say what it does then: give it a "
-            "`safety`, as safety.guard and safety.safe_output do"
+            "`safety`, as safety.guard and safe_output.block do"
         )
     return {
         "bad_samples": safety.bad_samples,
@@ -102,6 +102,7 @@ def _safety(block: Block) -> dict[str, Any] | None:
         **({"good_samples": safety.good_samples} if safety.good_samples else {}),
         "safe_output": dict(safety.safe_output),
         "slew_per_s": dict(safety.slew_per_s),
+        **({"landed_output": dict(safety.landed_output)} if safety.landed_output else {}),
         "safe_output_effect": safety.safe_output_effect,
         **({"judgement": _judgement(safety.judgement)} if safety.judgement else {}),
     }

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Step, build
-from synth.blocks.safety import GuardedInput, Safety, guard, safe_output
+from synth.blocks import safe_output
+from synth.blocks.safety import GuardedInput, Safety, guard
 from synth.composition import compose
 from synth.emit.c import diagnostics
 from synth.emit.c import locals as variables
@@ -45,7 +46,7 @@ def stage() -> Block:
         guard(TIME, [GuardedInput(POSITION, 0.0, True)], 3),
         build("sensing", TIME, sense, inputs=[held], outputs=[angle]),
         build("control", TIME, control, inputs=[angle], outputs=[LIMITED]),
-        safe_output(TIME, [FORCE], SAFETY),
+        safe_output.block(TIME, [FORCE], SAFETY),
     ]
     return compose("stage", blocks, inputs=["position"], outputs=["force"])
 

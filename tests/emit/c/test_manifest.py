@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.block import Block, Step, build
-from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard, safe_output
+from synth.blocks import safe_output
+from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard
 from synth.composition import compose
 from synth.emit.c.manifest import dumps
 from synth.emit.write import EmittedCode, emit
@@ -111,7 +112,7 @@ def stage() -> Block:
     blocks = [
         guard(TIME, [GuardedInput(gap, 0.25, True), GuardedInput(wish, 0, False)], 3),
         law,
-        safe_output(TIME, [force], STAGE),
+        safe_output.block(TIME, [force], STAGE),
     ]
     return compose("stage", blocks, inputs=["gap", "wish"], outputs=["force"])
 
@@ -277,7 +278,7 @@ def test_numbers_that_json_does_not_know_are_refused() -> None:
 
 def test_a_block_that_does_not_latch_has_no_safety() -> None:
     output = Signal("force", "N", -1, 1)
-    block = safe_output(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
+    block = safe_output.block(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
     assert emit(block, np.float64).manifest["safety"] is None
     assert emit(guard(TIME, [GuardedInput(GAP, 0.02, False)], 3), np.float64).manifest["safety"] is None
 
@@ -326,14 +327,17 @@ def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:
         inputs=[force],
         outputs=both,
     )
-    parts = [guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safe_output(TIME, [force], replace(STAGE, bad_samples=2))]
+    parts = [
+        guard(TIME, [GuardedInput(GAP, 0.02, True)], 2),
+        safe_output.block(TIME, [force], replace(STAGE, bad_samples=2)),
+    ]
     block = compose("two", [*parts, shared], inputs=["gap", "force_computed"], outputs=["right", "left", "half"])
     assert block.safety == Safety(2, {"right": 0.0, "left": 0.0}, {"right": 5.0, "left": 5.0}, "at rest")
 
 
 def test_a_latch_that_contradicts_its_safety_is_refused() -> None:
     force = Signal("force", "N", -1, 1)
-    parts = [guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safe_output(TIME, [force], STAGE)]
+    parts = [guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safe_output.block(TIME, [force], STAGE)]
     with pytest.raises(WiringError, match="'guard' latches after 2 bad samples, 'safe_output' after 3: declare one"):
         compose("two", parts, inputs=["gap", "force_computed"], outputs=["force"])
     untold = replace(guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safety=None)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from synth.block import Block, State, Step, build
-from synth.blocks.safety import GuardedInput, Safety, guard, safe_output
+from synth.blocks import safe_output
+from synth.blocks.safety import GuardedInput, Safety, guard
 from synth.composition import compose
 from synth.emit.write import emit
 from synth.execute import compile as compiler
@@ -33,7 +34,7 @@ def stage(low: float = -1, held: bool = True, second: bool = True) -> Block:
         outputs=[Signal("force_computed", "N", -9, 9)],
     )
     guarded = [GuardedInput(s, max(s.low, 0.0), s.name != "wish", held) for s in signals]
-    blocks = [guard(TIME, guarded, 3), law, safe_output(TIME, [FORCE], SAFETY)]
+    blocks = [guard(TIME, guarded, 3), law, safe_output.block(TIME, [FORCE], SAFETY)]
     return compose("stage", blocks, inputs=[s.name for s in signals], outputs=["force"])
 
 
