@@ -49,16 +49,17 @@ TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
 LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
 GATE = 40e-6  # m: a code that stands still while its prediction moves further is frozen
-# m: without a fault the distance from code to prediction grows by at most 0.10 mm while the code stands still, and by
-# 0.24 mm in a sample, in steps of x and z and after 40 missed calls
-WIDE = 0.5e-3
+# m: without a fault the distance from code to prediction grows by at most 0.24 mm in a sample and by 0.10 mm while the
+# code stands still, in steps of x and z and after 40 missed calls
+WIDE_JUMP, WIDE_FROZEN = 0.5e-3, 0.2e-3
 JUMP = jump_gate(GATE, WRONG_ACCELERATION, RESOLUTION, TIME.period_s)
 DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", GATE),
     travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)),
     at_rest=PROBE.count_limit,
     jump=dict.fromkeys("xz", digits.round_up(JUMP)),
-    wide=dict.fromkeys("xz", WIDE),
+    wide_jump=dict.fromkeys("xz", WIDE_JUMP),
+    wide_frozen=dict.fromkeys("xz", WIDE_FROZEN),
 )
 STOP, RAMP_BOUND = platen.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
@@ -78,8 +79,8 @@ UNTESTED = (
     f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
     "may hold the platen, these tests are off. After missed calls, and while the platen accelerates otherwise than "
     "predicted, until the prediction agrees with ten changes of the code, they notice only a distance between both "
-    f"that grows by more than {WIDE * 1e3:g} mm. A platen that rests is pushed there and back by the probe after each "
-    f"{PROBE.quiet} samples without a change of the code of x or z."
+    f"growing by more than {WIDE_FROZEN * 1e3:g} mm (frozen) or {WIDE_JUMP * 1e3:g} mm (a jump). A platen that rests "
+    f"is pushed there and back by the probe after each {PROBE.quiet} samples without a change of the code of x or z."
 )
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS),

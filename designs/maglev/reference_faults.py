@@ -33,7 +33,8 @@ SENSING = redundancy.Sensors(
     "xz",
     gate=40e-6,  # m
     jump=0.15e-3,  # m: 40 um, 66 um at the rate and 27 um by an acceleration of 53 m/s^2, and a count of 10 um
-    wide=0.5e-3,  # m
+    wide_jump=0.5e-3,  # m
+    wide_frozen=0.2e-3,  # m
     travel=0.0499,  # m
     longest=40,
     low=LOW[:SENSORS],

@@ -228,9 +228,12 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
-    static const float wide = 0.0005f; /* m; growth of the distance to the prediction that needs no earlier agreement */
+    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
+    static const float wide_jump = 0.0005f;
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
+    static const float wide_frozen = 0.0002f;
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
 
@@ -257,13 +260,13 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
     const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
     const float distance = fabsf(expected - accepted);
     const uint32_t jumps = state->jumps;
+    const float growth = distance - fabsf(code - before);
     const bool doubts_below_1 = doubts < 1u;
-    const bool grown = wide < (distance - fabsf(code - before));
     bool jumping = false;
     if (gate < distance) {
         if (jump < distance) {
-            const bool believed = (doubts_below_1 || grown) && in_time && (-travel < expected) && (expected < travel) &&
-                (-travel < code) && (code < travel);
+            const bool believed = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
+                (expected < travel) && (-travel < code) && (code < travel);
             jumping = (1u <= jumps) || (believed && !same);
             doubts_next = (same || believed) ? doubts : doubted_changes;
         } else {
@@ -285,7 +288,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
         excluded_next = (last) ? 1u : excluded;
         jumps_next = (last) ? 0u : (jumps + 1u);
     } else if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-            (((gate < fabsf(expected - before_next)) && doubts_below_1) || grown || unanswered)) {
+            (((gate < fabsf(expected - before_next)) && doubts_below_1) || (wide_frozen < growth) || unanswered)) {
         const uint32_t stopped = ((ready != 0u) && usable) ? 1u : excluded;
         suspect = stopped;
         frozen = stopped;

@@ -15,11 +15,12 @@
  *
  * What this does to the machine:
  *   - a gap encoder that is refused or excluded is replaced
- *   - without x, without z or without two gap encoders the platen lands and then latches on the stop
+ *   - without x, without z or without two gap encoders the platen lands, latches on the stop and lies there without
+ *     current
  *   - without three gap encoders, or without x and z, it latches as said above
  *   - zero current pulls the platen up from a gap below 28.7 mm
- *   - the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all parameters
- *     at their tolerances
+ *   - in flight the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all
+ *     parameters at their tolerances
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
  *     machine reaches 0.00044 m/s (z) and hits a stop at 0.0054 m/s (y)
  *   - in motion the machine reaches 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)
@@ -63,15 +64,15 @@
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
- * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then all i_d =
- * all of y1, y2, y3    | one moves again after it stood    | another excluded   | 2.5 A and all i_q = 0 A, commutated
- * and y4 are suspects  | still: it is used again           | one stays replaced | at the measured positions
+ * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then all
+ * all of y1, y2, y3    | one moves again after it stood    | another excluded   | currents fade to 0 A: on the stop the
+ * and y4 are suspects  | still: it is used again           | one stays replaced | magnets carry less than the weight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the remaining gaps leave
  * and y4 refused or    | sample                            | its observer       | open of y, phi, theta is predicted; x
- * excluded             |                                   |                    | and z go on measured; then all i_d =
- *                      |                                   |                    | 2.5 A and all i_q = 0 A, commutated
- *                      |                                   |                    | at the measured positions
+ * excluded             |                                   |                    | and z go on measured; then all
+ *                      |                                   |                    | currents fade to 0 A: on the stop the
+ *                      |                                   |                    | magnets carry less than the weight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * more than 2 of y1,   | bits 0 to 3, 11 to 14; in that    | the prediction of  | the 5th sample in a row latches in
  * y2, y3 and y4        | sample                            | its observer       | flight, without a landing: i_d 2.5 A,
@@ -81,11 +82,10 @@
  * outside its range    |                                   | its observer       | i_d over to 1 and 3 in 25 samples and
  *                      |                                   |                    | keep i_q, and vice versa without z;
  *                      |                                   |                    | commutated at the prediction; then
- *                      |                                   |                    | i_d 2.5 A, i_q 0 A, and 0.2 m for the
- *                      |                                   |                    | lost position: the phase step refuses
- *                      |                                   |                    | it and fades the currents of its
- *                      |                                   |                    | motors out, so that the two others
- *                      |                                   |                    | carry with 4.95 A
+ *                      |                                   |                    | all currents fade to 0 A: on the stop
+ *                      |                                   |                    | the magnets carry less than the
+ *                      |                                   |                    | weight, and the lost position is 0.2
+ *                      |                                   |                    | m, which the phase step refuses
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x or z frozen        | bits 15, 16; its code stands      | the prediction of  | as the row above; bit and exclusion
  *                      | still for 3 samples or more while | its observer       | stay
@@ -158,9 +158,9 @@
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
  * platen, these tests are off. After missed calls, and while the platen accelerates otherwise than predicted, until the
- * prediction agrees with ten changes of the code, they notice only a distance between both that grows by more than 0.5
- * mm. A platen that rests is pushed there and back by the probe after each 40 samples without a change of the code of x
- * or z.
+ * prediction agrees with ten changes of the code, they notice only a distance between both that grows by more than 0.2
+ * mm (frozen) or 0.5 mm (a jump). A platen that rests is pushed there and back by the probe after each 40 samples
+ * without a change of the code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.

@@ -10,9 +10,10 @@
               body has moved on, nor where the prediction or the code before it is outside `travel`; a sensor that
               jumps is not frozen in the same sample
 
-While a body accelerates hard, its prediction seldom agrees with it. With `wide` no agreement is needed where |y - y^|
-has grown by more than `wide` since the last change of the code: one that stands still is frozen, one that changes
-jumps. A prediction that returns to its code, as after missing calls, makes |y - y^| smaller.
+While a body accelerates hard, its prediction seldom agrees with it. No agreement is needed where |y - y^| has grown
+since the last change of the code: by more than `wide_frozen` for a code that stands still, which is then frozen, and by
+more than `wide_jump` for one that changes, which then jumps. A prediction that returns to its code, as after missing
+calls, makes |y - y^| smaller.
 
 A frozen sensor is excluded until init at once, one that jumps after `persistent` samples in a row. Once latched,
 predictions stand still, and no jump is looked for any more.
@@ -56,9 +57,9 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
         before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)  # at first nothing is predicted
         distance = ca.fabs(expected - y)
-        grown = ca.SX(0)
-        if n in decision.wide:
-            grown = distance - ca.fabs(x["code"] - x["before"]) > decision.wide[n]
+        growth = distance - ca.fabs(x["code"] - x["before"])
+        grown = growth > decision.wide_jump[n] if n in decision.wide_jump else ca.SX(0)
+        strayed = growth > decision.wide_frozen[n] if n in decision.wide_frozen else ca.SX(0)
         far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
         contradicts = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
         believed = _is_free(travel, (expected, x["code"]), contradicts)
@@ -70,7 +71,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
         agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
-        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), grown)
+        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), strayed)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))

@@ -23,8 +23,9 @@ class Decision:
     `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
     and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
     reading is inside `travel`; at an end, a stop may hold it. A reading further than `jump` from its prediction has
-    jumped (`jump_gate`); without one no jump is looked for. A distance from its prediction that grew by more than
-    `wide` since the last change of the code needs no earlier agreement, for either; without one it does.
+    jumped (`jump_gate`); without one no jump is looked for. Where the distance from its prediction has grown since
+    the last change of the code by more than `wide_frozen` or `wide_jump`, the sensor is frozen or has jumped without an
+    earlier agreement; without these it is not.
     """
 
     gate: Mapping[str, float]
@@ -34,7 +35,8 @@ class Decision:
     at_rest: int = 0
     tolerated: int = 2
     jump: Mapping[str, float] = field(default_factory=dict)
-    wide: Mapping[str, float] = field(default_factory=dict)
+    wide_jump: Mapping[str, float] = field(default_factory=dict)
+    wide_frozen: Mapping[str, float] = field(default_factory=dict)
 
     def longest(self, single: bool) -> int:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
@@ -47,9 +49,11 @@ class Decision:
         if self.jump.get(name, self.gate[name]) < self.gate[name]:
             jump, gate = self.jump[name], self.gate[name]
             raise SignalError(f"a jump of '{name}' is above {jump}, its gate {gate}: give no less")
-        if self.wide.get(name, self.gate[name]) < self.gate[name]:
-            wide, gate = self.wide[name], self.gate[name]
-            raise SignalError(f"the wide gate of '{name}' is {wide}, its gate {gate}: give no less")
+        for of, wide in (("jumps", self.wide_jump), ("frozen codes", self.wide_frozen)):
+            if wide.get(name, self.gate[name]) < self.gate[name]:
+                raise SignalError(
+                    f"the wide gate for {of} of '{name}' is {wide[name]}, its gate {self.gate[name]}: give no less"
+                )
 
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
         """Return the numbers of the groups that the C names."""
@@ -73,8 +77,10 @@ class Decision:
         far = "from the prediction: no acceleration of the machine explains it"
         numbers = [Constant("gate", self.gate[n], unit, "predicted motion in which a working code changes")]
         numbers += [Constant("jump", self.jump[n], unit, far)] if n in self.jump else []
-        grown = "growth of the distance to the prediction that needs no earlier agreement"
-        numbers += [Constant("wide", self.wide[n], unit, grown)] if n in self.wide else []
+        grown = "growth of the distance to the prediction that needs no earlier agreement: of a code that"
+        numbers += [Constant("wide_jump", self.wide_jump[n], unit, f"{grown} changes")] if n in self.wide_jump else []
+        frozen = f"{grown} stands still"
+        numbers += [Constant("wide_frozen", self.wide_frozen[n], unit, frozen)] if n in self.wide_frozen else []
         ends = zip(("low", "high"), self.travel[n], strict=True)
         return [
             *numbers, *(Constant(f"travel_{of}", v, unit, at) for of, v in ends), *self._counts(),

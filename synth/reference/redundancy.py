@@ -6,8 +6,8 @@ parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refu
              or more follow from the predictions
 isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
 others       a code that stands still while the prediction moves by more than a gate is frozen; a reading further
-             than `jump` from a prediction that is believed has jumped; where the distance grew by more than `wide`
-             since the last change of the code, it is believed
+             than `jump` from a prediction that is believed has jumped; both need an earlier agreement
+             unless the distance grew by more than a wide gate since the last change of the code
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,8 @@ class Sensors:
     others: Sequence[str]
     gate: float
     jump: float
-    wide: float
+    wide_jump: float
+    wide_frozen: float
     travel: float
     longest: int
     low: Array
@@ -89,13 +90,13 @@ def readings(
     doubts = rows(state, of.states("doubts")[g:])
     distance, counted = np.abs(expected[g:] - y[g:]), rows(state, of.states("jumps")[g:])
     last = rows(state, of.states("code")[g:])
-    grown = distance - np.abs(last - remembered) > of.wide
+    growth = distance - np.abs(last - remembered)
     with np.errstate(invalid="ignore"):
-        believed = judging & ((doubts == 0) | grown) & (np.asarray(missed) == 0)
+        believed = judging & ((doubts == 0) | (growth > of.wide_jump)) & (np.asarray(missed) == 0)
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
     doubted = np.where(far & believed, doubts, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
-    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | grown | unanswered
+    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | (growth > of.wide_frozen) | unanswered
     stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     freezes = ready & stands & ~jumps & usable[g:]

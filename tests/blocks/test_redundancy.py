@@ -201,14 +201,14 @@ def test_with_a_wide_gate_a_reading_that_moves_away_from_a_doubted_prediction_is
     wide: float, by: float
 ) -> None:
     """One that jumps to its prediction comes back to it, as after missing calls."""
-    decision = replace(JUMPING, wide={"x": wide} if wide else {})
+    decision = replace(JUMPING, wide_jump={"x": wide} if wide else {})
     suspects = jump(by, 10, error=3.5e-3, decision=decision)[0]
     assert suspects == [0, 0, *([1] * 10 if wide and by < 0 else [0] * 10)]
 
 
 @pytest.mark.parametrize("wide", [4.5e-3, 0.0])
 def test_with_a_wide_gate_a_code_that_stands_still_is_frozen_without_an_agreement_before(wide: float) -> None:
-    runner = Runner(whole(replace(DECISION, wide={"x": wide} if wide else {})))
+    runner = Runner(whole(replace(DECISION, wide_frozen={"x": wide} if wide else {})))
     named = []
     for k in range(30):
         readings = moving(k) | {"x": 0.1 + 1e-3 * min(k - 20, 0)}
@@ -225,8 +225,8 @@ def test_the_gate_of_jumps_is_what_a_wrong_acceleration_adds_in_a_sample() -> No
 def test_wrong_declarations_are_refused() -> None:
     with pytest.raises(SignalError, match="jump of 'x' is above"):
         redundancy.block(TIME, SENSORS, [SUM], replace(DECISION, jump={"x": 1e-4}))
-    with pytest.raises(SignalError, match="wide gate of 'x' is"):
-        redundancy.block(TIME, SENSORS, [SUM], replace(DECISION, wide={"x": 1e-4}))
+    with pytest.raises(SignalError, match="wide gate for frozen codes of 'x' is"):
+        redundancy.block(TIME, SENSORS, [SUM], replace(DECISION, wide_frozen={"x": 1e-4}))
     with pytest.raises(SignalError, match="give 0"):
         landing.block(TIME, [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)], [W], 5, -1)
     with pytest.raises(SignalError, match="each sensor once"):

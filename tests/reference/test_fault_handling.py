@@ -55,10 +55,12 @@ def differs(block: Block, x: Columns, u: Columns, states: Columns, outputs: Colu
 
 
 SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
-DECISION = redundancy_block.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3}, wide={"x": 5e-3})
+DECISION = redundancy_block.Decision(
+    {"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3}, wide_jump={"x": 5e-3}, wide_frozen={"x": 3e-3}
+)
 MISSED = Signal("missed_calls", "1", 0, 40)
 OF = redundancy.Sensors(
-    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 5e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
+    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 5e-3, 3e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
 )
 
 
@@ -153,7 +155,8 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
         lambda: redundancy_differs(replace(OF, threshold=0.02)),
         lambda: redundancy_differs(replace(OF, gate=0.05)),
         lambda: redundancy_differs(replace(OF, jump=0.03)),
-        lambda: redundancy_differs(replace(OF, wide=0.03)),
+        lambda: redundancy_differs(replace(OF, wide_jump=0.5)),
+        lambda: redundancy_differs(replace(OF, wide_frozen=0.03)),
         lambda: predictor_differs(61.0),
         lambda: probe_differs(4),
         lambda: landing_differs(2.1),
