@@ -22,9 +22,9 @@
  *   - in flight the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all
  *     parameters at their tolerances
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00044 m/s (z) and hits a stop at 0.0054 m/s (y)
- *   - in motion the machine reaches 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)
- *   - at rest, tilted at 18.5 mm the machine reaches 0.0019 m/s (z) and 0.22 rad/s (phi) and hits a stop at 0.0052 m/s
+ *     machine reaches 0.00028 m/s (x) and hits a stop at 0.0054 m/s (y)
+ *   - in motion the machine reaches 0.001 m/s (x) and 0.45 rad/s (theta) and hits a stop at 0.018 m/s (y)
+ *   - at rest, tilted at 18.5 mm the machine reaches 0.00071 m/s (x) and 0.23 rad/s (phi) and hits a stop at 0.0052 m/s
  *     (y)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -158,9 +158,9 @@
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
  * platen, these tests are off. After missed calls, and while the platen accelerates otherwise than predicted, until the
- * prediction agrees with ten changes of the code, they notice only a distance between both that grows by more than 0.2
- * mm (frozen) or 0.5 mm (a jump). A platen that rests is pushed there and back by the probe after each 40 samples
- * without a change of the code of x or z.
+ * prediction agrees with ten changes of the code, they notice only a distance between both growing by more than 0.2 mm
+ * (frozen) or 0.5 mm (a jump). A platen that rests is pushed there and back by the probe after each 40 samples without
+ * a change of the code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
