@@ -226,7 +226,8 @@ typedef struct {
 } maglev_5dof_precise_monitor_t;
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
- *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+ *     x_unchanged = (still if most_unchanged <= still, else still + 1) if guard_ready and x_accepted ==
+ *         code, else 0 */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
     bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
@@ -245,16 +246,17 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
 
     const float code = state->code;
     const bool same = maglev_5dof_precise_equal(accepted, code);
+    uint32_t unchanged = 0u;
+    if ((ready != 0u) && same) {
+        const uint32_t still = state->still;
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
+    }
     const float before = state->before;
     const uint32_t doubts = state->doubts;
-    uint32_t unchanged = 0u;
     float before_next_if_ready = before;
     uint32_t doubts_next_choice = doubts;
     uint32_t doubts_next = doubts;
-    if (same) {
-        const uint32_t still = state->still;
-        unchanged = (most_unchanged <= still) ? still : (still + 1u);
-    } else {
+    if (!same) {
         before_next_if_ready = expected;
         doubts_next_choice = doubted_changes;
         if (1u <= doubts) {
@@ -280,8 +282,6 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
         }
     }
     const uint32_t excluded = state->excluded;
-    const bool usable = good && (excluded == 0u);
-    const bool measured = (ready != 0u) ? false : usable;
     bool usual = false;
     uint32_t suspect = 1u;
     bool trusted = false;
@@ -293,27 +293,28 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
         const bool last = excluded_from <= jumps;
         excluded_next = (last) ? 1u : excluded;
         jumps_next = (last) ? 0u : (jumps + 1u);
-    } else if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-            (((gate < fabsf(expected - before_next)) && doubts_below_1) || (wide_frozen < growth) || unanswered)) {
-        const uint32_t stopped = ((ready != 0u) && usable) ? 1u : excluded;
-        suspect = stopped;
-        frozen = stopped;
-        excluded_next = stopped;
-        trusted = measured;
-        held = (measured) ? accepted : expected;
     } else {
-        usual = sound;
-        if (sound) {
-            suspect = 0u;
-            frozen = 0u;
-            excluded_next = 0u;
-            trusted = true;
-            held = accepted;
+        const bool usable = good && (excluded == 0u);
+        const uint32_t stopped = (usable) ? 1u : excluded;
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
+                (((gate < fabsf(expected - before_next)) && doubts_below_1) || (wide_frozen < growth) || unanswered)) {
+            suspect = stopped;
+            frozen = stopped;
+            excluded_next = stopped;
         } else {
-            suspect = excluded;
-            excluded_next = excluded;
-            trusted = usable;
-            held = (usable) ? accepted : expected;
+            usual = sound;
+            if (sound) {
+                suspect = 0u;
+                frozen = 0u;
+                excluded_next = 0u;
+                trusted = true;
+                held = accepted;
+            } else {
+                suspect = excluded;
+                excluded_next = excluded;
+                trusted = usable;
+                held = (usable) ? accepted : expected;
+            }
         }
     }
     return (maglev_5dof_precise_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,

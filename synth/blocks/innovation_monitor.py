@@ -54,8 +54,9 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
         same = y == x["code"]
-        unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
-        before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)  # at first nothing is predicted
+        # At first nothing is predicted: no code is said to stand still.
+        unchanged = redundancy_signals.count(ca.logic_and(u["ready"], same), x["still"], decision.longest(True))
+        before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)
         distance = ca.fabs(expected - y)
         growth = distance - ca.fabs(x["code"] - x["before"])
         grown = growth > decision.wide_jump[n] if n in decision.wide_jump else ca.SX(0)
@@ -75,16 +76,15 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = _is_frozen(travel, y, unchanged, suspicious)
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
-        stopped = ca.if_else(ca.logic_and(u["ready"], usable), 1, excluded)
+        stopped = ca.if_else(usable, 1, excluded)
         predicted, sound = clip(expected, sensor), u[safety.SOUND.name]
 
         def by_case(jumps: Value, stops: Value, unsound: Value, usual: Value) -> ca.SX:
             return ca.if_else(jumping, jumps, ca.if_else(stands, stops, ca.if_else(sound, usual, unsound)))
 
-        measured = ca.if_else(u["ready"], 0, usable)
         output = {
-            f"{n}_held": by_case(predicted, ca.if_else(measured, y, predicted), ca.if_else(usable, y, predicted), y),
-            f"{n}_trusted": by_case(0, measured, usable, 1),
+            f"{n}_held": by_case(predicted, predicted, ca.if_else(usable, y, predicted), y),
+            f"{n}_trusted": by_case(0, 0, usable, 1),
             f"{n}_frozen": by_case(excluded, stopped, excluded, 0),
             f"{n}_suspect": by_case(1, stopped, excluded, 0),
             f"{n}_usual": by_case(0, 0, 0, 1),
