@@ -262,10 +262,11 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
     const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
     const float distance = fabsf(expected - accepted);
     const uint32_t jumps = state->jumps;
-    const float growth = distance - fabsf(code - before);
     const bool doubts_below_1 = doubts < 1u;
     bool jumping = false;
+    bool strayed = false;
     if (gate < distance) {
+        const float growth = distance - fabsf(code - before);
         if (jump < distance) {
             const bool believed = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
                 (expected < travel) && (-travel < code) && (code < travel);
@@ -274,6 +275,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
         } else {
             doubts_next = doubts_next_choice;
         }
+        strayed = wide_frozen < growth;
     }
     const uint32_t excluded = state->excluded;
     bool usual = false;
@@ -291,7 +293,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_mo
         const bool usable = good && (excluded == 0u);
         const uint32_t stopped = (usable) ? 1u : excluded;
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-                (((gate < fabsf(expected - before_next)) && doubts_below_1) || (wide_frozen < growth) || unanswered)) {
+                (((gate < fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered)) {
             suspect = stopped;
             frozen = stopped;
             excluded_next = stopped;

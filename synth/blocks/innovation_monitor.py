@@ -61,13 +61,14 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         growth = distance - ca.fabs(x["code"] - x["before"])
         grown = growth > decision.wide_jump[n] if n in decision.wide_jump else ca.SX(0)
         strayed = growth > decision.wide_frozen[n] if n in decision.wide_frozen else ca.SX(0)
+        # A jump, or a growth, is beyond the gate anyway: said twice, a step in agreement with its prediction skips it.
+        strayed = ca.if_else(distance > gate, strayed, 0)
         far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
         contradicts = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
         believed = _is_free(travel, (expected, x["code"]), contradicts)
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
-            # A jump is beyond the gate anyway; said twice, a step in agreement with its prediction skips all of it.
             jumping = ca.if_else(distance > gate, jumping, 0)
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
