@@ -98,7 +98,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
     """Return examples of the Blocks that replace readings and that land."""
     time = Discrete(1e-3)
     q, w = Signal("position", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
-    descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0, 1.0)
+    descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0, 1.0, 0.49)
     decision = {"gate": {"q": 1e-3}, "travel": {"q": (-0.9, 0.9)}}
     tried, e = probe.Probe(100, 4, 1e-5, 3), Signal("e", "m", -1.0, 1.0)
     return {
@@ -133,11 +133,11 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
             "relations": [],
             "decision": redundancy.Decision({"q": 1e-3}, {"q": (-0.9, 0.9)}),
         },
-        "landing.Descent": vars(descent),
-        "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "bound": 1.0},
+        "landing_courses.Descent": vars(descent),
+        "landing_courses.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "bound": 1.0},
         "redundancy_decision.jump_gate": {"gate": 4e-5, "acceleration": 50.0, "resolution": 1e-5, "period": 1e-3},
-        "landing.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
-        "landing.Release": {"coordinate": "q", "spring": Constant("spring_q", 50.0, "1/s^2", "given")},
+        "landing_courses.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
+        "landing_courses.Release": {"coordinate": "q", "spring": Constant("spring_q", 50.0, "1/s^2", "given")},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
         "missed_calls.signal": {"limit": 40.0},
         "missed_calls.block": {"time": time, "count": missed_calls.signal(40.0), "bit": 3},

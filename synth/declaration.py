@@ -29,9 +29,8 @@ class Sensor:
     """A controller input that reads the plant output `of`; if `of` is left out, the output with the sensor's own name.
 
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
-    by default the output's own range. Before the first good sample, and with `held=False` whenever it refuses a
-    reading, it takes `initial`: by default the value in the range that is nearest to 0. `offset` is the largest error
-    of its zero, for studies.
+    by default the output's range. Before the first good sample, and with `held=False` for each bad one, it takes
+    `initial`, by default the value nearest to 0. `offset` is the largest error of its zero, for studies.
     """
 
     name: str
@@ -62,8 +61,8 @@ class SetPoint:
 class Actuator:
     """A controller output that drives the plant input `of`, called like it where `of` is left out.
 
-    It is limited to `low` .. `high`, by default the input's own range. Once latched it slews to `safe`, or where a
-    landing is over to `landed` if that is given, by `slew_per_s`, all in the input's unit.
+    It is limited to `low` .. `high`, by default the input's range. Once latched it slews by `slew_per_s` to `safe`, or
+    to `landed`, if given, while the machine rests on the stop on which it has landed; all in the input's unit.
     """
 
     name: str
@@ -82,9 +81,9 @@ class Interface:
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor,
-    of which `good_samples` make up for one, the actuators go to their safe values, with the `safe_output_effect` on the
-    machine. `suspected` are sensors that a law compares. A law that reads ``brakes`` has that many samples more to stop
-    the machine before. `missed_calls` is the input that counts missing calls, if there is one.
+    of which `good_samples` make up for one, the actuators go to their safe values, with the `safe_output_effect`.
+    `suspected` are sensors that a law compares, `missed_calls` the input that counts missing calls, if there is one. A
+    law that reads ``brakes`` has `braking` samples more to stop the machine before.
     """
 
     plant: Plant
@@ -287,8 +286,8 @@ class Stage:
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""
         inner, names = self.controller.sheet(), ", ".join(e.name for e in self.experiments) or "none"
-        lines = (*inner.lines, f"experiments: {names}")
-        return show.Sheet(f"Stage {self.name}, ships in {self.scalar.__name__}", lines, inner.tables)
+        title = f"Stage {self.name}, ships in {self.scalar.__name__}"
+        return show.Sheet(title, (*inner.lines, f"experiments: {names}"), inner.tables)
 
     @property
     def name(self) -> str:

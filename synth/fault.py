@@ -58,9 +58,9 @@ class Judgement:
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
-    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. After a latch by the
-    `judgement` flag `at_once`, the outputs in `landed_output` slew to its values instead. `safe_output_effect` is what
-    these values do to the machine. With a `judgement` a law decides which samples count. `braking` of these
+    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. While the machine
+    rests on the stop on which it has landed, those in `landed_output` slew to its values instead. `safe_output_effect`
+    is what these values do to the machine. With a `judgement` a law decides which samples count. `braking` of these
     samples are the last before the latch, in which the step brakes. Where `good_samples` make up for a bad one, bad
     samples with fewer good ones between them latch, too; with 0 one good sample makes up for all before it.
     """

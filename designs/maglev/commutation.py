@@ -12,7 +12,8 @@ Currents for a wrong angle are worse than none: a direct current that repels the
 from the assumed angle. While the position along an axis is lost, its motors therefore hand their direct currents over
 to those of the other axis, which keeps the sum, and fade out in FADE samples. Without any current the magnets pull the
 platen up from its upper range. While both positions are lost, the motors that carry therefore keep their angles for
-DESCENT samples, in which the safe output of the controller lowers the platen to its stop, and then fade out.
+DESCENT samples, in which the safe output of the controller lowers the platen to its stop, and then fade out. Once a
+position is known again they fade in as slowly.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,14 +48,20 @@ FADING = (
     f"A position is lost in the {BAD_SAMPLES}th sample in a row in which it is refused, and before its first good one; "
     "the next good one ends that. While both positions are lost, the motors that carry keep their angles for "
     f"{DESCENT} samples, in which the safe output of the controller lowers the platen to its stop, and then all "
-    f"currents fade to 0 A in {FADE} samples."
+    f"currents fade to 0 A in {FADE} samples; once a position is known again they fade in as slowly."
 )
 ROUNDING = 1e-4  # of PEAK: what rounding and polynomials may add to a phase, see `_phase_bound`
 PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at their limits
 SAMPLED = "of the sample of the currents"
 ALONG = {n: replace(INTERFACE.signals[n], about=f"{INTERFACE.signals[n].about}, {SAMPLED}") for n in OF_AXIS}
 SPEED = {n: next(s.high for s in maglev_stage.STATES if s.name == f"v{n}") for n in OF_AXIS}  # m/s
-UNKNOWN = Signal("unknown", "1", 0, DESCENT + FADE, "samples in a row in which both positions are lost")
+UNKNOWN = Signal(
+    "unknown",
+    "1",
+    0,
+    DESCENT + FADE,
+    "samples with both positions lost, less those with one",
+)
 PHASES = tuple(replace(s, low=-PEAK, high=PEAK, about=f"{s.about}, instantaneous") for s in maglev_phases.PHASES)
 HELD = {s.name: replace(s, name=f"{s.name}_held") for s in OUTPUTS}
 
@@ -117,13 +124,15 @@ def _handover(
 ) -> tuple[dict[int, ca.SX], dict[str, phasor.Phasor], dict[str, ca.SX]]:
     """Return the direct currents to commutate by motor, the phasors times the shares of their motors, and next states.
 
-    While no position is lost and nothing is handed over, they stay as they are.
+    While no position is lost, nothing is handed over and nothing has faded, they stay as they are.
     """
     transfer, both = x["transfer"], ca.logic_and(*lost)
-    active = ca.logic_or(ca.logic_or(*lost), ca.fabs(transfer) > 0)
+    active = ca.logic_or(ca.logic_or(*lost), ca.logic_or(ca.fabs(transfer) > 0, x["unknown"] >= 1))
     next = next_transfer(transfer, lost[0], lost[1], both)
-    unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)
-    whole = ca.fmin((DESCENT + FADE - unknown) / FADE, 1)
+    longer = ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1)
+    known_again = ca.if_else(x["unknown"] >= 1, x["unknown"] - 1, 0)  # what has faded out fades in
+    unknown = ca.if_else(both, longer, known_again)
+    whole = ca.fmin((DESCENT + FADE - x["unknown"]) / FADE, 1)
     part, kept = parts(next), {}
     before, quadrature = ({j: u[f"i_{axis}{j}_held"] for j in MOTORS} for axis in "dq")
     taken = with_taken_over(before, quadrature, part)

@@ -19,6 +19,7 @@ from designs.maglev.platen import (
     COMMUTATED,
     HELD,
     INTERFACE,
+    LIFTED,
     LOST,
     MOTORS,
     OUTPUTS,
@@ -47,7 +48,6 @@ WRONG_ACCELERATION = 2 * 1.1 * platen.largest_acceleration()
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
-LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
 GATE = 40e-6  # m: a code that stands still while its prediction moves further is frozen
 # m: without a fault the distance from code to prediction grows by at most 0.24 mm in a sample and by 0.10 mm while the
 # code stands still, in steps of x and z and after 40 missed calls
@@ -63,7 +63,7 @@ DECISION = redundancy.Decision(
 )
 STOP, RAMP_BOUND = platen.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
-    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, RAMP_BOUND),
+    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, RAMP_BOUND, LIFTED),
     "x": landing.Braking("x", 4.0, 30.0, RAMP_BOUND),
     "z": landing.Braking("z", 4.0, 30.0, RAMP_BOUND),
     "theta": landing.Levelling("theta", 40.0, 14.0),
@@ -72,8 +72,8 @@ SENSORS = tuple(s.name for s in INTERFACE.sensors)
 MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17 plants; up to 44 on none
 SENSOR_LOSS_EFFECT = (
     "a gap encoder that is refused or excluded is replaced; without x, without z or without two gap encoders the "
-    "platen lands, latches on the stop and lies there without current; without three gap encoders, or without x and z, "
-    "it latches as said above; "
+    f"platen lands, latches on the stop and rests there without current, while its gap is above {LIFTED * 1e3:g} mm; "
+    "without three gap encoders, or without x and z, it latches in flight, with the safe output; "
 )
 UNTESTED = (
     f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "

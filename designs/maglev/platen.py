@@ -32,6 +32,7 @@ BAD_SAMPLES = 5
 GOOD_SAMPLES = 4  # make up for a bad one: more than one bad sample in five lands, too
 SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap; with 2 A the magnets hold it at the upper stop
 PULLED_UP = 28.7e-3  # m: gap of balance without current, rounded down
+LIFTED = 30.5e-3  # m: at larger gaps a stop may hold the platen: it is not probed, and once landed it rests
 SLEW = 100.0  # A/s
 RESOLUTION = 10e-6  # m, F section II
 SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is accurate to some 1e-3
@@ -73,7 +74,8 @@ INTERFACE = stage.interface(
     good_samples=GOOD_SAMPLES,
     safe_output_effect=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; in flight the "
     f"safe output, {SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to "
-    f"{GAP[1] * 1e3:g} mm, also with all parameters at their tolerances",
+    f"{GAP[1] * 1e3:g} mm, also with all parameters at their tolerances, and is no soft landing: from 18 mm the platen "
+    "meets its lower stop at up to 0.57 m/s",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (

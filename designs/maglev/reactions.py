@@ -2,11 +2,14 @@
 
 from designs.maglev.commutation import DESCENT
 from designs.maglev.handover import FADE, OF_AXIS
-from designs.maglev.platen import BAD_SAMPLES, LOST, SAFE_CURRENT
+from designs.maglev.platen import BAD_SAMPLES, LIFTED, LOST, SAFE_CURRENT
 
 (X_FIRST, X_SECOND), (Z_FIRST, Z_SECOND) = OF_AXIS["x"], OF_AXIS["z"]
 ALL_GO_ON = "all axes go on"
-AT_THE_END = "then all currents fade to 0 A: on the stop the magnets carry less than the weight"
+AT_THE_END = (
+    f"then all currents fade to 0 A, while the gap is above {LIFTED * 1e3:g} mm, where the magnets carry less than the "
+    "weight"
+)
 LATCHES = f"the {BAD_SAMPLES}th sample in a row latches in flight, without a landing: i_d {SAFE_CURRENT:g} A, i_q 0 A"
 HANDOVER = (
     f"lands; without x, motors {X_FIRST} and {X_SECOND} hand i_d over to {Z_FIRST} and {Z_SECOND} in {FADE} samples "

@@ -140,7 +140,7 @@ def step(
     next: dict[str, Any] = after_readings | after_observers | after_landing | after_probe | after_law
     next |= {f"delay_{n}_last": np.clip(x, -DELAYED, DELAYED) for n, x in demands.items()}
     next["handover_transfer"] = transfer
-    outputs, slewed = reference_stage.safe_outputs(state, computed, latched, landed)
+    outputs, slewed = reference_stage.safe_outputs(state, computed, latched, landed & (pose[0] >= LIFTED))
     word = (
         accepted.word
         | (1 << np.arange(11, 17)) @ suspects

@@ -55,7 +55,8 @@ def hand_over(state: Columns, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool
     """Return the next part that is handed over, > 0 along X and < 0 along Z, and the next count of both lost."""
     transfer, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("transfer", "unknown"))
     transfer = next_transfer(transfer, lost_x, lost_z, lost_x & lost_z)
-    return transfer, np.where(lost_x & lost_z, np.minimum(count + 1, DESCENT + FADE), 0)
+    known_again = np.maximum(count - 1, 0)
+    return transfer, np.where(lost_x & lost_z, np.minimum(count + 1, DESCENT + FADE), known_again)
 
 
 def direct_currents(values: Mapping[str, Array], transfer: Array, active: NDArray[np.bool_]) -> dict[int, Array]:
@@ -80,8 +81,9 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         lost[axis] = states[f"advance_left_{axis}"] == 0
         after |= states
     active = lost["x"] | lost["z"] | (np.asarray(state["commutation_transfer"]) != 0)
+    active |= np.asarray(state["commutation_unknown"]) > 0
     transfer, unknown = hand_over(state, lost["x"], lost["z"])
-    whole = np.minimum((DESCENT + FADE - unknown) / FADE, 1)
+    whole = np.minimum((DESCENT + FADE - np.asarray(state["commutation_unknown"], dtype=np.float64)) / FADE, 1)
     shares = {"x": whole * (1 - np.maximum(transfer, 0)), "z": whole * (1 - np.maximum(-transfer, 0))}
     direct = direct_currents(values, transfer, active)
     outputs = {}

@@ -104,10 +104,10 @@ def guard_inputs(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Arra
 
 
 def safe_outputs(
-    state: Columns, computed: Array, latched: NDArray[np.bool_], landed: NDArray[np.bool_] | bool = False
+    state: Columns, computed: Array, latched: NDArray[np.bool_], rests: NDArray[np.bool_] | bool = False
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the currents of the motors and the last ones as next states; once latched they slew to SAFE, or to 0."""
-    safe = {n: np.where(landed, 0.0, value) for n, value in SAFE.items()}
+    safe = {n: np.where(rests, 0.0, value) for n, value in SAFE.items()}
     out, after = guard.slew(state, dict(zip(SAFE, computed, strict=True)), latched, SLEW, safe)
     i_d, i_q = [out[f"i_d{j}"] for j in (1, 2, 3, 4)], [[*out.values()][k] for k in QUADRATURE]
     return dict(zip(OUTPUTS, (*i_d, *i_q), strict=True)), after

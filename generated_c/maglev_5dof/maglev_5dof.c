@@ -832,14 +832,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* landing: ramps and state feedback
      * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
-    static const float safe_i_d = 2.5f;                         /* A; safe output */
     static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
     static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
     const float landing_r_y = state->landing_r_y;
     const uint32_t landing_landing = state->landing_landing;
     const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
     const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
-    const float target_i_d = (landed) ? 0.0f : safe_i_d;
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
@@ -949,6 +947,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
+    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
+    static const float safe_i_d = 2.5f;                         /* A; safe output */
     static const float slew_step = 0.1f;                        /* A; 100 A/s times 0.001 s */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
@@ -958,8 +958,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_z = state->safe_output_last_u_z;
     uint32_t fault_word;
     if (latched != 0u) {
-        state->guard_latched = 1u;
-        fault_word = faults_before | 0x80000000u;
+        const bool rests = landed && (rests_beyond <= y);
+        const float target_i_d = (rests) ? 0.0f : safe_i_d;
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, target_i_d, slew_step);
         out->i_d1 = state->safe_output_last_i_d1;
         state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, target_i_d, slew_step);
@@ -974,6 +974,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q4 = state->safe_output_last_u_x;
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
+        state->guard_latched = 1u;
+        fault_word = faults_before | 0x80000000u;
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->rests = rests ? 1.0f : 0.0f;
+        }
+#endif
     } else {
         /* next states of the sections above */
         static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */

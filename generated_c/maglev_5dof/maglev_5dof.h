@@ -9,20 +9,22 @@
  * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
  * steps on different states may run at the same time.
  *
- * When the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or a landing is over, the step
- * latches until init, and the outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2,
- * i_q3, i_q4 to 0 A at 100 A/s; but once a landing is over, i_d1, i_d2, i_d3, i_d4, i_q1, i_q2, i_q3, i_q4 to 0 A.
+ * The step latches until init when the readings do not suffice in 5 samples in a row, or more than 1 in 5 for long, or
+ * when a landing is over, and the outputs move to the safe output: i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1,
+ * i_q2, i_q3, i_q4 to 0 A at 100 A/s. While the machine rests on the stop on which it has landed, they move to others,
+ * as fast: i_d1, i_d2, i_d3, i_d4, i_q1, i_q2, i_q3, i_q4 to 0 A.
  *
  * What this does to the machine:
  *   - a gap encoder that is refused or excluded is replaced
- *   - without x, without z or without two gap encoders the platen lands, latches on the stop and lies there without
- *     current
- *   - without three gap encoders, or without x and z, it latches as said above
+ *   - without x, without z or without two gap encoders the platen lands, latches on the stop and rests there without
+ *     current, while its gap is above 30.5 mm
+ *   - without three gap encoders, or without x and z, it latches in flight, with the safe output
  *   - zero current pulls the platen up from a gap below 28.7 mm
  *   - in flight the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all
- *     parameters at their tolerances
+ *     parameters at their tolerances, and is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57
+ *     m/s
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00028 m/s (x) and hits a stop at 0.0054 m/s (y)
+ *     machine reaches 0.00025 m/s (z) and hits a stop at 0.0054 m/s (y)
  *   - in motion the machine reaches 0.001 m/s (x) and 0.45 rad/s (theta) and hits a stop at 0.018 m/s (y)
  *   - at rest, tilted at 18.5 mm the machine reaches 0.00071 m/s (x) and 0.23 rad/s (phi) and hits a stop at 0.0052 m/s
  *     (y)
@@ -30,9 +32,9 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, and before its first good value by 0.031 m (y1, y2, y3, y4), 0 m
- * (x, z, x_ref, z_ref), 0.03098 m (y_ref), 0 rad (phi_ref, theta_ref); once all measurements were good in one sample, a
- * refused measurement is replaced by what the others or a prediction say.
+ * A refused input is replaced by its last good value, and before its first good value by 0.03098 m (y_ref), 0 m (x_ref,
+ * z_ref), 0 rad (phi_ref, theta_ref); a refused measurement is replaced by what the others or a prediction say, from
+ * the first sample on.
  *
  * While calls are missing, the last outputs act. Count them by a timer or an overrun flag, and give their number as
  * missed_calls in the next call. A number above 40 sets bit 18 of this sample and neither brakes nor latches: the
@@ -41,8 +43,8 @@
  * What may fail, and what follows:
  * what fails           | noticed by, and when              | used instead       | what follows
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * y1, y2, y3, y4, x or | bits 0 to 5; in that sample       | its last good      | the law goes on; 5 samples in a row,
- * z not finite or      |                                   | value              | or more than 1 in 5 for long, of any
+ * y1, y2, y3, y4, x or | bits 0 to 5; in that sample       | what the others or | the law goes on; 5 samples in a row,
+ * z not finite or      |                                   | a prediction say   | or more than 1 in 5 for long, of any
  * outside its range,   |                                   |                    | of them: latches
  * before all were good |                                   |                    |
  * in one sample        |                                   |                    |
@@ -65,14 +67,16 @@
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
  * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then all
- * all of y1, y2, y3    | one moves again after it stood    | another excluded   | currents fade to 0 A: on the stop the
- * and y4 are suspects  | still: it is used again           | one stays replaced | magnets carry less than the weight
+ * all of y1, y2, y3    | one moves again after it stood    | another excluded   | currents fade to 0 A, while the gap
+ * and y4 are suspects  | still: it is used again           | one stays replaced | is above 30.5 mm, where the magnets
+ *                      |                                   |                    | carry less than the weight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * two of y1, y2, y3    | bits 0 to 3, 11 to 14; in that    | the prediction of  | lands; what the remaining gaps leave
  * and y4 refused or    | sample                            | its observer       | open of y, phi, theta is predicted; x
  * excluded             |                                   |                    | and z go on measured; then all
- *                      |                                   |                    | currents fade to 0 A: on the stop the
- *                      |                                   |                    | magnets carry less than the weight
+ *                      |                                   |                    | currents fade to 0 A, while the gap
+ *                      |                                   |                    | is above 30.5 mm, where the magnets
+ *                      |                                   |                    | carry less than the weight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * more than 2 of y1,   | bits 0 to 3, 11 to 14; in that    | the prediction of  | the 5th sample in a row latches in
  * y2, y3 and y4        | sample                            | its observer       | flight, without a landing: i_d 2.5 A,
@@ -82,10 +86,11 @@
  * outside its range    |                                   | its observer       | i_d over to 1 and 3 in 25 samples and
  *                      |                                   |                    | keep i_q, and vice versa without z;
  *                      |                                   |                    | commutated at the prediction; then
- *                      |                                   |                    | all currents fade to 0 A: on the stop
- *                      |                                   |                    | the magnets carry less than the
- *                      |                                   |                    | weight, and the lost position is 0.2
- *                      |                                   |                    | m, which the phase step refuses
+ *                      |                                   |                    | all currents fade to 0 A, while the
+ *                      |                                   |                    | gap is above 30.5 mm, where the
+ *                      |                                   |                    | magnets carry less than the weight,
+ *                      |                                   |                    | and the lost position is 0.2 m, which
+ *                      |                                   |                    | the phase step refuses
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x or z frozen        | bits 15, 16; its code stands      | the prediction of  | as the row above; bit and exclusion
  *                      | still for 3 samples or more while | its observer       | stay
@@ -119,8 +124,10 @@
  * `lands`              |                                   |                    | m/s^2; levels theta; leaves phi to
  *                      |                                   |                    | its guide spring; over, and latches,
  *                      |                                   |                    | when the ramp of y, not the body, is
- *                      |                                   |                    | at 0.0314 m; nothing else ends it but
- *                      |                                   |                    | init
+ *                      |                                   |                    | at 0.0314 m; rests on the stop while
+ *                      |                                   |                    | y is beyond 0.0305 m; good readings
+ *                      |                                   |                    | do not end it; without sufficient
+ *                      |                                   |                    | ones it latches in flight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x frozen at rest     | bit 15; 40 samples without a      | its prediction     | as frozen in motion
  *                      | change of its code, then 5 pairs  |                    |
@@ -178,7 +185,9 @@
  * computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
- * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
+ * cannot see options that assume that no value is NaN or infinite, or that reorder sums, by other names, such as
+ * -fno-honor-nans or -funsafe-math-optimizations, nor -ffast-math of the linker: do not use them.
  */
 #ifndef MAGLEV_5DOF_H
 #define MAGLEV_5DOF_H
@@ -231,7 +240,7 @@ typedef struct {
     float z_ref;                        /* m, -0.04998 .. 0.04998: set-point along Z */
     float phi_ref;                      /* rad, -0.00294962 .. 0.00294962: set-point of the rotation about X */
     float theta_ref;                    /* rad, -0.0139496 .. 0.0139496: set-point of the rotation about Z */
-    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none or not counted */
+    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none */
 } maglev_5dof_input_t;
 
 typedef struct {
@@ -364,7 +373,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 16  z: contradicts other measurements or its prediction
  *   bit 17  a reading is refused, replaced or contradicted, or a sensor was a suspect since init
  *   bit 18  missed_calls: more than 40 calls missed, or a count that is negative or NaN
- *   bit 30  status, no fault: lands until it latches on its stop
+ *   bit 30  status, no fault: lands until it latches
  *   bit 31  latched until init
  * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
@@ -450,6 +459,7 @@ typedef struct {
     float phi_estimate;                 /* rad: phi after the correction */
     float phi_rate;                     /* rad/s: rate of phi after the correction */
     float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
+    float rests;                        /* 1: has landed, and lies on its stop */
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */

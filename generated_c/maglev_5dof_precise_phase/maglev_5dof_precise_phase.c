@@ -163,10 +163,11 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
      *         (floor(8.74891 * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
      *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
      *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
-     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or 0 < |transfer|, else
-     *         0
-     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else 0)
-     *         if lost_x or lost_z or 0 < |transfer|, else 0 */
+     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or (0 < |transfer| or 1
+     *         <= unknown), else 0
+     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
+     *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
+     *         else 0 */
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
@@ -181,6 +182,8 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
+    const uint32_t commutation_unknown = state->commutation_unknown;
+    const bool unknown_at_least_1 = 1u <= commutation_unknown;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
     const float turned_sine = h_z * (5.656854f - (11.313708f * quarter_sine_z_squared));
@@ -197,14 +200,19 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
     float cosine_z_i_a3 = i_d3_held;
     float cosine_x_i_a4 = i_d4_held;
-    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
+    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer)) || unknown_at_least_1) {
         float target = commutation_transfer;
-        uint32_t unknown = 0u;
         if (lost_x && lost_z) {
-            const uint32_t commutation_unknown = state->commutation_unknown;
-            unknown = (gone_samples <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
+            if (commutation_unknown < gone_samples) {
+                state->commutation_unknown = commutation_unknown + 1u;
+            }
         } else {
             target = (lost_x) ? 1.0f : i_a1_if_not_lost_x;
+            if (unknown_at_least_1) {
+                state->commutation_unknown = commutation_unknown - 1u;
+            } else {
+                state->commutation_unknown = 0u;
+            }
         }
         const float transfer = maglev_5dof_precise_phase_slew(commutation_transfer, target, 0.04f);
         const bool of_x = 0.0f < transfer;
@@ -212,7 +220,7 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         const float part_x = (of_x) ? part : 0.0f;
         const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
         cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
-        const float whole = maglev_5dof_precise_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
+        const float whole = maglev_5dof_precise_phase_min(0.04f * (105.0f - (float)commutation_unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
         waves_z_cosine = share_z * turned_sine;
@@ -225,7 +233,6 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
         cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
         state->commutation_transfer = transfer;
-        state->commutation_unknown = unknown;
     } else {
         state->commutation_transfer = 0.0f;
         state->commutation_unknown = 0u;

@@ -28,7 +28,8 @@
  *
  * A position is lost in the 5th sample in a row in which it is refused, and before its first good one; the next good
  * one ends that. While both positions are lost, the motors that carry keep their angles for 80 samples, in which the
- * safe output of the controller lowers the platen to its stop, and then all currents fade to 0 A in 25 samples.
+ * safe output of the controller lowers the platen to its stop, and then all currents fade to 0 A in 25 samples; once a
+ * position is known again they fade in as slowly.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
@@ -37,10 +38,12 @@
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_phase_step_diagnosed also
- * says which signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
+ * says which signals it computed. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
- * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
+ * cannot see options that assume that no value is NaN or infinite, or that reorder sums, by other names, such as
+ * -fno-honor-nans or -funsafe-math-optimizations, nor -ffast-math of the linker: do not use them.
  */
 #ifndef MAGLEV_5DOF_PRECISE_PHASE_H
 #define MAGLEV_5DOF_PRECISE_PHASE_H
@@ -95,7 +98,7 @@ typedef struct {
     uint32_t advance_left_x;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
     uint32_t advance_left_z;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
     float commutation_transfer;         /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
-    uint32_t commutation_unknown;       /* 1, 0 .. 105: samples in a row in which both positions are lost */
+    uint32_t commutation_unknown;       /* 1, 0 .. 105: samples with both positions lost, less those with one */
 } maglev_5dof_precise_phase_state_t;
 
 /* The layout is the same on every target. */

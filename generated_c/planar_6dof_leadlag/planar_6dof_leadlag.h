@@ -81,7 +81,9 @@
  * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
- * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
+ * cannot see options that assume that no value is NaN or infinite, or that reorder sums, by other names, such as
+ * -fno-honor-nans or -funsafe-math-optimizations, nor -ffast-math of the linker: do not use them.
  */
 #ifndef PLANAR_6DOF_LEADLAG_H
 #define PLANAR_6DOF_LEADLAG_H

@@ -51,7 +51,8 @@ def of_guard(
         if redundant:
             what, key = f"{what}, before all were good in one sample", "refused_at_first"
         reaction = f"the law goes on; {together}"
-        rows += [Failure(key, what, "in that sample", _instead(held), reaction, tuple(names))] if names else []
+        instead = "what the others or a prediction say" if redundant else _instead(held)
+        rows += [Failure(key, what, "in that sample", instead, reaction, tuple(names))] if names else []
     if suspected and not redundant:
         what = f"{enumeration(suspected)} contradicts the others"
         reaction = f"counts as refused: {together}"

@@ -12,93 +12,46 @@ demands w of all coordinates are
 
 in place of the tracking demands. Each r starts at the estimate, with the rate of the estimate. No integrator takes
 part, and the history of the tracking has no influence: the observer's disturbance d does the work of an integrator.
-The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does. Until the latch
+The landing is over, ``landed``, when r is `beyond` the end, wherever the body is; it ``rests`` on its stop while q, the
+coordinate as the laws read it, is beyond `rests_beyond`. It never returns to tracking; `init` does. Until the latch
 a status bit of the fault word says that the machine lands, ``lands``: all readings may be good again meanwhile.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import bad_samples, safety
+from synth.blocks.landing_courses import Braking, Course, Descent, Levelling, Release
 from synth.errors import SignalError
 from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
 
-LANDS = Signal("lands", "1", 0, 1, "lands until it latches on its stop")
+LANDS = Signal("lands", "1", 0, 1, "lands until it latches")
+_FLAGS = [
+    Signal(safety.LANDED, "1", 0, 1, "the ramp is at its end, wherever the body is"),
+    Signal(safety.RESTS, "1", 0, 1, "has landed, and lies on its stop"),
+    LANDS,
+]
 
 __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Descent:
-    """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s.
-
-    `bound` in m bounds the set-point below 0.
-    """
-
-    coordinate: str
-    end: float
-    speed: float
-    touch: float
-    press: float
-    acceleration: float
-    beyond: float
-    pole: float
-    bound: float
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Braking:
-    """To rest within +-`bound`, with at most `acceleration`; the poles are at -`pole` rad/s."""
-
-    coordinate: str
-    acceleration: float
-    pole: float
-    bound: float
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Levelling:
-    """To zero, with the poles at -`pole` rad/s, or -`predicted_pole` without a measurement.
-
-    A fast motion along predictions alone excites what the model does not know.
-    """
-
-    coordinate: str
-    pole: float
-    predicted_pole: float
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Release:
-    """To its guide spring: `spring` in 1/s^2, with a name for the C, is the part of it that the laws compensate."""
-
-    coordinate: str
-    spring: Constant
-
-
-Course = Descent | Braking | Levelling | Release
 
 
 @arguments.checked
 def block(
     time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int, good_samples: int = 0
 ) -> Block:
-    """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, and ``landed``.
+    """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, ``landed`` and ``rests``.
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
     ``<q>_rate`` and ``<q>_disturbance``, for one that is levelled ``<q>_measured`` and for one that is released
-    ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the machine lands.
+    or descends ``<q>``; further ``regular``, ``ready`` and ``latched``. It sets the status bit BRAKING_BIT while the
+    machine lands.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
     positive or below 0 for `good_samples`, of which so many make up for one without ``regular``.
@@ -143,6 +96,7 @@ def block(
             if isinstance(c, Descent):
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
+                output[safety.RESTS] = ca.logic_and(output["landed"], u[c.coordinate] >= c.rests_beyond)
         return Step(
             output,
             next,
@@ -159,7 +113,7 @@ def block(
         states += _states(c)
     made = build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
-        outputs=[*demands, Signal("landed", "1", 0, 1, "the ramp is at its end, wherever the body is"), LANDS],
+        outputs=[*demands, *_FLAGS],
         states=states, tag="ramps and state feedback",
     )  # fmt: skip
     faults = (Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),)
@@ -176,13 +130,14 @@ def _row(courses: Sequence[Course], patience: str) -> Failure:
     for what, kind in (("levels {}", Levelling), ("leaves {} to its guide spring", Release)):
         coordinates = [c.coordinate for c in courses if isinstance(c, kind)]
         course += f"; {what.format(enumeration(coordinates, 'and'))}" if coordinates else ""
-    over = f"over, and latches, when the ramp of {d.coordinate}, not the body, is at {d.end + d.beyond:g} m"
+    over = f"over, and latches, when the ramp of {d.coordinate}, not the body, is at {d.end + d.beyond:g} m; rests on "
+    over += f"the stop while {d.coordinate} is beyond {d.rests_beyond:g} m"
     return Failure(
         "landing",
         "a coordinate that is not measured, in all rows above that say `lands`",
         f"status bit {BRAKING_BIT}; in {patience}",
         "estimates of the observers",
-        f"{course}; {over}; nothing else ends it but init",
+        f"{course}; {over}; good readings do not end it; without sufficient ones it latches in flight",
     )
 
 
@@ -229,6 +184,7 @@ def _of_course(c: Course, T: float) -> list[Constant]:
     if isinstance(c, Descent):
         numbers += [
             Constant("stop", c.end, "m", "gap of the stop on which it lands"),
+            Constant("rests_beyond", c.rests_beyond, "m", "beyond it, once landed, the body lies on the stop"),
             Constant(
                 "landed_at", c.end + c.beyond, "m", "end of the ramp, behind the stop: landed, wherever the body is"
             ),
@@ -271,6 +227,8 @@ def _inputs(courses: Sequence[Course], demands: Sequence[Signal]) -> list[Signal
             inputs.append(Signal(f"{c.coordinate}_estimate", unit, -WIDE, WIDE))
             inputs.append(Signal(f"{c.coordinate}_rate", f"{unit}/s", -WIDE, WIDE))
             inputs.append(Signal(f"{c.coordinate}_disturbance", w.unit, w.low, w.high))
+        if isinstance(c, Descent):
+            inputs.append(Signal(c.coordinate, unit, -WIDE, WIDE))
         if isinstance(c, Levelling):
             inputs.append(Signal(f"{c.coordinate}_measured", "1", 0, 1))
         inputs.append(Signal(f"{w.name}_tracking", w.unit, w.low, w.high))
@@ -291,9 +249,9 @@ def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) 
         *(v for c in moving for v in (c.acceleration, c.bound)),
     ]
     values += [c.predicted_pole for c in courses if isinstance(c, Levelling)]
-    values += [d.touch, d.press, d.beyond, d.speed - d.touch, float(patience)]
+    values += [d.touch, d.press, d.beyond, d.speed - d.touch, d.end - d.rests_beyond, float(patience)]
     if not min(values) > 0:
         raise SignalError(
             f"the least value of the landing is {min(values)}: give positive poles, springs, accelerations, speeds and "
-            "samples, and a touch slower than the descent"
+            "samples, a touch slower than the descent, and a rests_beyond before the end"
         )

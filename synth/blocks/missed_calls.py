@@ -3,9 +3,10 @@
     fault_k = not (0 <= n_k <= limit)        n_k: calls that the caller has missed since its last one
 
 A step does not see time: between two calls the outputs stay, and after a gap the state is that of the last call. Only
-the caller knows, from the count of a timer or from an overrun flag of its scheduler. It passes 0 normally, and 0 when
-it does not know. NaN and a negative count set the bit, too: a broken counter is reported like a gap. The bit belongs to
-its sample and never latches, and nothing else depends on the count, so a wrong one does no harm and needs no guard.
+the caller knows, from the count of a timer or from an overrun flag of its scheduler. It passes 0 normally. NaN and a
+negative count set the bit, too: a broken counter is reported like a gap. The bit belongs to its sample and never
+latches, and no law depends on the count, so a wrong one does no harm and needs no guard; but fault detection takes a
+gap that is not counted for a jump of a sensor.
 
 The limit is the largest number of missed calls that the machine tolerates, which a fault campaign measures.
 """
@@ -36,7 +37,7 @@ def signal(limit: float) -> Signal:
         raise SignalError(
             f"missed_calls tolerates {limit} calls: give a finite number above 0, such as 0.5 to report each missed one"
         )
-    return Signal(MISSED_CALLS, "1", 0, limit, "calls missed since the last one, 0 if none or not counted")
+    return Signal(MISSED_CALLS, "1", 0, limit, "calls missed since the last one, 0 if none")
 
 
 @arguments.checked

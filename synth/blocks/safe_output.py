@@ -3,8 +3,8 @@
     latched    y+ = max(min(s, y + r T), y - r T)    s: safe value, r: slew rate
     else       y+ = the computed value, limited to the range of the output
 
-A latch that ends a landing is another case than one in flight: what lets a body down may drive it sideways where it
-lies. Outputs in ``landed_output`` of the `Safety` slew to that value while ``landed`` is 1.
+What lets a body down in flight may drive it sideways on the stop on which it has landed. While ``rests`` is 1, outputs
+in ``landed_output`` of the `Safety` have its value s.
 """
 
 import math
@@ -30,7 +30,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
     The computed value is limited to the output's range; the slew from there to the safe output stays inside the range.
-    ``<name>_before`` is the output of the previous sample. With a ``landed_output`` it reads ``landed`` as well.
+    ``<name>_before`` is the output of the previous sample. With a ``landed_output`` it reads ``rests`` of `landing`.
 
     Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe value lies outside its
     range.
@@ -44,7 +44,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
         named = []
         for group in _alike(changed, {n: (values[n], v) for n, v in landed.items()}).values():
             s = group[0]
-            of_group = ca.if_else(u[guarding.LANDED], landed[s.name], values[s.name])
+            of_group = ca.if_else(u[guarding.RESTS], landed[s.name], values[s.name])
             target |= dict.fromkeys(signal_names(group), of_group)
             named.append((replace(s, name=f"target_{_together(group)}", about="once latched"), of_group))
         value = {}
@@ -60,7 +60,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
 
     last = "last output"
     read = [Signal("latched", "1", 0, 1, "latched until init")]
-    read += [Signal(guarding.LANDED, "1", 0, 1, "landing is over")] if changed else []
+    read += [Signal(guarding.RESTS, "1", 0, 1, "lies on the stop")] if changed else []
     read += [replace(s, name=f"{s.name}_computed") for s in outputs]
     made = build(
         guarding.SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",

@@ -51,6 +51,7 @@ MONITOR = "monitor"  # end of the name of a Block that replaces the readings of 
 JUDGING = Signal("judging", "1", 0, 1, "readings are compared with predictions, which stand still once latched")
 SOUND = Signal("sound", "1", 0, 1, "all readings are good, and no sensor was ever a suspect")
 SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
+RESTS = "rests"  # flag by which they choose the safe output
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 

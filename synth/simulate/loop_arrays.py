@@ -147,10 +147,10 @@ def mask(name: str, samples: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
 def _noise(name: str, values: ArrayLike, n: int) -> Array:
     samples = np.asarray(values, dtype=np.float64)
     if samples.shape != (n,) or not np.isfinite(samples).all():
-        found = (
+        shape_and_values = (
             f"has the shape {samples.shape} and {np.count_nonzero(~np.isfinite(samples))} values that are not finite"
         )
-        raise SignalError(f"noise of '{name}' {found}: give {n} finite numbers, one a sample")
+        raise SignalError(f"noise of '{name}' {shape_and_values}: give {n} finite numbers, one a sample")
     return samples
 
 

@@ -48,7 +48,7 @@ def test_more_than_one_bad_sample_in_five_latches_and_no_more_than_one_in_five_d
 
 
 def test_a_landing_begins_by_the_same_count() -> None:
-    course = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)
+    course = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305)
     for good_samples, begins in ((4, 6), (0, -1)):
         block = landing.block(TIME, [course], [Signal("w_y", "m/s^2", -1e3, 1e3)], 5, good_samples)
         rows = [{"ready": 1.0, "regular": float(k % 5 == 4)} for k in range(500)]

@@ -228,7 +228,7 @@ def test_wrong_declarations_are_refused() -> None:
     with pytest.raises(SignalError, match="wide gate for frozen codes of 'x' is"):
         redundancy.block(TIME, SENSORS, [SUM], replace(DECISION, wide_frozen={"x": 1e-4}))
     with pytest.raises(SignalError, match="give 0"):
-        landing.block(TIME, [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)], [W], 5, -1)
+        landing.block(TIME, [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305)], [W], 5, -1)
     with pytest.raises(SignalError, match="each sensor once"):
         redundancy.block(TIME, SENSORS, [SUM, SUM], DECISION)
     with pytest.raises(SignalError, match="no gate"):
@@ -347,7 +347,7 @@ def test_it_is_not_where_unchanged_codes_are_not_counted_or_the_reading_is_only_
 def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() -> None:
     units = {"y": "m/s^2", "x": "m/s^2", "t": "rad/s^2", "p": "rad/s^2"}
     courses = [
-        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1),
+        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305),
         landing.Braking("x", 4.0, 30.0, 0.1),
         landing.Levelling("t", 40.0, 20.0),
         landing.Release("p", Constant("spring_p", 50.0, "1/s^2", "test")),
@@ -355,7 +355,7 @@ def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() ->
     runner = Runner(landing.block(TIME, courses, [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in units.items()], 5))
     q, v, touch, landed = np.array([0.02, 0.01, 5e-3]), np.array([-0.02, 0.14, 0.05]), [], []
     for k in range(900):
-        inputs = {f"{n}_estimate": x for n, x in zip("yxt", q, strict=True)} | {"p": 3e-3, "t_measured": 1.0}
+        inputs = {f"{n}_estimate": x for n, x in zip("yxt", q, strict=True)} | {"p": 3e-3, "t_measured": 1.0, "y": 0.02}
         inputs |= {f"{n}_rate": x for n, x in zip("yxt", v, strict=True)} | {f"{n}_disturbance": 0.0 for n in "yxt"}
         inputs |= {f"w_{n}_tracking": 7.0 for n in units}
         out = runner(**inputs, regular=float(k < 3), ready=1.0, latched=0.0)
@@ -371,10 +371,14 @@ def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() ->
 
 
 def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
-    courses = [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1), landing.Levelling("t", 40.0, 20.0)]
+    courses = [
+        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305),
+        landing.Levelling("t", 40.0, 20.0),
+    ]
     block = landing.block(TIME, courses, [Signal("w_y", "m/s^2", -1e3, 1e3), Signal("w_t", "rad/s^2", -1e3, 1e3)], 1)
     rest = {f"{n}_{of}": 0.0 for n in "yt" for of in ("rate", "disturbance")} | {
         "w_y_tracking": 0.0,
+        "y": 0.02,
         "w_t_tracking": 0.0,
         "regular": 0.0,
         "ready": 1.0,
@@ -386,6 +390,16 @@ def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
     assert demands == [pytest.approx(-1.6), pytest.approx(-0.4)]  # rad/s^2: p^2 q
 
 
+def test_a_body_that_is_held_up_has_landed_and_does_not_rest_on_its_stop() -> None:
+    descent = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305)
+    block = landing.block(TIME, [descent], [Signal("w_y", "m/s^2", -1e3, 1e3)], 3)
+    inputs = dict.fromkeys([s.name for s in block.inputs], 0.0) | {"ready": 1.0, "y_estimate": 0.027}
+    for y, rests in ((0.027, 0.0), (0.031, 1.0)):
+        runner = Runner(block)
+        out = [runner(**(inputs | {"y": y})) for _ in range(900)][-1]
+        assert out["landed"] == 1 and out["rests"] == rests
+
+
 def lands(block: Block) -> list[float]:
     """Return the status of a landing whose readings are good again before its end, and of its latch."""
     rest = dict.fromkeys([s.name for s in block.inputs], 0.0) | {"y_estimate": 0.02, "ready": 1.0}
@@ -395,7 +409,7 @@ def lands(block: Block) -> list[float]:
 
 
 def test_the_status_says_that_it_lands_until_the_latch_while_all_readings_are_good_again() -> None:
-    descent = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1)
+    descent = landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1, 0.0305)
     block = landing.block(TIME, [descent], [Signal("w_y", "m/s^2", -1e3, 1e3)], 3)
     (fault,) = block.faults
     assert fault.status and fault.bit == BRAKING_BIT and fault.output == "lands"

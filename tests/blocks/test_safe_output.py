@@ -21,7 +21,7 @@ def after_latch(safety: Safety, landed: float | None) -> dict[str, float]:
     """Return the outputs 20 samples after a latch from 1 A."""
     block = safe_output.block(TIME, OUTPUTS, safety)
     step, x = block.function(), np.ones(3)
-    flags = {"latched": 1.0} | ({} if landed is None else {"landed": landed})
+    flags = {"latched": 1.0} | ({} if landed is None else {"rests": landed})
     u = [({f"{s.name}_computed": 1.0 for s in OUTPUTS} | flags)[s.name] for s in block.inputs]
     for _ in range(20):
         x, y = (np.array(v).ravel() for v in step(x, u))
@@ -36,7 +36,7 @@ def test_a_latch_in_flight_and_one_once_landed_have_their_own_values() -> None:
 
 def test_values_that_do_not_differ_need_no_flag() -> None:
     block = safe_output.block(TIME, OUTPUTS, replace(SAFE, landed_output=SAFE.safe_output))
-    assert "landed" not in [s.name for s in block.inputs]
+    assert "rests" not in [s.name for s in block.inputs]
 
 
 @pytest.mark.parametrize(

@@ -124,15 +124,16 @@ def probe_differs(quarter: int = 3) -> list[str]:
     return differs(block, x, u, {n: np.asarray(v, float) for n, v in after.items()}, {"w_x": demand[0]})
 
 
-def landing_differs(descent: float = 2.0, good_samples: int = 4) -> list[str]:
+def landing_differs(descent: float = 2.0, good_samples: int = 4, rest: float = 0.0305) -> list[str]:
     y = replace(W, name="w_y")
     courses = [
-        landing_block.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, 0.5),
+        landing_block.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, 0.5, 0.0305),
         landing_block.Braking("x", 4.0, 30.0, 0.5),
     ]
     block = whole(landing_block.block(TIME, courses, [y, W], 5, 4))
     x, u = draw(block)
-    u["latched"] = np.zeros(N)
+    u["latched"], u["y"] = np.zeros(N), np.random.default_rng(2).uniform(0.03, 0.031, N)
+    x["landing_r_y"] = np.where(u["y"] > 0.0303, 0.032, x["landing_r_y"])
     poles = {"y": 60.0, "x": 30.0}
     of = landing.Landing(poles, poles, 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, descent, (4.0,), 5, good_samples, T)
     estimate = tuple(np.array([u[f"{q}_{n}"] for q in "yx"]) for n in ("estimate", "rate", "disturbance"))
@@ -141,7 +142,8 @@ def landing_differs(descent: float = 2.0, good_samples: int = 4) -> list[str]:
     landed = after.pop("landed")
     tracking = np.array([u["w_y_tracking"], u["w_x_tracking"]])
     demand = np.where(lands, np.clip(w, -of.most, of.most), tracking)
-    outputs = {"w_y": demand[0], "w_x": demand[1], "landed": landed.astype(float)}
+    rests = (landed & (u["y"] >= rest)).astype(float)
+    outputs = {"w_y": demand[0], "w_x": demand[1], "landed": landed.astype(float), "rests": rests}
     return differs(block, x, u, {n: np.asarray(v, float) for n, v in after.items()}, outputs)
 
 
@@ -161,6 +163,7 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
         lambda: predictor_differs(61.0),
         lambda: probe_differs(4),
         lambda: landing_differs(2.1),
+        lambda: landing_differs(rest=0.0304),
         lambda: landing_differs(good_samples=3),
     ],
 )

@@ -295,7 +295,7 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
         ({"encoders": {"gap_ref": Encoder(1e-5)}}, SignalError, "encoders: 'gap_ref'"),
         ({"noise": {"gap_ref": np.zeros(300)}}, SignalError, "noise: 'gap_ref'"),
         ({"noise": {"gap": np.full(300, np.nan)}}, SignalError, "300 finite numbers"),
-        ({"noise": {"gap": 0.0}}, SignalError, r"noise of 'gap' is \(\)"),
+        ({"noise": {"gap": 0.0}}, SignalError, r"noise of 'gap' has the shape \(\)"),
         ({"overrides": {"gap": Override(np.zeros(3, bool), 0.0)}}, SignalError, "override mask of 'gap'"),
         ({"velocities": {"q": "u"}}, SignalError, "velocities: 'u'"),
         ({"stops": {"v": (0.0, 1.0)}}, SignalError, "stops: 'v'"),

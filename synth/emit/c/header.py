@@ -16,6 +16,10 @@ WIDTH = 117
 _ITEM = "  - "  # begins an item of a list
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
 LATCHED = "latched until init"
+UNSEEN = (
+    "The source cannot see options that assume that no value is NaN or infinite, or that reorder sums, by other names, "
+    "such as -fno-honor-nans or -funsafe-math-optimizations, nor -ffast-math of the linker: do not use them."
+)
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
@@ -92,7 +96,8 @@ def _usage(
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
         *_observation(block, program),
-        f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
+        f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error. "
+        f"{UNSEEN}",
     ]
     rows: list[str] = []
     for text in texts:
@@ -107,12 +112,14 @@ def _usage(
 
 def _observation(block: Block, program: Program) -> list[str]:
     """Return what the diagnostics are for, of a composition that has them."""
-    if not diagnostics.manifest_entry(block, program):
+    entry = diagnostics.manifest_entry(block, program)
+    if not entry:
         return []
+    shown = "which signals it computed" + (", what is saturated" if entry["saturated"] else "")
+    shown += " and why it latched" if block.latches else ""
     return [
         f"With {diagnostics.macro_name(block)} defined, for the .c as well, {block.name}_step_diagnosed also says "
-        "which signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost "
-        "nothing."
+        f"{shown}. Without the macro the diagnostics cost nothing."
     ]
 
 
@@ -131,6 +138,8 @@ def _replacements(block: Block) -> list[str]:
     initial = {s.name: s.initial for s in block.states} | {c.name: c.value for c in block.constants}
     signals = {s.name: s for s in block.inputs}
     guarded = {f.output.removeprefix("fault_"): signals[f.input] for f in block.faults if f.input}
+    replaced = block.safety.judgement.measurements if block.safety and block.safety.judgement else ()
+    guarded = {n: s for n, s in guarded.items() if s.name not in replaced}
     last, fixed = (
         {s: initial[name] for n, s in guarded.items() if (name := f"{guards.GUARD}_{of}_{n}") in initial}
         for of in ("last", "refused")
@@ -141,10 +150,8 @@ def _replacements(block: Block) -> list[str]:
     texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
     if not texts:
         return []
-    replaces_readings = block.safety is not None and block.safety.judgement is not None
-    later = "; once all measurements were good in one sample, a refused measurement is replaced by what the others or "
-    later += "a prediction say" if replaces_readings else ""
-    return [f"A refused input is replaced {', or '.join(texts)}{later if replaces_readings else ''}."]
+    others = "; a refused measurement is replaced by what the others or a prediction say, from the first sample on"
+    return [f"A refused input is replaced {', or '.join(texts)}{others if replaced else ''}."]
 
 
 def _missed_calls(block: Block) -> list[str]:
@@ -184,8 +191,7 @@ def _safe_output(block: Block) -> list[str]:
         latches = f"{bad} a latch is certain: whatever is measured then, the step brakes the machine in the "
         latches += f"{safety.braking - 1} samples after the last of these, and latches in the next one until init"
     if safety.judgement:
-        cause = f"When the readings do not suffice in {rule}, or a landing is over,"
-        latches = f"{cause} the step latches until init"
+        latches = f"The step latches until init when the readings do not suffice in {rule}, or when a landing is over"
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}
     for name, value in safety.safe_output.items():
@@ -195,10 +201,10 @@ def _safe_output(block: Block) -> list[str]:
     for name, value in safety.landed_output.items():
         values.setdefault((value, units[name]), []).append(name)
     landed = "; ".join(f"{', '.join(names)} to {v:g} {u}" for (v, u), names in values.items())
-    slews += f"; but once a landing is over, {landed}" if landed else ""
+    stop = f" While the machine rests on the stop on which it has landed, they move to others, as fast: {landed}."
     consequences = [f"{_ITEM}{clause}" for clause in safety.safe_output_effect.split("; ") if clause]
     return [
-        f"{latches}, and the outputs move to the safe output: {slews}.",
+        f"{latches}, and the outputs move to the safe output: {slews}.{stop if landed else ''}",
         *(["What this does to the machine:"] if consequences else []),
         *consequences,
         "Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only "

@@ -21,6 +21,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.verify import drive, replays, sampling, suite
+from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 
 ERROR = platen.SURROGATE_ERROR
 STOP = 0.031  # m, the gap at the lower stop
@@ -137,7 +138,9 @@ def test_the_commutation_follows_the_prediction_until_the_platen_has_landed(sens
 
 def test_a_commutation_that_keeps_a_stale_angle_pushes_the_platen_to_its_stop(monkeypatch: Any) -> None:
     monkeypatch.setattr(commutation, "BAD_SAMPLES", 10**6)
-    stale = lose(behind(commutation.phase_currents(DESIGN.name, maglev_stage.plant())), ("x",), watch_s=3.0)
+    stale_angle = behind(commutation.phase_currents(DESIGN.name, maglev_stage.plant()))
+    repelling = with_defect(stale_angle, "(rests) ? 0.0f : safe_i_d", "safe_i_d")  # without current nothing pushes
+    stale = lose(repelling, ("x",), watch_s=3.0)
     assert stale.impacts["x"] > 0.4
 
 

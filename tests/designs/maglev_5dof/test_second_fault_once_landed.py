@@ -49,5 +49,5 @@ def test_an_encoder_that_freezes_without_the_other_one_leaves_the_platen_on_its_
 
 def test_with_repelling_current_on_the_stop_the_platen_is_lifted() -> None:
     """The planted defect: the safe output of a latch in flight once landed, too."""
-    planted = with_defect(RIGS[DESIGN.name], "(landed) ? 0.0f : safe_i_d", "safe_i_d")
+    planted = with_defect(RIGS[DESIGN.name], "(rests) ? 0.0f : safe_i_d", "safe_i_d")
     assert lifts(frozen_after_loss(planted, "x", "z", 1000))
