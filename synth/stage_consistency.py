@@ -138,7 +138,7 @@ def _require_substeps(stage: Stage) -> None:
             raise DesignError(
                 f"plant '{plant.name}' has a pole of {fastest:.3g} 1/s, and a sample of {period_s:g} s has "
                 f"{stage.substeps} Runge-Kutta steps, too few to simulate it: give substeps={needed} or more, or leave "
-                "the pole out of the plant"
+                f"the pole out of the plant{'; Discrete takes the period in s, not the rate' if period_s >= 1 else ''}"
             )
 
 

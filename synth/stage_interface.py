@@ -40,8 +40,8 @@ def interface(
     fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
-    actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with negative noise
-    or with a resolution that is negative or above COARSEST, and for a `delay` that is not a whole number from 0.
+    actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with noise or a
+    resolution that is negative or above COARSEST, and for a `delay` that is not a whole number from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -89,9 +89,10 @@ def _sensor(sensor: Sensor, of: Signal) -> Sensor:
             f"sensor '{sensor.name}' has a resolution of {sensor.resolution:g} {of.unit} in a range of {low:g} .. "
             f"{high:g} {of.unit}: give one from 0 to {COARSEST:g} of the range, in {of.unit}"
         )
-    if not 0 <= sensor.noise < np.inf:
+    if not 0 <= sensor.noise <= COARSEST * (high - low):
         raise SignalError(
-            f"sensor '{sensor.name}' has noise of {sensor.noise:g} {of.unit}: give its standard deviation, from 0 on"
+            f"sensor '{sensor.name}' has noise of {sensor.noise:g} {of.unit} in a range of {low:g} .. {high:g} "
+            f"{of.unit}: give its standard deviation, from 0 to {COARSEST:g} of the range"
         )
     initial = float(np.clip(0.0, low, high)) if sensor.initial is None else sensor.initial
     return replace(sensor, of=of.name, low=low, high=high, initial=initial, about=sensor.about or of.about)

@@ -56,19 +56,22 @@ def block(name: str, time: Discrete, K: lead_lag.LeadLag, of: Loop, source: str)
     K has two zeros, the second one that of the integral, a pole and an integrator, in this order. Both states stay in
     their ranges while the position does and the achieved demand is `achievable`. `source` names the equation.
 
-    Raises SignalError for a compensator as `pole`, for a `scale` or an `achievable` that is not positive and finite,
-    and as `block.build`; TimingError for a compensator of another period.
+    Raises SignalError for a compensator as `pole`, for a zero of the integral outside +-1, for a `scale` or an
+    `achievable` that is not positive and finite, and as `block.build`; TimingError for a compensator of another period.
     """
     p = pole(K)
     z1, z2 = (float(z.real) for z in K.zeros)
     if K.discrete.time != time:
         raise TimingError(f"the compensator is for {K.discrete.time} and the Block for {time}: discretise it for that")
+    if abs(z2) >= 1:
+        raise SignalError(f"the zero of the integral is {z2:g} in z: give a compensator with this zero inside +-1")
     for quantity, value in (("scale", of.scale), ("achievable", of.achievable)):
         if not 0 < value < float("inf"):
             raise SignalError(f"{quantity} of the loop: found {value}; give a positive number")
     gain, lead_input = (v / of.scale for v in (K.gain, K.gain * (p - z1)))
-    most = MARGIN * abs(lead_input) * (of.position.high + of.set_point.high) / (1 - abs(p))
-    integral, unit = MARGIN * of.achievable, of.demand.unit
+    error = max(of.set_point.high - of.position.low, of.position.high - of.set_point.low)
+    most = MARGIN * abs(lead_input) * error / (1 - abs(p))
+    integral, unit = MARGIN * of.achievable * abs(1 - z2) / (1 - abs(z2)), of.demand.unit
     states = [
         State(Signal("integral", unit, -integral, integral, "integral of the error"), 0.0),
         State(Signal("lead", unit, -most, most, "state of the lead filter"), 0.0),

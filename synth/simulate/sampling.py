@@ -42,10 +42,13 @@ class Sampling:
     method: Method = Method.UNIFORM
 
     def __post_init__(self) -> None:
-        if self.rows < 1 or self.seed < 0:
+        numbers = (self.rows, self.seed)
+        if not all(isinstance(n, int | np.integer) for n in numbers) or self.rows < 1 or self.seed < 0:
             raise SignalError(
-                f"sampling of {self.rows} rows with seed {self.seed}: give at least 1 row and a seed >= 0"
+                f"sampling of {self.rows} rows with seed {self.seed}: give at least 1 row and a seed >= 0, both whole"
             )
+        if self.method not in list(Method):
+            raise SignalError(f"sampling by '{self.method}': give one of {', '.join(Method)}")
 
 
 def quantities(rig: Rig) -> tuple[str, ...]:
@@ -57,7 +60,7 @@ def quantities(rig: Rig) -> tuple[str, ...]:
 def draw(sampling: Sampling, number: int, rows: Sequence[int]) -> Array:
     """Return z of the rows (rows, number)."""
     drawn = np.array([_row(sampling, number, row) for row in rows]).reshape(len(rows), number)
-    if sampling.method is Method.LATIN:
+    if sampling.method == Method.LATIN:
         drawn = (
             np.array([_slices(sampling, number)[:, row] for row in rows]).reshape(drawn.shape) + drawn / sampling.rows
         )
@@ -66,10 +69,10 @@ def draw(sampling: Sampling, number: int, rows: Sequence[int]) -> Array:
 
 def _row(sampling: Sampling, number: int, row: int) -> Array:
     generator = np.random.default_rng([sampling.seed, row])
-    if sampling.method is Method.NORMAL:
+    if sampling.method == Method.NORMAL:
         return generator.standard_normal(number) / 3
     z = generator.uniform(-1.0, 1.0, number)
-    return np.copysign(1.0, z) if sampling.method is Method.CORNERS else z
+    return np.copysign(1.0, z) if sampling.method == Method.CORNERS else z
 
 
 def _slices(sampling: Sampling, number: int) -> Array:

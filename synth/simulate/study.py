@@ -240,10 +240,16 @@ class Yield:
 
 
 def estimate_yield(table: StudyTable) -> Yield:
-    """Return the yield with Clopper and Pearson's interval of 95 % confidence."""
+    """Return the yield with Clopper and Pearson's interval of 95 % confidence, without row 0, which is not drawn.
+
+    The interval is for rows that are drawn independently: corners and Latin rows are not those of the tolerances.
+    """
     from scipy import stats  # slow to import (1 s) and seldom needed
 
-    kept, n = int(table.passed.sum()), len(table.rows)
+    drawn = np.asarray(table.passed)[np.asarray(table.rows) != 0]
+    kept, n = int(drawn.sum()), len(drawn)
+    if n == 0:
+        return Yield(float(np.mean(table.passed)), 0.0, 1.0)
     interval = stats.binomtest(kept, n).proportion_ci(CONFIDENCE, "exact")
     return Yield(kept / n, float(interval.low), float(interval.high))
 

@@ -107,9 +107,16 @@ def test_a_quantity_that_acts_to_both_sides_alike_is_a_driver_by_its_size() -> N
 def test_the_yield_has_its_interval() -> None:
     none_failed = study.estimate_yield(made([1.0] * 300))
     assert none_failed.share == none_failed.high == 1.0
-    assert none_failed.low == pytest.approx(0.025 ** (1 / 300)), "Clopper and Pearson, in closed form"
-    half = study.estimate_yield(made([1.0, 3.0] * 50))
+    assert none_failed.low == pytest.approx(0.025 ** (1 / 299)), "Clopper and Pearson, in closed form"
+    half = study.estimate_yield(made([1.0, *[1.0, 3.0] * 50]))
     assert half.share == 0.5 and half.low == pytest.approx(1 - half.high) and 0.39 < half.low < 0.41
+
+
+def test_the_nominal_machine_is_not_drawn() -> None:
+    lucky = study.estimate_yield(made([1.0, *[3.0] * 9]))
+    assert lucky.share == lucky.low == 0 and lucky.high == pytest.approx(1 - 0.025 ** (1 / 9))
+    alone = study.estimate_yield(made([1.0]))
+    assert (alone.share, alone.low, alone.high) == (1.0, 0.0, 1.0)
 
 
 def test_a_value_that_is_no_number_keeps_no_limit() -> None:

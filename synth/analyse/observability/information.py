@@ -93,8 +93,9 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     """Return the largest deviation over N places, times its size; with `lost`, after the loss of that many rows.
 
     Rows are lost in consecutive groups, for example the two axes of one sensor; the worst group counts. The information
-    is at least REGULARISATION of the largest, which keeps the value finite for a search even where rank is lost: it is
-    at most some 3e4 sigma over the root of the largest information, and up to condition / 3e4 times too small above.
+    is at least REGULARISATION of the largest of its place, which keeps the value finite for a search even where rank is
+    lost: it is at most some 3e4 sigma over the root of that information, and up to condition / 3e4 times too small
+    above.
 
     Raises ModelError for invalid Jacobians or sizes, and unless the rows make whole groups.
     """
@@ -108,12 +109,13 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     return max(_largest_finite_deviation(total - removed, sigma) for removed in (parts if lost else [np.zeros((n, n))]))
 
 
-REGULARISATION = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
+REGULARISATION = 1e-9  # of the largest information of a place, added to the diagonal to keep deviations finite
 
 
 def _largest_finite_deviation(information: Array, sigma: float) -> float:
     n = information.shape[1]
-    regularised = information + max(REGULARISATION * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
+    largest = information.max(axis=(1, 2), keepdims=True)
+    regularised = information + np.maximum(REGULARISATION * largest, np.finfo(np.float64).tiny) * np.eye(n)
     return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(regularised), axis1=1, axis2=2).max()))
 
 
