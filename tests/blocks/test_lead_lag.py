@@ -69,3 +69,21 @@ def test_another_period_or_scale_is_refused() -> None:
         loop.block("loop_z", Discrete(2 * T), K, LOOP, "(21)")
     with pytest.raises(SignalError, match="scale of the loop: found 0"):
         loop.block("loop_z", Discrete(T), K, replace(LOOP, scale=0.0), "(21)")
+
+
+def test_the_states_stay_in_their_ranges_where_position_and_set_point_have_other_ranges() -> None:
+    """A constant error of 11 m, and achieved demands that alternate, at a zero of the integral below 0."""
+    position, set_point = Signal("z", "m", -10, 1), Signal("z_ref", "m", -1, 1)
+    K_negative = replace(K, zeros=(K.zeros[0], -0.5 + 0j))
+    block = loop.block("loop_z", Discrete(T), K_negative, replace(LOOP, position=position, set_point=set_point), "(21)")
+    step, x, reached = block.function(), block.initial, np.zeros(2)
+    for k in range(2000):
+        x = np.asarray(step(x, [-10.0, 1.0, 100.0 * (-1) ** k])[0]).ravel()
+        reached = np.maximum(reached, np.abs(x))
+    high = np.array([s.signal.high for s in block.states])
+    assert np.all(reached <= high) and np.all(reached > 0.9 * high)
+
+
+def test_a_zero_of_the_integral_outside_the_unit_circle_is_refused() -> None:
+    with pytest.raises(SignalError, match=r"the zero of the integral is 1\.2 in z"):
+        loop.block("loop_z", Discrete(T), replace(K, zeros=(K.zeros[0], 1.2 + 0j)), LOOP, "(21)")

@@ -60,3 +60,11 @@ def test_a_machine_has_the_drawn_parameters_offsets_and_noise(rig: Rig) -> None:
 def test_no_rows_and_negative_seeds_are_refused(rows: int, seed: int) -> None:
     with pytest.raises(SignalError, match="give at least 1 row and a seed"):
         Sampling(rows, seed)
+
+
+def test_a_method_may_be_given_by_its_name() -> None:
+    for method in Method:
+        by_name = sampling.draw(Sampling(8, 0, method.value), 3, range(8))  # type: ignore[arg-type]
+        np.testing.assert_array_equal(by_name, sampling.draw(Sampling(8, 0, method), 3, range(8)))
+    with pytest.raises(SignalError, match="sampling by 'bogus': give one of uniform, normal, corners, latin"):
+        Sampling(8, 0, "bogus")  # type: ignore[arg-type]

@@ -47,6 +47,11 @@ def test_the_bias_is_that_of_least_squares() -> None:
     np.testing.assert_allclose(information.bias(H, extra, [1.0, 2.0, 3.0]), np.tile([1.0, -2.0, 0.5], (4, 1)))
 
 
+def test_a_place_with_much_information_does_not_hide_one_with_little() -> None:
+    H = np.array([1e6 * np.eye(2), np.eye(2)])
+    assert information.largest_deviation(H, 1.0, [1.0, 1.0]) == pytest.approx(1.0, rel=1e-6)
+
+
 def test_the_largest_deviation_after_a_loss_is_that_of_the_rows_that_stay() -> None:
     H = np.random.default_rng(2).normal(size=(30, 6, 2))
     left = [np.delete(H, [2 * k, 2 * k + 1], axis=1) for k in range(3)]
