@@ -1,6 +1,7 @@
 """Any bit pattern on the inputs: outputs finite and within limits, the right fault bits, recovery or the latch."""
 
 import platform
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +24,7 @@ from synth.simulate.sensors import Override
 INPUTS = stages.guarded_inputs(platen.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]
 MEASURED = [g.signal.name for g in INPUTS if g.measurement]
+SAFETY = DESIGN.stage.controller.block.safety
 LATCHED = 1 << 31
 NONE_MISSED = {"missed_calls": 0.0}
 BAD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 5e-324, -1.0)
@@ -90,16 +92,15 @@ def test_permanently_bad_lands_without_x_or_z_alone(emitted_rig: Rig, name: str)
     if name in "xz":
         assert 0.3 < time[np.argmax(latched)] - 0.5 < 0.6 and latched[-1]
         assert trajectory.impacts["y"] < 0.02 and trajectory["y"][-1] == pytest.approx(platen.GAP[1])  # m/s
-        require_safe_output(trajectory, latched)
+        require_final_currents(trajectory, latched, SAFETY.landed_output)
     else:
         assert not latched.any()
         assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
 
 
-def require_safe_output(trajectory: Trajectory, latched: np.ndarray) -> None:
-    safe_output = DESIGN.stage.controller.block.safety.safe_output
-    currents = {n: trajectory.commands[n].astype(float) for n in safe_output}
-    assert {n: i[-1] for n, i in currents.items()} == {n: pytest.approx(v) for n, v in safe_output.items()}
+def require_final_currents(trajectory: Trajectory, latched: np.ndarray, safe: Mapping[str, float]) -> None:
+    currents = {n: trajectory.commands[n].astype(float) for n in safe}
+    assert {n: i[-1] for n, i in currents.items()} == {n: pytest.approx(v) for n, v in safe.items()}
     steps = [np.abs(np.diff(i[latched])).max() for i in currents.values()]
     assert max(steps) <= platen.SLEW * platen.TIME.period_s * (1 + 1e-5)
 
@@ -110,7 +111,7 @@ def test_three_lost_gap_encoders_latch_at_once(emitted_rig: Rig) -> None:
     trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides=lost)
     latched = trajectory.faults & LATCHED != 0
     assert np.argmax(latched) == np.argmax(time >= 0.5) + platen.BAD_SAMPLES - 1 and latched[-1]
-    require_safe_output(trajectory, latched)
+    require_final_currents(trajectory, latched, SAFETY.safe_output)
 
 
 def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Controller) -> None:
