@@ -13,11 +13,14 @@ from synth.signals import signal_names
 from synth.simulate import campaign
 
 LONGEST_STEP = 2.0  # times |pole|: Runge and Kutta's method of order 4 diverges from 2.8 on
+ADDED_DAMPING = 1e-4, 0.1  # that the method may add to a damping ratio: as such, and of it
+MOST_SUBSTEPS = 1024
 
 
 def require_consistent(stage: Stage) -> None:
     """Raise SignalError or DesignError for a declaration that does not fit the plant, the interface or itself."""
     _require_known_margins(stage)
+    _require_all_coordinates(stage)
     _require_operating_points_in_range(stage)
     _require_reachable_stops(stage)
     _require_set_points_in_range(stage)
@@ -34,6 +37,27 @@ def _require_known_margins(stage: Stage) -> None:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
+
+
+def _require_all_coordinates(stage: Stage) -> None:
+    """Raise SignalError for coordinates that name no sensor, or that leave out one with a set-point and no sensor.
+
+    Loops are opened at the coordinates in place of their sensors: one that is left out would have no loop.
+    """
+    sensors = {s.name: s.of for s in stage.interface.sensors}
+    for name, weights in stage.coordinates.items():
+        if unknown := [n for n in weights if n not in sensors]:
+            raise SignalError(
+                f"coordinates: '{name}' is a sum with '{unknown[0]}', which is no sensor: name some of "
+                f"{', '.join(sensors)}"
+            )
+    known = {*stage.coordinates, *sensors.values()}
+    for point in stage.interface.set_points if stage.coordinates else ():
+        if point.of not in known:
+            raise SignalError(
+                f"coordinates: '{point.of}', the coordinate of set-point '{point.name}', is missing, so that its loop "
+                f"would not be opened: give it as a sum of some of {', '.join(sensors)}"
+            )
 
 
 def _require_operating_points_in_range(stage: Stage) -> None:
@@ -123,16 +147,18 @@ def _require_equal_parameters(stage: Stage) -> None:
 
 
 def _require_substeps(stage: Stage) -> None:
-    """Raise DesignError where the Runge-Kutta steps of the simulation are too long for the fastest pole of the plant.
+    """Raise DesignError where the Runge-Kutta steps of the simulation are too long for a pole of the plant.
 
-    The poles are those at the operating points and at the start, without inputs.
+    They diverge at the fastest one, or damp an oscillation: by ln |R(p h)| - Re(p h) in a step h, with the polynomial R
+    of the method. The poles are those at the operating points and at the start, without inputs.
     """
     plant = stage.drive.plant if stage.drive else stage.plant
     rates = ca.Function("A", (x := plant.f.mx_in())[:3], [ca.jacobian(plant.f(*x), x[0])])
     u, period_s = np.zeros(len(plant.inputs)), stage.controller.block.time.period_s
     for point in (stage.start, *stage.operating_points.values()):
         A = np.asarray(rates([point.get(s.name, 0.0) for s in plant.states], u, plant.values))
-        fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if np.isfinite(A).all() else 0.0
+        poles = np.linalg.eigvals(A) if np.isfinite(A).all() else np.zeros(0)
+        fastest = float(np.abs(poles).max(initial=0.0))
         needed = int(np.ceil(fastest * period_s / LONGEST_STEP))
         if needed > stage.substeps:
             raise DesignError(
@@ -140,6 +166,24 @@ def _require_substeps(stage: Stage) -> None:
                 f"{stage.substeps} Runge-Kutta steps, too few to simulate it: give substeps={needed} or more, or leave "
                 f"the pole out of the plant{'; Discrete takes the period in s, not the rate' if period_s >= 1 else ''}"
             )
+
+        for p in poles[np.abs(poles.imag) > np.abs(poles.real)]:
+            n = stage.substeps
+            while n < MOST_SUBSTEPS and _added_damping(p * period_s / n) > 1:
+                n += 1
+            if n > stage.substeps:
+                raise DesignError(
+                    f"plant '{plant.name}' has a mode of {abs(p) / (2 * np.pi):.3g} Hz with a damping ratio of "
+                    f"{-p.real / abs(p):.2g}, which {stage.substeps} Runge-Kutta steps in a sample of {period_s:g} s "
+                    f"would damp further: give substeps={n} or more, or leave the mode out of the plant"
+                )
+
+
+def _added_damping(step: complex) -> float:
+    """Return the damping ratio that the method adds to a pole times the step, over what it may add."""
+    growth = abs(1 + step * (1 + step / 2 * (1 + step / 3 * (1 + step / 4))))
+    absolute, relative = ADDED_DAMPING
+    return abs(np.log(growth) - step.real) / max(absolute * abs(step), relative * abs(step.real))
 
 
 def _require_rates(stage: Stage) -> None:

@@ -314,8 +314,30 @@ def test_a_plant_that_is_too_fast_for_its_runge_kutta_steps_is_refused() -> None
     assert design(substeps=5).stage.substeps == 5
 
 
+def test_a_mode_that_the_simulation_would_damp_is_refused() -> None:
+    """In each step h of T / 4 the method takes (w h)^6 / 144 of an oscillation at w: 2.3 % at w h = 1.2."""
+    w, damping = 9800.0, 5e-4
+    stiff = PID.PLANT.with_parameters(s=0.3 * w**2, c=2 * damping * w * 0.3)
+    design = partial(stage.design, PID.DESIGN.stage.controller, stiff, reference=PID.reference.step)
+    message = r"a mode of 1\.56e\+03 Hz with a damping ratio of 0\.0005, .* 4 Runge-Kutta steps .* substeps=12 or more"
+    with pytest.raises(DesignError, match=message):
+        design()
+    assert design(substeps=12).stage.substeps == 12
+
+
 def test_a_driven_plant_with_another_parameter_is_refused() -> None:
     block = bridges("bridges")
     driven = Drive(PID.PLANT.with_parameters(K=25.0), (block,))
     with pytest.raises(DesignError, match=r"the plant has K = 20 .*, and the driven plant 25, with which"):
         design_with(drive=driven, companions=[Companion(block)])
+
+
+def test_coordinates_name_sensors_and_leave_out_none_that_has_a_set_point() -> None:
+    tilt = {"tilt": {"z": 1.0, "x": -1.0}}
+    assert design_with(coordinates=tilt).stage.coordinates == tilt
+    with pytest.raises(SignalError, match="'tilt' is a sum with 'gap', which is no sensor: name some of z, x"):
+        design_with(coordinates={"tilt": {"gap": 1.0}})
+    rates = around(set_points=[SetPoint("vz_ref", of="vz", low=-0.1, high=0.1)])
+    made = replace(PID.DESIGN.stage.controller, interface=rates)
+    with pytest.raises(SignalError, match="'vz', the coordinate of set-point 'vz_ref', is missing"):
+        stage.design(made, PID.PLANT, reference=PID.reference.step, coordinates=tilt | {"tilt": {"z": 1.0}})
