@@ -218,9 +218,12 @@ def build(
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         signal_names(group)
     private = [s.name for s in states] + [c.name for c in constants]
-    symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in inputs), *private)}
-    if len(symbol) < len(inputs) + len(private):
-        raise SignalError(f"block '{name}': an input, a state and a constant share a name: give each its own")
+    read = [*(s.name for s in inputs), *private]
+    if twice := [n for k, n in enumerate(read) if n in read[:k]]:
+        raise SignalError(
+            f"block '{name}': two of its inputs, states and constants are called '{twice[0]}': rename one"
+        )
+    symbol = {n: ca.SX.sym(n) for n in read}
     u, x, k = (
         _pick(name, "inputs", symbol, inputs),
         _pick(name, "states", symbol, states),

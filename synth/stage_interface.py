@@ -105,6 +105,9 @@ def _set_point(point: SetPoint, of: Signal) -> SetPoint:
 
 def _actuator(actuator: Actuator, of: Signal) -> Actuator:
     low, high = _range(actuator.low, actuator.high, of)
+    for value, field in ((actuator.safe, "safe"), (actuator.slew_per_s, "slew_per_s")):
+        if not isinstance(value, int | float | np.number):
+            raise SignalError(f"actuator '{actuator.name}' has {field} = {value}: give a number in {of.unit}")
     if low < of.low or high > of.high:
         raise SignalError(
             f"actuator '{actuator.name}' may be {low:g} .. {high:g} {of.unit}, beyond the range of the plant input "

@@ -259,8 +259,8 @@ STRANGER = ca.SX.sym("stranger")
         (lambda u, x, k: Step({"y": u["u"]}, {"n": STRANGER}), {}, "'b' uses 'stranger', which is none of its inputs"),
         (None, {"outputs": [signal("y"), signal("y")]}, "'y' is declared 2 times"),
         (None, {"outputs": [signal("u")]}, "'u' is declared 2 times"),
-        (None, {"constants": [Constant("n", 1, "1", "test")]}, "share a name"),
-        (None, {"inputs": [signal("n")]}, "share a name"),
+        (None, {"constants": [Constant("n", 1, "1", "test")]}, "states and constants are called 'n'"),
+        (None, {"inputs": [signal("n")]}, "states and constants are called 'n'"),
     ],
 )
 def test_an_incomplete_block_is_refused(law: Callable[..., Step] | None, fields: dict[str, Any], text: str) -> None:

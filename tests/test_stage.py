@@ -54,6 +54,7 @@ def test_names_units_and_ranges_come_from_the_plant() -> None:
             {"actuators": [Actuator("i1", 0.0, 1.0, high=30.0)]},
             r"'i1' may be -3 .. 30 A, beyond the range of the plant input 'i1', -3 .. 3: give it a range inside",
         ),
+        ({"actuators": [Actuator("i1", None, 1.0)]}, "'i1' has safe = None: give a number in A"),  # type: ignore[arg-type]
         ({"disturbances": ["wind"]}, "no input 'wind'"),
         ({"disturbances": []}, "plant input 'hum' is driven by nothing"),
         ({"sensors": [*SENSORS, Sensor("z")]}, "'z' is declared 2 times"),

@@ -1,6 +1,6 @@
 """Conditions of an experiment: time profiles of set-points and disturbances, initial state and changed parameters."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from synth.declaration import Interface, SetPoint
 from synth.errors import SignalError
+from synth.plant import Plant
 from synth.simulate.scenario import Array
 
 Course = float | ArrayLike | Callable[[Array], ArrayLike]
@@ -71,6 +72,24 @@ def values(course: Course, time: Array) -> Array:
             f"a course has values of shape {samples.shape}: give one, or one for each of {len(time)} samples"
         )
     return np.array(np.broadcast_to(samples, time.shape))
+
+
+def forcing(plant: Plant, names: Sequence[str], disturbances: Mapping[str, Course], time: Array) -> dict[str, Any]:
+    """Return the profile of each disturbance, 0 where none is given.
+
+    Raises SignalError for one that leaves the range of its plant input at one of the times (N,), and as `values`.
+    """
+    inputs = {s.name: s for s in plant.inputs}
+    for name, s in ((n, inputs[n]) for n in disturbances if n in inputs):
+        course = values(disturbances[name], time)
+        worst = float(course[np.argmax(np.maximum(course - s.high, s.low - course))])
+        if worst < s.low or worst > s.high:
+            raise SignalError(
+                f"the disturbance '{name}' reaches {worst:g} {s.unit}; the range of the plant input is {s.low:g} .. "
+                f"{s.high:g} {s.unit}: give a smaller one, or the input a wider range"
+            )
+    profiles = {n: c if callable(c) else values(c, time) for n, c in disturbances.items()}
+    return dict.fromkeys(names, 0.0) | profiles
 
 
 def set_point(interface: Interface, name: str) -> SetPoint:

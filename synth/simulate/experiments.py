@@ -236,8 +236,7 @@ def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
     for name, course in courses.items():
         conditions.require_in_range(name, course, _set_point(rig, name), interface.signals[name].unit)
-    forcing: dict[str, Any] = dict.fromkeys(interface.disturbances, 0.0)
-    forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
+    forcing = conditions.forcing(rig.plant, interface.disturbances, under.disturbances, time)
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
     return replace(rig, plant=plant).run(duration_s, under.start, courses, **{"forcing": forcing, **under.options})
 

@@ -6,6 +6,7 @@ import pytest
 from synth.errors import SignalError
 from synth.simulate import conditions
 from synth.simulate.conditions import Conditions, Ramp, Sine
+from tests import levitator
 
 
 def test_courses() -> None:
@@ -20,3 +21,12 @@ def test_courses() -> None:
 def test_conditions_as_text() -> None:
     under = Conditions({"z": 1e-4}, {"hum": Sine(0.2, 300.0)}, {"M": 1.6})
     assert under.text() == ", M = 1.6, z = 0.0001, hum acts"
+
+
+def test_a_disturbance_beyond_the_range_of_its_plant_input_is_refused() -> None:
+    hum, time = next(s for s in levitator.design().PLANT.inputs if s.name == "hum"), np.linspace(0, 1, 101)
+    plant = levitator.design().PLANT
+    within = conditions.forcing(plant, ["hum"], {"hum": Sine(hum.high, 2 * np.pi)}, time)
+    assert callable(within["hum"]) and conditions.forcing(plant, ["hum"], {}, time) == {"hum": 0.0}
+    with pytest.raises(SignalError, match=r"the disturbance 'hum' reaches .* give a smaller one"):
+        conditions.forcing(plant, ["hum"], {"hum": -1.01 * hum.high}, time)
