@@ -59,12 +59,14 @@ def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
     """
     _check_sigma(sigma)
     rows, size = _scale_columns(H, sizes)
-    S, V = np.linalg.svd(rows, full_matrices=False)[1:]
+    S = np.linalg.svd(rows, compute_uv=False)
     n = rows.shape[2]
     lost = (S[:, -1] <= S[:, 0] * np.finfo(np.float64).eps * rows.shape[1]) | (rows.shape[1] < n)
     condition = np.where(lost, np.inf, S[:, 0] / np.where(lost, 1.0, S[:, -1]))
+    equal, norms = _equilibrate(rows)
+    S, V = np.linalg.svd(equal, full_matrices=False)[1:]
     squares = ((V / np.where(lost[:, None], 1.0, S)[:, :, None]) ** 2).sum(axis=1)
-    deviations = np.where(lost[:, None], np.inf, sigma * np.sqrt(squares) / size)
+    deviations = np.where(lost[:, None], np.inf, sigma * np.sqrt(squares) / norms / size)
     return Accuracy(readonly(deviations), readonly(condition))
 
 
@@ -83,9 +85,10 @@ def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
     if lost.size:
         raise ModelError(f"rank is lost at {lost.size} of the places, the first is number {lost[0]}: leave it out")
     # Not by H'H, whose condition is the square of that of H.
-    U, S, V = np.linalg.svd(rows, full_matrices=False)
+    equal, norms = _equilibrate(rows)
+    U, S, V = np.linalg.svd(equal, full_matrices=False)
     parts = (U.transpose(0, 2, 1) @ unmodelled[:, :, None])[:, :, 0] / S
-    return readonly((V.transpose(0, 2, 1) @ parts[:, :, None])[:, :, 0] / size)
+    return readonly((V.transpose(0, 2, 1) @ parts[:, :, None])[:, :, 0] / norms / size)
 
 
 @arguments.checked
@@ -117,6 +120,13 @@ def _largest_finite_deviation(information: Array, sigma: float) -> float:
     largest = information.max(axis=(1, 2), keepdims=True)
     regularised = information + np.maximum(REGULARISATION * largest, np.finfo(np.float64).tiny) * np.eye(n)
     return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(regularised), axis1=1, axis2=2).max()))
+
+
+def _equilibrate(rows: Array) -> tuple[Array, Array]:
+    """Return Jacobians (N, m, n) with columns of norm 1 and the norms (N, n): small columns keep their digits."""
+    norms = np.linalg.norm(rows, axis=1)
+    norms = np.where(norms > 0, norms, 1.0)
+    return rows / norms[:, None, :], norms
 
 
 def _scale_columns(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:

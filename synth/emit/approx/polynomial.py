@@ -134,6 +134,8 @@ def rounding_bound(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
 
 def _half_ulp(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
     """Bound the error of rounding a number of at most this size to nearest: half a unit in its last place."""
+    if not size.is_finite():
+        return flint.arb("inf")
     mantissa, exponent = abs(size).upper().man_exp()
     if mantissa == 0:
         return flint.arb(0)

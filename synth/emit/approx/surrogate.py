@@ -81,7 +81,7 @@ def least_degree(
 
     Raises EmitError as `fit`.
     """
-    allowed = EPS[scalar] if eps is None else eps
+    allowed = EPS.get(scalar, 0.0) if eps is None else eps
     _check(low, high, scalar, allowed, what)
     with precision(enclosure.BITS):
         task = _task(f, low, high, scalar, what, None)

@@ -47,6 +47,17 @@ def test_the_bias_is_that_of_least_squares() -> None:
     np.testing.assert_allclose(information.bias(H, extra, [1.0, 2.0, 3.0]), np.tile([1.0, -2.0, 0.5], (4, 1)))
 
 
+def test_small_columns_keep_their_digits() -> None:
+    H = np.random.default_rng(0).standard_normal((50, 6, 3)) * [1, 10**-13.5, 10**-13.5]
+    norms = np.linalg.norm(H, axis=1)
+    equal, extra = H / norms[:, None], np.ones((50, 6))
+    inverse = np.linalg.inv(equal.transpose(0, 2, 1) @ equal)
+    exact = np.sqrt(np.diagonal(inverse, axis1=1, axis2=2)) / norms
+    np.testing.assert_allclose(information.accuracy(H, 1.0, [1, 1, 1]).deviations, exact, rtol=1e-12)
+    expected = np.array([np.linalg.lstsq(e, v)[0] for e, v in zip(equal, extra, strict=True)]) / norms
+    np.testing.assert_allclose(information.bias(H, extra, [1, 1, 1]), expected, rtol=1e-9)
+
+
 def test_a_place_with_much_information_does_not_hide_one_with_little() -> None:
     H = np.array([1e6 * np.eye(2), np.eye(2)])
     assert information.largest_deviation(H, 1.0, [1.0, 1.0]) == pytest.approx(1.0, rel=1e-6)

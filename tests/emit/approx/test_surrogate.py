@@ -199,3 +199,10 @@ def test_invalid_arguments_are_refused(
 ) -> None:
     with pytest.raises(EmitError, match=message):
         surrogate.fit(on_balls("exp"), low, high, scalar, eps, "exp")
+
+
+def test_a_function_that_leaves_the_doubles_is_refused_by_name() -> None:
+    with pytest.raises(EmitError, match="coefficients leave the type"):
+        surrogate.fit(on_balls("exp"), 1000.0, 1001.0, np.float64)
+    with pytest.raises(EmitError, match="need float32 or float64"):
+        surrogate.least_degree(on_balls("exp"), 0.0, 1.0, np.float16)
