@@ -26,7 +26,8 @@ MAX_POINTS = 2**20  # single precision represents every index exactly, and a con
 class Grid:
     """Points low + (i, j) spacing, i < n_x, j < n_y, in the unit of x and y; `size` = (n_x, n_y).
 
-    Raises ModelError for a spacing that is not positive, fewer than two points along a side, or more than MAX_POINTS.
+    Raises ModelError for ends that are not two finite numbers, a spacing that is not positive, sides that are not two,
+    fewer than two points along one, or more than MAX_POINTS.
     """
 
     low: tuple[float, float]
@@ -35,6 +36,8 @@ class Grid:
 
     def __post_init__(self) -> None:
         numeric.positive("the grid's spacing", self.spacing)
+        if len(numeric.numbers("the low ends of the grid", self.low)) != 2 or len(self.size) != 2:
+            raise ModelError(f"the grid has the low ends {self.low} and the size {self.size}: give two of each")
         for n in self.size:
             numeric.whole("the number of points along a side of the grid", n, 2)
         if self.size[0] * self.size[1] > MAX_POINTS:
@@ -49,7 +52,7 @@ class Grid:
 
 @arguments.checked
 def square(half_width: float, spacing: float) -> Grid:
-    """Return a square grid that extends at least `half_width` to either side of the origin.
+    """Return a square grid that extends at least `half_width`, but for 1e-9 of a spacing, to each side of the origin.
 
     Raises ModelError for arguments that are not positive numbers, and as `Grid`.
     """
@@ -62,8 +65,19 @@ def square(half_width: float, spacing: float) -> Grid:
 def interpolate_samples(at: Array, values: Array, grid: Grid) -> Array:
     """Return values (n_x, n_y, m) on a grid from samples (N, m) at scattered positions (N, 2).
 
-    Raises ModelError for samples that form no triangle, or a grid that extends beyond them.
+    Raises SignalError unless both are matrices of real numbers; ModelError for shapes that do not fit each other or
+    values that are not finite, samples that form no triangle, or a grid that extends beyond them.
     """
+    at, values = arguments.matrix("the positions of the samples", at), arguments.matrix("the samples", values)
+    if (
+        at.shape[1] != 2
+        or len(values) != len(at)
+        or not len(at)
+        or not (np.isfinite(at).all() and np.isfinite(values).all())
+    ):
+        raise ModelError(
+            f"the samples are {values.shape} at positions {at.shape}: give finite numbers (N, m) at places (N, 2)"
+        )
     try:
         between = interpolate.LinearNDInterpolator(at, values)
     except spatial.QhullError as error:

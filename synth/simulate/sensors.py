@@ -63,8 +63,10 @@ class Analogue:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+        if not (math.isfinite(self.high - self.low) and self.low < self.high):
             raise SignalError(f"analogue sensor spans {self.low} .. {self.high}: give finite ends, low below high")
+        if not (isinstance(self.seed, int | np.integer) and self.seed >= 0):
+            raise SignalError(f"analogue sensor has the seed {self.seed}: give a whole number from 0 on")
         if not (1 <= self.bits <= 53 and self.bits == int(self.bits)):
             raise SignalError(f"analogue sensor has {self.bits} bits: give a whole number from 1 to 53")
         if not (math.isfinite(self.noise) and self.noise >= 0):

@@ -54,6 +54,8 @@ def test_noise_has_its_size_and_its_seed() -> None:
         (lambda: Analogue(0.0, 1.0, noise=-1.0), "noise -1.0 rms"),
         (lambda: Encoder(0.0, np.nan), "encoder has the offset nan"),
         (lambda: Encoder(1e-3, 0.0, np.inf), "encoder has the offset 0.0 and the gain error inf"),
+        (lambda: Analogue(-1e308, 1e308, bits=2), "give finite ends"),
+        (lambda: Analogue(0, 1, noise=1, seed=-1), "give a whole number from 0 on"),
     ],
 )
 def test_errors_that_are_no_numbers_are_refused(make: Callable[[], Sensor], words: str) -> None:

@@ -87,7 +87,8 @@ def search(
 def bound_cells(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
     """Return deviations at the centres q (n, N) and bounds in the cells of half sides (n, 1), inf without a bound.
 
-    Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other.
+    Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other and
+    for values below 0.
     """
     centres, sides = arguments.matrix("the centres", q), arguments.matrix("the half sides", half)
     s, column_changes = (
@@ -103,6 +104,9 @@ def bound_cells(deviations: Deviations, changes: Changes, q: ArrayLike, half: Ar
             f"cells {centres.shape} with half sides {sides.shape} have deviations {s.shape} and changes "
             f"{column_changes.shape}: give (n, N) of each, half sides (n, 1), and finite places"
         )
+    if (s < 0).any() or (column_changes < 0).any():
+        least = min(float(np.nanmin(values)) for values in (s, column_changes))
+        raise ModelError(f"a deviation or a change is {least:g}: both are bounds of sizes, give values from 0 on")
     with np.errstate(invalid="ignore"):
         denominators = 1 - (column_changes * s).sum(axis=0)
     is_bounded = denominators > 0  # False for NaN

@@ -214,3 +214,11 @@ def test_a_search_that_cannot_end_is_refused_at_once(cells: list[int], tolerance
         worst_deviation.search(
             lambda q: 1 / (1 + q**2), lambda q, h: 3 * h + 0 * q, [0.0] * 3, [1.0] * 3, cells, tolerance
         )
+
+
+def test_a_change_or_a_deviation_below_zero_is_refused() -> None:
+    for deviation, change in ((1.0, -5.0), (-1.0, 0.1)):
+        with pytest.raises(ModelError, match="both are bounds of sizes"):
+            worst_deviation.search(
+                lambda q, v=deviation: np.full_like(q, v), lambda q, h, v=change: np.full_like(q, v), [0.0], [1.0], [4]
+            )
