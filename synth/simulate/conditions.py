@@ -117,6 +117,14 @@ def require_response(name: str, overshoot: float, **positive: float) -> None:
         raise SignalError(f"{name}: {numbers}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
 
 
+def require_end(name: str, after_s: float, duration_s: float) -> None:
+    """Raise SignalError for an experiment that ends before what it assesses begins."""
+    if not after_s < duration_s:
+        raise SignalError(
+            f"{name}: assessed after {after_s:g} s, but it ends after {duration_s:g} s: give a smaller after_s"
+        )
+
+
 def require_positive_errors(name: str, limits: Mapping[str, float]) -> None:
     """Raise SignalError for a limit of |y - r| of an experiment that is not positive."""
     for set_point, limit in limits.items():

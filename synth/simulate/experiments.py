@@ -125,6 +125,7 @@ class Track:
 
     def run(self, rig: Rig) -> Experiment:
         """Run from rest at the start of the profiles."""
+        conditions.require_end(self.name, self.after_s, self.duration_s)
         time = sample_times(self.duration_s, rig.period_s)
         courses = {name: conditions.values(course, time) for name, course in self.set_points.items()}
         positions = {name: _position(rig, name) for name in courses}
@@ -160,6 +161,7 @@ class Hold:
     def run(self, rig: Rig) -> Experiment:
         """Run from rest at the initial positions; raise SignalError for a limit that is not positive."""
         conditions.require_positive_errors(self.name, self.errors)
+        conditions.require_end(self.name, self.after_s, self.duration_s)
         trajectory = _trajectory(rig, self.duration_s, {}, self.conditions)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}

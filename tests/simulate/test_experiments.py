@@ -134,3 +134,8 @@ def test_a_lift_off_with_a_number_that_cannot_be_meant_is_refused(changed: dict[
     (name, value), good = *changed.items(), {"ramp_s": 0.2, "overshoot": 0.1, "error": 1e-6}
     with pytest.raises(SignalError, match=f"lift_off: .*{name} {value:g}"):
         LiftOff({"z_ref": 0.0}, conditions=Conditions(), **(good | changed))
+
+
+def test_an_experiment_that_ends_before_it_is_assessed_is_refused(rig: Rig) -> None:
+    with pytest.raises(SignalError, match=r"assessed after 1 s, but it ends after 0\.05 s"):
+        Hold({"x_ref": 1e-6}, 0.05, 1.0).run(rig)
