@@ -226,8 +226,7 @@ typedef struct {
 } maglev_5dof_precise_monitor_t;
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation
- *     x_unchanged = (still if most_unchanged <= still, else still + 1) if guard_ready and x_accepted ==
- *         code, else 0 */
+ *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
     bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
@@ -246,17 +245,16 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
 
     const float code = state->code;
     const bool same = maglev_5dof_precise_equal(accepted, code);
-    uint32_t unchanged = 0u;
-    if ((ready != 0u) && same) {
-        const uint32_t still = state->still;
-        unchanged = (most_unchanged <= still) ? still : (still + 1u);
-    }
     const float before = state->before;
     const uint32_t doubts = state->doubts;
+    uint32_t unchanged = 0u;
     float before_next_if_ready = before;
     uint32_t doubts_next_choice = doubts;
     uint32_t doubts_next = doubts;
-    if (!same) {
+    if (same) {
+        const uint32_t still = state->still;
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
+    } else {
         before_next_if_ready = expected;
         doubts_next_choice = doubted_changes;
         if (1u <= doubts) {
@@ -272,16 +270,16 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     bool jumping = false;
     bool strayed = false;
     if (gate < distance) {
-        const float growth = distance - fabsf(code - before);
         if (jump < distance) {
+            const float growth = distance - fabsf(code - before);
             const bool believed = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
                 (expected < travel) && (-travel < code) && (code < travel);
             jumping = (1u <= jumps) || (believed && !same);
+            strayed = wide_frozen < growth;
             doubts_next = (same || believed) ? doubts : doubted_changes;
         } else {
             doubts_next = doubts_next_choice;
         }
-        strayed = wide_frozen < growth;
     }
     const uint32_t excluded = state->excluded;
     bool usual = false;
@@ -298,8 +296,8 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     } else {
         const bool usable = good && (excluded == 0u);
         const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) &&
-                (((gate < fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered)) {
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
+                fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
             frozen = stopped;
             excluded_next = stopped;

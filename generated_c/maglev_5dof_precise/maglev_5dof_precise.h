@@ -24,7 +24,7 @@
  *     parameters at their tolerances, and is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57
  *     m/s
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00028 m/s (z) and hits a stop at 0.0055 m/s (y)
+ *     machine reaches 0.00025 m/s (x) and hits a stop at 0.0056 m/s (y)
  *   - in motion the machine reaches 0.00065 m/s (x) and 0.44 rad/s (theta) and hits a stop at 0.016 m/s (y)
  *   - at rest, tilted at 18.5 mm the machine reaches 0.00048 m/s (x) and 0.45 rad/s (phi) and hits a stop at 0.0053 m/s
  *     (y) and 0.25 rad/s (phi)

@@ -54,28 +54,27 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
         same = y == x["code"]
-        # At first nothing is predicted: no code is said to stand still.
-        unchanged = redundancy_signals.count(ca.logic_and(u["ready"], same), x["still"], decision.longest(True))
+        unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
         before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)
         distance = ca.fabs(expected - y)
         growth = distance - ca.fabs(x["code"] - x["before"])
         grown = growth > decision.wide_jump[n] if n in decision.wide_jump else ca.SX(0)
         strayed = growth > decision.wide_frozen[n] if n in decision.wide_frozen else ca.SX(0)
-        # A jump, or a growth, is beyond the gate anyway: said twice, a step in agreement with its prediction skips it.
-        strayed = ca.if_else(distance > gate, strayed, 0)
         far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
         contradicts = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
         believed = _is_free(travel, (expected, x["code"]), contradicts)
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
-            jumping = ca.if_else(distance > gate, jumping, 0)
+            strayed = ca.if_else(far, strayed, 0)
+        # Both are beyond the gate anyway; said twice, a step in agreement with its prediction skips all of it.
+        jumping, strayed = (ca.if_else(distance > gate, each, 0) for each in (jumping, strayed))
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
         agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
         moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), strayed)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
-        stands = _is_frozen(travel, y, unchanged, suspicious)
+        stands = ca.logic_and(_is_frozen(travel, y, unchanged, suspicious), u["ready"])
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
         stopped = ca.if_else(usable, 1, excluded)
         predicted, sound = clip(expected, sensor), u[safety.SOUND.name]

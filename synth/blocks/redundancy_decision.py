@@ -49,11 +49,10 @@ class Decision:
         if self.jump.get(name, self.gate[name]) < self.gate[name]:
             jump, gate = self.jump[name], self.gate[name]
             raise SignalError(f"a jump of '{name}' is above {jump}, its gate {gate}: give no less")
+        least = self.jump.get(name, self.gate[name])
         for of, wide in (("jumps", self.wide_jump), ("frozen codes", self.wide_frozen)):
-            if wide.get(name, self.gate[name]) < self.gate[name]:
-                raise SignalError(
-                    f"the wide gate for {of} of '{name}' is {wide[name]}, its gate {self.gate[name]}: give no less"
-                )
+            if wide.get(name, least) < least:
+                raise SignalError(f"the wide gate for {of} of '{name}' is {wide[name]}, its gate {least}: give no less")
 
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
         """Return the numbers of the groups that the C names."""

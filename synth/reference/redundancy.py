@@ -78,8 +78,7 @@ def readings(
     usable, longest = good & ~excluded, by_row([STILL] * g + [of.longest] * len(of.others), y)
     count = rows(state, of.states("still"))
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
-    counts = same & (ready | (by_row(np.arange(len(y)), y) < g))  # the others count once there is a prediction
-    still = np.where(counts, np.minimum(count + 1, longest), 0.0)
+    still = np.where(same, np.minimum(count + 1, longest), 0.0)
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
     related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
     readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
@@ -98,7 +97,7 @@ def readings(
     far = distance > of.jump
     doubted = np.where(far & believed, doubts, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
     suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | (growth > of.wide_frozen) | unanswered
-    stands = (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
+    stands = ready & (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     freezes = stands & ~jumps & usable[g:]
     degraded = np.asarray(state["redundancy_degraded"]) > 0

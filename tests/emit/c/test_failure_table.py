@@ -49,7 +49,7 @@ def test_the_maglev_stage_says_where_currents_and_angles_end() -> None:
     declared = DESIGN.stage
     assert declared is not None and isinstance(declared.interface, Interface)
     said = " ".join(declared.reactions.values())
-    assert "0.2 m for the lost position: the phase step refuses it" in said and "motors 2 and 4 hand i_d over" in said
+    assert "the lost position is 0.2 m, which the phase step refuses" in said and "motors 2 and 4 hand i_d over" in said
 
 
 def test_signs_of_the_actuators_come_from_the_plant() -> None:
