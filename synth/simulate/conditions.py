@@ -82,7 +82,7 @@ def forcing(plant: Plant, names: Sequence[str], disturbances: Mapping[str, Cours
     inputs = {s.name: s for s in plant.inputs}
     for name, s in ((n, inputs[n]) for n in disturbances if n in inputs):
         course = values(disturbances[name], time)
-        worst = float(course[np.argmax(np.maximum(course - s.high, s.low - course))])
+        worst = _farthest(course, s.low, s.high)
         if worst < s.low or worst > s.high:
             raise SignalError(
                 f"the disturbance '{name}' reaches {worst:g} {s.unit}; the range of the plant input is {s.low:g} .. "
@@ -102,12 +102,17 @@ def set_point(interface: Interface, name: str) -> SetPoint:
 
 def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> None:
     """Raise SignalError for a course of a set-point that leaves its range, where the guard would refuse it."""
-    worst = float(course[np.argmax(np.maximum(course - point.high, point.low - course))])
+    worst = _farthest(course, point.low, point.high)
     if not point.low <= worst <= point.high:
         raise SignalError(
             f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. {point.high:g} "
             f"{unit}: give a smaller step or motion, or the set-point a wider range"
         )
+
+
+def _farthest(course: Array, low: float, high: float) -> float:
+    """Return the value that is farthest beyond a range, or nearest to its ends."""
+    return float(course[np.argmax(np.maximum(course - high, low - course))])
 
 
 def require_response(name: str, overshoot: float, **positive: float) -> None:

@@ -112,7 +112,7 @@ def test_the_yield_has_its_interval() -> None:
     assert half.share == 0.5 and half.low == pytest.approx(1 - half.high) and 0.39 < half.low < 0.41
 
 
-def test_the_nominal_machine_is_not_drawn() -> None:
+def test_the_yield_leaves_out_the_nominal_machine() -> None:
     lucky = study.estimate_yield(made([1.0, *[3.0] * 9]))
     assert lucky.share == lucky.low == 0 and lucky.high == pytest.approx(1 - 0.025 ** (1 / 9))
     alone = study.estimate_yield(made([1.0]))
