@@ -576,7 +576,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y4_held = y4_accepted;
     bool regular = true;
     bool theta_measured = true;
-    uint32_t degraded = 0u;
     uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
     uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
@@ -807,9 +806,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (x_monitor.suspect != 0u) {
             faults |= 0x00008000u;
         }
-        degraded = guard_ready;
         if (z_monitor.suspect != 0u) {
             faults |= 0x00010000u;
+        }
+        if (guard_ready != 0u) {
+            faults |= 0x00020000u;
         }
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -930,9 +931,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_left = guard_left - good_per_bad;
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
     const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
         (faults | 0x00040000u);
 
@@ -1093,11 +1091,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
          *         else (left if landing_patience <= left, else left + 1)
          *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
-         *     r_y_next = min((max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if
-         *         landing is set, else y_estimate) if landing_next is set, else r_y, ramp_end)
+         *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
+         *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
          *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
         static const float spring_phi = 11250.0f;               /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
         static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
         static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
@@ -1116,7 +1115,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float acceleration = 4.0f;                 /* m/s^2; largest one of the ramp; of x, z */
         /* 1; samples in a row with a prediction until it lands, times 4 */
         static const uint32_t landing_patience = 20u;
-        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
         const bool left_at_most_4 = landing_left <= good_per_bad;
@@ -1142,9 +1140,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_y;
         float w_x_unprobed;
         float w_z_unprobed;
-        float landing_r_y_unlimited = landing_r_y;
         if (landing != 0u) {
             fault_word = faults_before | 0x40000000u;
+            const float y_estimate_min_ramp_end = maglev_5dof_min(y_estimate, ramp_end);
             float ramp_y = landing_r_y;
             float ramp_rate_y = y_rate;
             float ramp_x = observer_x.estimate;
@@ -1158,7 +1156,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 ramp_z = state->landing_r_z;
                 ramp_rate_z = state->landing_dr_z;
             } else {
-                ramp_y = y_estimate;
+                ramp_y = y_estimate_min_ramp_end;
                 ramp_rate_x = maglev_5dof_limit(observer_x.rate, ramp_rate_bound);
                 ramp_rate_z = maglev_5dof_limit(observer_z.rate, ramp_rate_bound);
             }
@@ -1172,9 +1170,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            landing_r_y_unlimited = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
-                (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate;
             const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
+            state->landing_r_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
+                (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate_min_ramp_end;
             state->landing_dr_y = ramp_rate_next_y;
             state->landing_r_x = (landing_landing != 0u) ?
                 maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f) : observer_x.estimate;
@@ -1212,7 +1210,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
 #endif
         }
-        state->landing_r_y = maglev_5dof_min(landing_r_y_unlimited, ramp_end);
 
         /* probe_x: probe at rest
          *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
@@ -1524,7 +1521,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
-        diagnostics->degraded = (float)degraded;
         diagnostics->landed = landed ? 1.0f : 0.0f;
         diagnostics->theta = theta;
         diagnostics->y = y;

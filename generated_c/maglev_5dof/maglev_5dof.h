@@ -414,7 +414,6 @@ typedef struct {
     float y4_held;                      /* m: gap of motor 4 */
     float regular;                      /* 1: every coordinate is measured */
     float theta_measured;               /* 1: every coordinate of the groups is measured */
-    float degraded;                     /* 1: a reading is refused, replaced or contradicted, or a sensor was a suspect */
     float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */

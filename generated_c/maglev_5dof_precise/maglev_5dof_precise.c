@@ -613,7 +613,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     float y4_held = y4_accepted;
     bool regular = true;
     bool theta_measured = true;
-    uint32_t degraded = 0u;
     uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
     uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
@@ -849,9 +848,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         if (x_monitor.suspect != 0u) {
             faults |= 0x00008000u;
         }
-        degraded = guard_ready;
         if (z_monitor.suspect != 0u) {
             faults |= 0x00010000u;
+        }
+        if (guard_ready != 0u) {
+            faults |= 0x00020000u;
         }
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -997,9 +998,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->guard_left = guard_left - good_per_bad;
     }
     const uint32_t latched = (landed) ? 1u : gave_up;
-    if (degraded != 0u) {
-        faults |= 0x00020000u;
-    }
     const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
         (faults | 0x00040000u);
 
@@ -1254,8 +1252,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
          *         else (left if landing_patience <= left, else left + 1)
          *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
-         *     r_y_next = min((max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
-         *         landing is set, else y_estimate) if landing_next is set, else r_y, ramp_end)
+         *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
+         *         landing is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
          *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
         static const float spring_phi = 11250.0f;               /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -1266,6 +1264,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const float damping = 60.0f;                     /* 1/s; 2 p, p = 30 1/s; of x, z */
         static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
         static const float acceleration = 4.0f;                 /* m/s^2; largest one of the ramp; of x, z */
+        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
         static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
         static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
@@ -1277,7 +1276,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const float acceleration_y = 2.0f;               /* m/s^2; largest one of the ramp */
         /* 1; samples in a row with a prediction until it lands, times 4 */
         static const uint32_t landing_patience = 20u;
-        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
         static const float bound = 0.5f; /* m; of the ramp: wider than any estimate; of y, x, z */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
@@ -1293,9 +1291,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         float w_x_unprobed;
         float w_y;
         float w_z_unprobed;
-        float landing_r_y_unlimited = landing_r_y;
         if (landing != 0u) {
             fault_word = faults_before | 0x40000000u;
+            const float y_estimate_min_ramp_end = maglev_5dof_precise_min(y_estimate, ramp_end);
             float ramp_x = observer_x.estimate;
             float ramp_rate_x;
             float ramp_y = landing_r_y;
@@ -1309,8 +1307,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 ramp_z = state->landing_r_z;
                 ramp_rate_z = state->landing_dr_z;
             } else {
-                ramp_y = y_estimate;
                 ramp_rate_x = maglev_5dof_precise_limit(observer_x.rate, ramp_rate_bound);
+                ramp_y = y_estimate_min_ramp_end;
                 ramp_rate_z = maglev_5dof_precise_limit(observer_z.rate, ramp_rate_bound);
             }
             const float ramp_rate_next_x = maglev_5dof_precise_slew(ramp_rate_x, 0.0f, acceleration_step);
@@ -1323,10 +1321,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 (maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
+            const float ramp_rate_next_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
             const float landing_r_y_if_landing = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
                 (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -bound);
-            landing_r_y_unlimited = (landing_landing != 0u) ? landing_r_y_if_landing : y_estimate;
-            const float ramp_rate_next_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
+            state->landing_r_y = (landing_landing != 0u) ? landing_r_y_if_landing : y_estimate_min_ramp_end;
             state->landing_dr_y = ramp_rate_next_y;
             state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_precise_limit(ramp_x +
                 (half_T * (ramp_rate_x + ramp_rate_next_x)), bound) : observer_x.estimate;
@@ -1398,7 +1396,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 state->landing_left = landing_left + 1u;
             }
         }
-        state->landing_r_y = maglev_5dof_precise_min(landing_r_y_unlimited, ramp_end);
 
         /* probe_x: probe at rest
          *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
@@ -1712,7 +1709,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
-        diagnostics->degraded = (float)degraded;
         diagnostics->landed = landed ? 1.0f : 0.0f;
         diagnostics->y = y;
         diagnostics->theta = theta;

@@ -80,13 +80,13 @@ def block(
                 demand = -(levelling_pole * levelling_pole * q + damping + d)
             else:
                 p = c.pole
-                r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
-                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], clip(v, _states(c)[1].signal))
+                position, rate = (state.signal for state in _states(c))
+                r = ca.if_else(x["landing"], x[position.name], clip(q, position))
+                dr = ca.if_else(x["landing"], x[rate.name], clip(v, rate))
                 target = _descent_rate(c, r) if isinstance(c, Descent) else ca.SX(0)
                 ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
                 dr_next = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
-                position, rate = (state.signal for state in _states(c))
-                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), q)
+                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), r)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
                 next[rate.name] = ca.if_else(landing, dr_next, x[rate.name])
                 values = zip(_ramp(c), (r, dr, target, dr_next), strict=True)

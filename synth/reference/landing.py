@@ -59,9 +59,11 @@ def demand(
     landing = was | over
     next: dict[str, Any] = {"landing_left": left}
     next["landing_landing"] = landing
+    high = by_row([of.end + 4 * of.beyond, *(of.farthest for _ in of.braking)], q)
+    start = np.clip(q[: len(ramps)], -of.farthest, high)
     ramp, rate = (
         np.where(was, rows(state, [f"landing_{n}_{s}" for s in ramps]), x[: len(ramps)])
-        for n, x in (("r", q), ("dr", np.clip(v, -of.fastest, of.fastest)))
+        for n, x in (("r", start), ("dr", np.clip(v, -of.fastest, of.fastest)))
     )
     speed = np.clip(of.touch + of.descent / of.speed * (of.end - ramp[0]), of.press, of.speed)
     most = by_row([of.descent * T, *(b * T for b in of.braking)], q)
@@ -71,8 +73,7 @@ def demand(
     poles, undetermined = (by_row([*each.values()], q) for each in (of.poles, of.undetermined_poles))
     p = np.where(determined, poles, undetermined)
     w = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
-    high = by_row([of.end + 4 * of.beyond, *(of.farthest for _ in of.braking)], q)
-    ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -of.farthest, high)
+    ahead = np.where(was, np.clip(ramp + T * rate + T / 2 * change, -of.farthest, high), ramp)
     for n, x in (("r", ahead), ("dr", rate + change)):
         before = rows(state, [f"landing_{n}_{s}" for s in ramps])
         next |= {f"landing_{n}_{s}": row for s, row in zip(ramps, np.where(landing, x, before), strict=True)}

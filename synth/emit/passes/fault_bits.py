@@ -4,8 +4,8 @@
     word_n = c ? word_0 : inner_n,    inner_k = a_k ? inner_(k-1) | bit_k : inner_(k-1),    inner_0 = word_0
 
 The same holds for f_k = c ? a_k : 0. A step that takes the other side of c tests none of the n flags. A signal f_k that
-nothing else reads is a_k from then on. An a_k that decides another choice keeps its flag: all choices on one condition
-become one `if`, which stands outside that side.
+nothing else reads is a_k from then on. All choices on one condition become one `if`, which stands outside that side. So
+an a_k that decides another choice keeps its flag, but for a state, whose test a_k != 0 is a condition of its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ LEAST = 3  # tests; for two the LQG controller takes 1 % more instructions, beca
 class _Test:
     """A test of a flag that is a choice: the nodes of the word before and after it, of its bit, and of the flag.
 
-    `condition` is that of the flag, `zero` the operand of the flag that is 0, `set` the node of the other one, a_k.
+    `condition` is that of the flag, `zero` the place of its operand that is 0, `set` the node of the other one, a_k.
     """
 
     before: int
@@ -73,7 +73,8 @@ def _tests(p: Program) -> Iterator[_Test]:
         flag, bit, before = node.args
         choice = p.nodes[flag]
         if p.nodes[bit].op == "bit" and p.nodes[bit].args == (before,) and choice.op == "choose":
-            zeros = [i for i in (1, 2) if p.nodes[choice.args[i]] == _ZERO and choice.args[3 - i] not in conditions]
+            shared = {i for i in (1, 2) if (a := choice.args[3 - i]) in conditions and p.nodes[a].op != "state"}
+            zeros = [i for i in (1, 2) if p.nodes[choice.args[i]] == _ZERO and i not in shared]
             if zeros:
                 yield _Test(before, k, bit, flag, choice.args[0], zeros[0], choice.args[3 - zeros[0]])
 
@@ -82,8 +83,12 @@ def _put_choice(nodes: list[Node], p: Program, run: Sequence[_Test], index: Sequ
     """Append the choice between the word before a run and the word after its tests, and return its node."""
     first = word = index[run[0].before]
     for test in run:
+        is_set = index[test.set]
+        if p.nodes[test.set].op == "state":
+            nodes.append(Node("ne", (is_set, index[p.nodes[test.flag].args[test.zero]])))
+            is_set = len(nodes) - 1
         nodes.append(Node("bit", (word,), value=p.nodes[test.bit].value))
-        nodes.append(Node("choose", (index[test.set], len(nodes) - 1, word)))
+        nodes.append(Node("choose", (is_set, len(nodes) - 1, word)))
         word = len(nodes) - 1
     arms = (first, word) if run[0].zero == 1 else (word, first)
     nodes.append(Node("choose", (index[run[0].condition], *arms)))

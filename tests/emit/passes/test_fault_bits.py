@@ -99,3 +99,13 @@ def test_what_is_no_run_stays(p: Program) -> None:
 def test_what_decides_another_choice_keeps_its_flag() -> None:
     p = program((*ALIKE, Node("choose", (FIRST + 1, ONE, FIRST))))
     assert word_tree(fault_bits.gather(p)) == word_tree(p)
+
+
+def test_a_state_that_decides_another_choice_is_tested_by_a_condition_of_its_own() -> None:
+    p = program((*ALIKE, Node("choose", (FIRST + 1, ONE, FIRST))))
+    nodes = list(p.nodes)
+    nodes[FIRST + 1] = Node("state", name="e")
+    p = replace(p, nodes=tuple(nodes))
+    after = fault_bits.gather(p)
+    assert "choose(c, 0, choose(f, bit(choose(ne(e, 0), bit(choose(d, bit(0), 0))" in word_tree(after)
+    assert all(word(p, v) == word(after, v) for v in product((0.0, 1.0), repeat=4))
