@@ -161,7 +161,7 @@ class Block:
     @property
     def initial(self) -> NDArray[np.float64]:
         """The states after `init`, in order."""
-        return np.array([s.initial for s in self.states])
+        return np.array([s.initial for s in self.states], dtype=np.float64)
 
     def function(self) -> ca.Function:
         """Return the step as a CasADi function (x, u) -> (x', y), columns in the order of the signals."""

@@ -77,25 +77,33 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
 
     Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
 
-    A plant with several equilibria, such as one with cogging, may lead the search to one out of range, where the
-    controller raises a fault; the search then goes on from the next starting point.
+    A plant with several equilibria, such as one with cogging, or a command at the end of its range may lead the search
+    to one out of range; it then goes on from the next starting point. At an actuator's limit a loop comes to rest by
+    its anti-windup, but has no gain there: it is no equilibrium whose margins mean anything.
 
     Raises SignalError for a missing or unknown reference, or an operating point of another plant; NoEquilibriumError
-    with the signal that still changes, or with the faults of the first equilibrium where each one raises some.
+    with the signal that still changes, with the commands at their limits, or with the faults of the first equilibrium
+    where each one raises some.
     """
     _check(closed, references, near)
     equations = equilibrium_equations.of_loop(closed, references, near)
     least: equilibrium_equations.Trial | None = None
-    faulty: Equilibrium | None = None
+    refused: list[Equilibrium] = []
     for start in equilibrium_equations.starting_points(equations, closed, near):
         trial = equilibrium_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
             rest = _equilibrium(closed, references, near, trial)
-            if not _raised_faults(rest):
+            if not (_raised_faults(rest) or _saturated(rest) or rest.point.outside):
                 return rest
-            faulty = faulty or rest
+            refused.append(rest)
         least = trial if least is None or trial.size < least.size else least
-    raise _no_rest(closed, equations, least) if faulty is None else _at_fault(faulty)
+    without_fault = [rest for rest in refused if not _raised_faults(rest)]
+    for rest in without_fault:
+        if not _saturated(rest):
+            return rest
+    if without_fault:
+        raise _at_limit(without_fault[0])
+    raise _at_fault(refused[0]) if refused else _no_rest(closed, equations, least)
 
 
 def _check(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
@@ -128,15 +136,41 @@ def _equilibrium(
 
 def _raised_faults(rest: Equilibrium) -> list[str]:
     """Return the faults that the controller raises at equilibrium."""
+    flags = [f.output for f in rest.closed.controller.faults if not f.status]
+    return [f for f, value in _outputs(rest, flags).items() if value]
+
+
+def _saturated(rest: Equilibrium) -> dict[str, float]:
+    """Return the commands at an end of their declared range, where a limit holds them."""
+    signals = {s.name: s for s in rest.closed.controller.outputs}
+    commands = _outputs(rest, list(dict.fromkeys(c for row in rest.closed.mixing.values() for c in row)))
+    room = {n: min(v - signals[n].low, signals[n].high - v) for n, v in commands.items()}
+    return {n: v for n, v in commands.items() if room[n] < TOLERANCE * (signals[n].high - signals[n].low) / 2}
+
+
+def _outputs(rest: Equilibrium, names: Sequence[str]) -> dict[str, float]:
+    """Return outputs of the controller at equilibrium."""
     block = rest.closed.controller
-    flags = [f.output for f in block.faults if not f.status]
     symbols = {
         **{n: block.symbol[n] for n in (*rest.state, *rest.inputs)},
         **{c.name: block.symbol[c.name] for c in block.constants},
     }
     values = [*rest.state.values(), *rest.inputs.values(), *(c.value for c in block.constants)]
-    raised = ca.Function("flags", list(symbols.values()), [ca.vcat([block.output[f] for f in flags])])(*values)
-    return [f for f, value in zip(flags, np.asarray(raised).ravel(), strict=True) if value]
+    outputs = ca.Function("outputs", list(symbols.values()), [ca.vcat([block.output[n] for n in names])])(*values)
+    return dict(zip(names, np.asarray(outputs).ravel().tolist(), strict=True))
+
+
+def _at_limit(rest: Equilibrium) -> NoEquilibriumError:
+    block = rest.closed.controller
+    signals = {s.name: s for s in block.outputs}
+    commands = [
+        f"{n} = {v:.6g} of {signals[n].low:g} .. {signals[n].high:g} {signals[n].unit}"
+        for n, v in _saturated(rest).items()
+    ]
+    return NoEquilibriumError(
+        f"the controller '{block.name}' rests with a command at its limit, {', '.join(commands)}, and no gain there: "
+        "choose a point that the actuators can hold, or widen their range"
+    )
 
 
 def _at_fault(rest: Equilibrium) -> NoEquilibriumError:

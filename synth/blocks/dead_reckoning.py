@@ -148,13 +148,13 @@ def _ends(axis: Axis) -> tuple[float, float]:
 
 def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
     """Return a bound on the prediction: that before is at its own, and all that is added at theirs, with rounding u."""
-    r, p, q = axis.pole, axis.predicted.high, max(abs(axis.measured.low), axis.measured.high)
-    moved = axis.advance(time).high + (1 - r) ** 2 * (p + q) + _half_step(axis, time) * axis.effort.high
+    r, p, q, effort = axis.pole, *(max(abs(s.low), abs(s.high)) for s in (axis.predicted, axis.measured, axis.effort))
+    moved = axis.advance(time).high + (1 - r) ** 2 * (p + q) + abs(_half_step(axis, time)) * effort
     return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
 
 
 def _largest_innovation(measured: Signal, predicted: Signal) -> float:
-    return predicted.high + max(abs(measured.low), measured.high)
+    return sum(max(abs(s.low), abs(s.high)) for s in (measured, predicted))
 
 
 @arguments.checked

@@ -3,9 +3,10 @@
     minimise  |A t - v|^2 + smoothing |D t|^2        A: weights of the four corners, D: second differences along x and y
 
 v (N, m) are residuals at scattered places (N, 2), t (n_x n_y, m) the values at the points of a grid. The smoothing
-fills points without samples nearby, and averages noise; a residual that varies within a cell stays. Values are rounded
-to a unit far below the noise, and are then the same on every machine. The table is MATLAB's `gridfit` (D'Errico, 2005)
-with second differences; in the C it is a `lookup_table`.
+fills points without samples nearby, and averages noise; a residual that varies within a cell stays. D t = 0 for the
+surfaces 1, x, y and x y, which the samples themselves must determine: lines along x and y alone leave x y free. Values
+are rounded to a unit far below the noise, and are then the same on every machine. The table is MATLAB's `gridfit`
+(D'Errico, 2005) with second differences; in the C it is a `lookup_table`.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,8 @@ from synth import arguments, numeric
 from synth.blocks.lookup_table import Grid
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
+
+DETERMINED = 1e-6  # least singular value of the surfaces at the samples, relative to the largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +41,8 @@ class ResidualMap:
 def fit(places: ArrayLike, residuals: ArrayLike, grid: Grid, smoothing: float = 1e-2, unit: float = 0.0) -> ResidualMap:
     """Return the map of residuals (N, m) at places (N, 2), rounded to a `unit` if it is above 0.
 
-    Raises ModelError for samples that do not match or are not finite, places beyond the grid, or a smoothing that is
-    not positive.
+    Raises ModelError for samples that do not match or are not finite, places beyond the grid or that do not determine
+    the surfaces 1, x, y and x y, or a smoothing that is not positive.
     """
     places, residuals = numeric.table("the places", places, 2), arguments.matrix("residuals", residuals)
     smoothing = numeric.positive("the smoothing", smoothing)
@@ -51,11 +54,24 @@ def fit(places: ArrayLike, residuals: ArrayLike, grid: Grid, smoothing: float = 
                 f"samples reach from {along.min():.4g} to {along.max():.4g}, the grid from {axis[0]:.4g} to "
                 f"{axis[-1]:.4g}: widen the grid"
             )
+    _require_determined(places, grid)
     A, D = _weights(grid, places), _second_differences(grid.size)
     values = linalg.splu((A.T @ A + smoothing * (D.T @ D)).tocsc()).solve(A.T @ residuals)
     if unit := numeric.number("the unit", unit):
         values = np.rint(values / unit) * unit
     return ResidualMap(grid, readonly(values.reshape(*grid.size, -1)))
+
+
+def _require_determined(places: Array, grid: Grid) -> None:
+    """Refuse places whose samples leave one of the surfaces 1, x, y and x y free, which no smoothing bounds."""
+    x, y = (2 * (v - a[0]) / (a[-1] - a[0]) - 1 for v, a in zip(places.T, grid.axes, strict=True))
+    surfaces = np.column_stack([np.ones(len(places)), x, y, x * y])
+    sizes = np.linalg.svd(surfaces, compute_uv=False)
+    if len(places) < 4 or sizes[-1] < DETERMINED * sizes[0]:
+        raise ModelError(
+            f"{len(places)} places determine {int((sizes >= DETERMINED * sizes[0]).sum())} of the surfaces 1, x, y and "
+            "x y: add samples at other places; those on two lines, or on one diagonal, leave one free"
+        )
 
 
 def _weights(grid: Grid, places: Array) -> sparse.csr_array:

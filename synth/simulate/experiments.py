@@ -84,7 +84,7 @@ class StepResponse:
     def run(self, rig: Rig) -> Experiment:
         """Run for a settling time before the step and four after it."""
         position, unit = _position(rig, self.set_point)
-        start = self.conditions.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
+        start = _first_set_point(rig, self.set_point, self.conditions)
         target, limit = start + self.height, self.settling_time_s
         time = sample_times(5 * limit, rig.period_s)
         course = np.where(time < limit, start, target)
@@ -167,7 +167,7 @@ class Hold:
         checks, courses, figures = [], {}, {}
         for name, limit in self.errors.items():
             position, unit = _position(rig, name)
-            r = float(self.conditions.start.get(position, _set_point(rig, name).initial or 0.0))
+            r = _first_set_point(rig, name, self.conditions)
             courses[position] = np.full(len(trajectory.time), r)
             error = trajectory[position] - r
             figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
@@ -209,8 +209,7 @@ class LiftOff:
         time = sample_times(duration, rig.period_s)
         checks, shown, courses = [], {}, {}
         for name, end in self.to.items():
-            begin = self.conditions.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
-            ramp = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)
+            ramp = Ramp(_first_set_point(rig, name, self.conditions), end, self.ramp_s / 4, self.ramp_s)
             courses[name] = ramp(time)
         trajectory = _trajectory(rig, duration, courses, self.conditions)
         for name, end in self.to.items():
@@ -247,9 +246,9 @@ def _set_point(rig: Rig, name: str) -> Any:
     return conditions.set_point(rig.stage.interface, name)
 
 
-def _limited_to_range(value: float, point: Any) -> float:
-    """Return an initial value limited to the range of the set-point: a stop may lie outside it."""
-    return float(np.clip(value, point.low, point.high))
+def _first_set_point(rig: Rig, name: str, under: Conditions) -> float:
+    """Return the set-point at the start of a run, which lies in its range where the machine may rest on a stop."""
+    return rig.set_points_at(under.start)[_set_point(rig, name).name]
 
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:

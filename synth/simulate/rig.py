@@ -183,7 +183,7 @@ class Rig:
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
-            "references": dict.fromkeys(self.call_counts, counts) | self._set_points(start) | dict(references),
+            "references": dict.fromkeys(self.call_counts, counts) | self.set_points_at(start) | dict(references),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
             "hold": self._first_commands(start),
@@ -209,27 +209,38 @@ class Rig:
         interface = self.stage.interface
         positions = self.plant.output_values(start)
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
-        known |= self._set_points(start) | self.call_counts
+        known |= self.set_points_at(start) | self.call_counts
         return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(commands.items()))
 
     @property
     def positions(self) -> dict[str, str]:
         """The plant state that each set-point controls, or the output behind its sensor where it names no state."""
-        states, interface = {s.name for s in self.plant.states}, self.stage.interface
-        sensors = {s.name: s.of for s in interface.sensors if s.name not in states}
+        interface = self.stage.interface
+        sensors = {s.name: s.of for s in interface.sensors if s.name not in self._states}
         return {s.name: sensors.get(s.of, s.of) for s in interface.set_points}
+
+    @property
+    def _states(self) -> set[str]:
+        return {s.name for s in self.plant.states}
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
         interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
         sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
-        return sensors | self._set_points(start) | self.call_counts
+        return sensors | self.set_points_at(start) | self.call_counts
 
-    def _set_points(self, start: Mapping[str, float]) -> dict[str, float]:
-        """Return the set-points of a stage that rests at `start`, the nearest allowed where it rests on a stop."""
-        points = self.stage.interface.set_points
-        return {s.name: float(np.clip(start.get(s.of, s.initial or 0.0), s.low, s.high)) for s in points}
+    def set_points_at(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the set-points of a stage that rests at `start`, the nearest allowed where it rests on a stop.
+
+        States that `start` lacks are those of the stage's start; the set-point of a state in neither has its `initial`
+        value.
+        """
+        states = {**self.stage.start, **start}
+        outputs = self.plant.output_values(states).items()
+        at = {name: float(y[0]) for name, y in outputs if name not in self._states} | states
+        points, positions = self.stage.interface.set_points, self.positions
+        return {s.name: float(np.clip(at.get(positions[s.name], s.initial or 0.0), s.low, s.high)) for s in points}
 
     @property
     def call_counts(self) -> dict[str, float]:

@@ -155,6 +155,58 @@ def test_the_search_goes_on_after_an_equilibrium_that_raises_a_fault(monkeypatch
     assert at(0.3).point["gap"] == pytest.approx(0.3, abs=1e-7) and not [*answers]
 
 
+POSITION, RATE = Signal("gap", "m", -0.05, 0.05), Signal("speed", "m/s", -1, 1)
+PUSHED = Signal("i", "m/s^2", -20, 20)
+
+
+def carriage(spring: float, bias: float = 0.0) -> Plant:
+    """A mass of 1 kg on a spring, N/m, with a constant force."""
+
+    def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        return {"gap": x["speed"], "speed": u["i"] - spring * x["gap"] + bias}, {"gap": x["gap"]}
+
+    return plant_of("carriage", [POSITION, RATE], [PUSHED], [POSITION], [], physics)
+
+
+def limited_pd(integral: float = 0.0) -> Block:
+    """PD with a limit of 20, and an integral whose anti-windup takes back what the limit cuts off."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        demand = 900 * (u["wish"] - u["q"]) - 50 * (u["q"] - x["last"]) / 1e-3 + (x["sum"] if integral else 0)
+        command = ca.fmin(ca.fmax(demand, -20), 20)
+        next = {"last": u["q"]}
+        if integral:
+            next["sum"] = x["sum"] + integral * (u["wish"] - u["q"]) + 0.1 * (command - demand)
+        return Step({"drive": command}, next)
+
+    inputs = [Signal("q", "m", -0.05, 0.05), Signal("wish", "m", -0.05, 0.05)]
+    states = [State(Signal("last", "m", -0.05, 0.05), 0)]
+    states += [State(Signal("sum", "m/s^2", -1e3, 1e3), 0)] if integral else []
+    outputs = [Signal("drive", "m/s^2", -20, 20)]
+    return build("pd", Discrete(1e-3), law, inputs=inputs, outputs=outputs, states=states)
+
+
+@pytest.mark.parametrize(("spring", "reached"), [(600.0, True), (1000.0, False)])
+def test_a_point_beyond_the_actuators_force_is_refused(spring: float, reached: bool) -> None:
+    """At its limit the loop rests by its anti-windup, with L = 0 and endless margins."""
+    plant = carriage(spring)
+    near = operating_points.trim(plant, {"gap": 0.03}, ["i"])
+    closed = equilibrium.SampledLoop(plant, limited_pd(1.0), SENSORS, ACTUATORS)
+    if reached:
+        assert equilibrium.solve(closed, {"wish": 0.03}, near).point["i"] == pytest.approx(18)
+        return
+    with pytest.raises(ModelError, match=r"rests with a command at its limit, drive = 20 of -20 \.\. 20 m/s\^2"):
+        equilibrium.solve(closed, {"wish": 0.03}, near)
+
+
+def test_the_search_goes_on_after_an_equilibrium_at_a_limit_and_out_of_range() -> None:
+    """The kick of the derivative at the first sample leads to 0.46 m, with the command at its limit."""
+    plant = carriage(-50.0, -3.0)
+    near = operating_points.trim(plant, {"gap": 6 / 850}, ["i"])
+    closed = equilibrium.SampledLoop(plant, limited_pd(), SENSORS, ACTUATORS)
+    assert equilibrium.solve(closed, {"wish": 0.01}, near).point["gap"] == pytest.approx(6 / 850)
+
+
 def test_names_and_ambiguous_openings_are_refused() -> None:
     with pytest.raises(SignalError, match="sensors: 'height' is not one of gap"):
         equilibrium.SampledLoop(levitation_plant(), pid_block(), {"q": "height"}, ACTUATORS)

@@ -12,6 +12,7 @@ from synth.blocks import braking, dead_reckoning, safety
 from synth.blocks.dead_reckoning import Axis
 from synth.composition import compose
 from synth.errors import SignalError
+from synth.execute.build import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 from synth.timing import Discrete
@@ -51,6 +52,21 @@ def test_an_exact_motion_is_predicted_with_and_without_measurements() -> None:
     assert np.abs(predicted[2:] - q[2:]).max() < 1e-12
     rate = np.gradient(q, T)[3:-2]
     assert np.abs(advance[2:-3] / T - rate).max() < 0.02  # the mean of two samples of an acceleration of 13 m/s^2
+
+
+@pytest.mark.parametrize(("acceleration", "low", "high", "f"), [(-5e3, -2.0, 2.0, -2.0), (5e3, -2.0, 0.0, -2.0)])
+def test_the_c_keeps_the_predicted_range_for_an_effort_that_pushes_either_way(
+    acceleration: float, low: float, high: float, f: float
+) -> None:
+    """The limit acts, so a certificate that takes the effort with its sign would leave it out."""
+    axis = replace(AXIS, acceleration=acceleration, effort=replace(F, low=low, high=high), fastest=0.2)
+    axis = replace(axis, predicted=replace(PREDICTED, low=-0.12, high=0.12))
+    block = compose("c", [dead_reckoning.block("r", TIME, [axis])], inputs=["q", "f", "ready", "measured"], outputs=[
+        "q_predicted"
+    ])  # fmt: skip
+    at = 0.1 * np.sign(acceleration * f)
+    played = compile_block(block, np.float64).replay({"q": np.full(300, at), "f": f, "ready": 1.0, "measured": 1.0})
+    assert played.outputs["q_predicted"][-1] == np.sign(at) * 0.12
 
 
 def test_a_wrong_start_decays_with_a_double_pole() -> None:

@@ -70,3 +70,27 @@ def test_samples_beyond_the_grid_or_without_residuals_are_refused() -> None:
         residual_map.fit(PLACES, bilinear(PLACES)[:9], GRID)
     with pytest.raises(ModelError, match="smoothing"):
         residual_map.fit(PLACES, bilinear(PLACES), GRID, smoothing=0.0)
+
+
+ALONG = np.linspace(-0.9, 0.9, 41)
+
+
+@pytest.mark.parametrize(
+    ("places", "determined"),
+    [
+        (np.column_stack([ALONG, 0 * ALONG]), 2),
+        (np.vstack([np.column_stack([ALONG, 0 * ALONG]), np.column_stack([0 * ALONG, ALONG])]), 3),
+        (np.column_stack([ALONG, ALONG]), 3),
+        (np.array([[0.1, 0.2]]), 1),
+    ],
+)
+def test_a_scan_that_leaves_a_surface_free_is_refused(places: np.ndarray, determined: int) -> None:
+    """Along the two lines of a cross the surface x y is 0: rounding would fill the rest of the map."""
+    with pytest.raises(ModelError, match=f"{len(places)} places determine {determined} of the surfaces"):
+        residual_map.fit(places, bilinear(places), GRID)
+
+
+def test_a_cross_and_one_place_beside_it_are_enough() -> None:
+    cross = np.vstack([np.column_stack([ALONG, 0 * ALONG]), np.column_stack([0 * ALONG, ALONG]), [[0.5, 0.5]]])
+    of = residual_map.fit(cross, bilinear(cross), GRID, smoothing=1e-9)
+    np.testing.assert_allclose(of.at(PLACES), bilinear(PLACES), atol=1e-3)

@@ -33,6 +33,14 @@ def test_a_set_point_that_is_not_given_stays_within_its_range_where_its_position
     assert run["z"][0] == 5e-4 and (run.measured["z_ref"] == 2e-4).all()
 
 
+def test_a_set_point_that_names_its_sensor_starts_at_the_position_behind_it(rig: Rig) -> None:
+    interface = rig.stage.interface
+    sensors = tuple(replace(s, name="probe") if s.of == "x" else s for s in interface.sensors)
+    points = tuple(replace(s, of="probe") if s.of == "x" else s for s in interface.set_points)
+    read = rig.with_interface(sensors=sensors, set_points=points)
+    assert read.set_points_at({"x": 2e-4}) == {"z_ref": 0.0, "x_ref": 2e-4}
+
+
 def test_a_stage_may_start_elsewhere(rig: Rig) -> None:
     elsewhere = replace(rig, stage=replace(rig.stage, start={"x": 3e-4}))
     assert elsewhere.run(0.01)["x"][0] == 3e-4
