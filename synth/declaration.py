@@ -107,8 +107,8 @@ class Interface:
             "set-point": [self.signals[s.name] for s in self.set_points],
             "actuator": self.outputs,
         }
-        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
-        line += f" and {self.braking} more in which it brakes" if self.braking else ""
+        more = f" and {self.braking} more in which it brakes" if self.braking else ""
+        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row{more}"
         return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property
@@ -134,11 +134,11 @@ class Interface:
 
         Raises SignalError for another name.
         """
-        set_point, sensors = next((s for s in self.set_points if s.of == of), None), [s.name for s in self.sensors]
-        if set_point is None or of not in sensors:
-            known = ", ".join(s.of for s in self.set_points if s.of in sensors) or "none"
-            sensor = next((f"give the set-point of='{s.name}'" for s in self.sensors if s.of == of), "declare both")
-            raise SignalError(f"'{of}' is not a sensor with a set-point: {sensor}, or take one of {known}")
+        sensor = next((s for s in self.sensors if s.name == of), None)
+        set_point = next((p for p in self.set_points if sensor and p.of in (of, sensor.of)), None)
+        if set_point is None:
+            known = [s.name for s in self.sensors if {s.name, s.of} & {p.of for p in self.set_points}] or ["none"]
+            raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {', '.join(known)}")
         r, y = self._signal(set_point.name), self._signal(of)
         return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{set_point.name} less {of}")
 

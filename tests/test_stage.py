@@ -97,8 +97,14 @@ def test_a_requirement_is_refused_where_it_is_declared(changed: dict[str, Any], 
 
 
 def test_a_set_point_without_a_sensor_has_no_error() -> None:
-    with pytest.raises(SignalError, match="'x_read' is not a sensor with a set-point"):
+    with pytest.raises(SignalError, match="'x_read' is no sensor with a set-point"):
         around().error("x_read")
+
+
+def test_a_set_point_may_name_the_plant_output_behind_a_sensor_of_another_name() -> None:
+    sensors = [Sensor("probe", of="x", resolution=1e-7), Sensor("z", resolution=1e-7)]
+    points = [SetPoint("z_ref", of="z", low=-5e-4, high=5e-4), SetPoint("x_ref", of="x", low=-5e-4, high=5e-4)]
+    assert around(sensors=sensors, set_points=points).error("probe").name == "probe_error"
 
 
 def test_the_laws_are_composed_with_guard_errors_limits_and_safe_output() -> None:
@@ -196,9 +202,9 @@ def test_a_set_point_beyond_the_range_of_its_sensor_is_refused() -> None:
         stage.design(made, PID.PLANT, reference=PID.reference.step)
 
 
-def test_the_error_of_an_output_names_the_sensor_that_reads_it() -> None:
+def test_the_error_of_an_output_is_that_of_the_sensor_that_reads_it() -> None:
     points = [SetPoint("x_ref", of="x", low=0.0, high=1e-4)]
-    with pytest.raises(SignalError, match=r"'x' is not a sensor .*: give the set-point of='x_read', or"):
+    with pytest.raises(SignalError, match=r"'x' is no sensor .*: declare both, or take one of x_read"):
         around(set_points=points).error("x")
 
 

@@ -16,7 +16,7 @@ from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks.dead_reckoning import Axis
 from synth.blocks.safety import BRAKES
 from synth.errors import SignalError
-from synth.signals import Signal, quotient_unit
+from synth.signals import Signal, dimension, quotient_unit
 from synth.timing import Discrete
 
 
@@ -35,12 +35,18 @@ def block(
     ``<axis>_advance`` is from `dead_reckoning.block`; each braking sample removes `share` of it. `notes` are sentences
     that the C has.
 
-    Raises SignalError for a share that is not in 0 .. 1, and for an axis without a demand.
+    Raises SignalError for a share that is not in 0 .. 1, for an axis without a demand, for a demand of no axis and for
+    one that is passed on in another unit.
     """
     if not 0 < share <= 1:
         raise SignalError(f"'{name}' removes {share} of the rates in a sample: give more than 0 and at most 1")
     if missing := [axis.name for axis in axes if axis.name not in demands]:
         raise SignalError(f"'{name}' has no demand of axis '{missing[0]}': give one of each axis")
+    if unknown := [name for name in demands if name not in [axis.name for axis in axes]]:
+        raise SignalError(f"'{name}' has a demand of '{unknown[0]}', which is no axis of it: correct the name")
+    for demand, passed in demands.values():
+        if dimension(demand.unit) != dimension(passed.unit):
+            raise SignalError(f"'{name}' passes '{demand.name}' in {demand.unit} on in {passed.unit}: give one unit")
     advance = {axis.name: axis.advance(time) for axis in axes}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

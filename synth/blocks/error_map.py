@@ -43,9 +43,12 @@ class ErrorMap:
 def fit(estimated: Array, reference: Array, grid: Grid, units: ArrayLike) -> ErrorMap:
     """Return the map of estimates and references (N, m), rounded to `units` (m,).
 
-    Raises ModelError for samples of the wrong shape or count, and as `lookup_table.interpolate_samples`.
+    Raises ModelError for fewer than two units or one that is not positive, samples of the wrong shape or count, and as
+    `lookup_table.interpolate_samples`.
     """
-    units = np.asarray(units, dtype=np.float64)
+    units = np.atleast_1d(np.asarray(units, dtype=np.float64))
+    if units.ndim > 1 or len(units) < 2 or not (units > 0).all():
+        raise ModelError(f"the units are {units.tolist()}: give a positive one for each of two or more coordinates")
     estimated = numeric.table("the samples' estimates", estimated, len(units))
     reference = numeric.table("the samples' references", reference, len(units))
     if len(estimated) != len(reference):
@@ -57,10 +60,12 @@ def fit(estimated: Array, reference: Array, grid: Grid, units: ArrayLike) -> Err
 def block(of: ErrorMap, time: Discrete, signals: Sequence[Signal], tag: str = "") -> Block:
     """Return the Block ``error_map`` from m coordinates to each ``<name>_corrected``.
 
-    Raises ModelError for another number of signals.
+    Raises ModelError for another number of signals, or fewer than two.
     """
-    if len(signals) != len(of.added):
-        raise ModelError(f"the map is of {len(of.added)} coordinates: give as many signals, not {len(signals)}")
+    if len(signals) != len(of.added) or len(signals) < 2:
+        raise ModelError(
+            f"the map is of {len(of.added)} coordinates: give as many signals, two or more, not {len(signals)}"
+        )
     tables = {s.name: table(f"map_{s.name}", added.ravel()) for s, added in zip(signals, of.added, strict=True)}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

@@ -45,8 +45,8 @@ def block(time: Discrete, axes: Sequence[Axis]) -> Block:
 
     Its inputs are also ``latched`` and ``brakes`` of a guard that brakes.
 
-    Raises SignalError for a bit that the fault word does not have or that reports the latch, without an axis, for an
-    error that is not positive, or for a set-point in another unit than its position.
+    Raises SignalError for a bit that the fault word does not have, that reports the latch or that two axes share,
+    without an axis, for an error that is not positive, or for a set-point in another unit than its position.
     """
     _check(axes)
 
@@ -71,7 +71,10 @@ def block(time: Discrete, axes: Sequence[Axis]) -> Block:
 def _check(axes: Sequence[Axis]) -> None:
     if not axes:
         raise SignalError("'following' has no axis: give at least one")
+    bits = [axis.bit for axis in axes]
     for axis in axes:
+        if bits.count(axis.bit) > 1:
+            raise SignalError(f"two axes of 'following' set bit {axis.bit}: give each its own")
         if not 0 <= axis.bit < LATCH_BIT:
             raise SignalError(
                 f"the bit of '{axis.late.name}' is {axis.bit}: give one from 0 to {LATCH_BIT - 1} that is free"

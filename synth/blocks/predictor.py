@@ -99,7 +99,7 @@ def block(
     bound = 2.02 * disturbance / LEAK  # with room for rounding
     gained = Signal("gained", f"{unit}/s^2", -bound, bound, "sum of what d gained since the code changed")
     learnt = beta * T**2 / (1 - p) ** 3 * 2 * disturbance + T * bound
-    fastest = rate + (1.01 * learnt if flags else largest)
+    fastest = rate + (max(1.01 * learnt, largest) if flags else largest)
     source = f"triple pole exp(-w T), w = {bandwidth:g} rad/s"
     constants = [
         Constant("alpha", 1 - p**3, "1", source),

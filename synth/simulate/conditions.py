@@ -32,12 +32,19 @@ class Sine:
 
 @dataclass(frozen=True)
 class Ramp:
-    """From `start` to `end` within `duration_s`, from `begin_s` on."""
+    """From `start` to `end` within `duration_s`, from `begin_s` on.
+
+    Raises SignalError for a duration that is not positive.
+    """
 
     start: float
     end: float
     begin_s: float
     duration_s: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.duration_s < np.inf:
+            raise SignalError(f"a ramp lasts {self.duration_s} s: give a positive duration")
 
     def __call__(self, time: Array) -> Array:
         """Return the values at times in s."""

@@ -116,6 +116,19 @@ def test_braking_leaves_an_axis_at_rest_that_a_constant_acceleration_pushes() ->
     assert left_after_braking(BIASED, change=0.0) > 0.05 and left_after_braking(BIASED, change=2.0) > 0.05
 
 
+@pytest.mark.parametrize(
+    ("demands", "text"),
+    [
+        ({}, "no demand of axis 'q'"),
+        ({"q": (LAW, PASSED), "p": (LAW, PASSED)}, "a demand of 'p', which is no axis"),
+        ({"q": (LAW, replace(PASSED, unit="N"))}, "passes 'law_f' in A on in N: give one unit"),
+    ],
+)
+def test_demands_that_do_not_fit_the_axes_are_refused(demands: dict[str, tuple[Signal, Signal]], text: str) -> None:
+    with pytest.raises(SignalError, match=text):
+        braking.block("braking", TIME, [AXIS], demands, 0.5)
+
+
 def bridge(repeated: bool) -> float:
     """Return the largest jump of q over 20 bad samples under an unknown acceleration.
 

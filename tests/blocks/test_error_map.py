@@ -104,9 +104,16 @@ def test_different_numbers_of_estimates_and_references_are_refused() -> None:
         error_map.fit(estimated[:1], reference, GRID, UNITS)
 
 
-def test_another_number_of_coordinates_is_refused() -> None:
-    with pytest.raises(ModelError, match="the map is of 2 coordinates: give as many signals, not 3"):
-        error_map.block(ErrorMap(GRID, np.zeros((2, 9, 6))), TIME, SIGNALS)
+@pytest.mark.parametrize(("mapped", "signals"), [(2, 3), (1, 1)])
+def test_another_number_of_coordinates_is_refused(mapped: int, signals: int) -> None:
+    with pytest.raises(ModelError, match=f"the map is of {mapped} coordinates: give as many .*, not {signals}"):
+        error_map.block(ErrorMap(GRID, np.zeros((mapped, 9, 6))), TIME, SIGNALS[:signals])
+
+
+@pytest.mark.parametrize("units", [[1e-8, 0.0, 1e-6], 1e-8, [1e-8]])
+def test_a_unit_that_is_missing_or_not_positive_is_refused(units: object) -> None:
+    with pytest.raises(ModelError, match="give a positive one for each of two or more coordinates"):
+        error_map.fit(*scattered_samples(20), GRID, units)
 
 
 @pytest.mark.parametrize("shape", [(3, 9, 5), (3, 6, 9)])

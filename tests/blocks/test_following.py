@@ -43,6 +43,7 @@ def test_nothing_is_late_while_it_brakes_or_is_latched() -> None:
         ([], "give at least one"),
         ([replace(AXIS, bit=31)], "give one from 0 to 30"),
         ([replace(AXIS, bit=-1)], "give one from 0 to 30"),
+        ([AXIS, replace(AXIS, position=replace(AXIS.position, name="p"))], "two axes of 'following' set bit"),
         ([replace(AXIS, largest=0.0)], "give a positive one"),
         ([replace(AXIS, set_point=replace(REFERENCE, unit="rad"))], "give both one unit"),
     ],

@@ -30,3 +30,9 @@ def test_a_disturbance_beyond_the_range_of_its_plant_input_is_refused() -> None:
     assert callable(within["hum"]) and conditions.forcing(plant, ["hum"], {}, time) == {"hum": 0.0}
     with pytest.raises(SignalError, match=r"the disturbance 'hum' reaches .* give a smaller one"):
         conditions.forcing(plant, ["hum"], {"hum": -1.01 * hum.high}, time)
+
+
+@pytest.mark.parametrize("duration_s", [0.0, -1.0, np.nan])
+def test_a_ramp_that_takes_no_time_is_refused(duration_s: float) -> None:
+    with pytest.raises(SignalError, match=f"a ramp lasts {duration_s} s: give a positive duration"):
+        Ramp(0.0, 1.0, 0.1, duration_s)

@@ -130,8 +130,9 @@ def fit_trajectory(
 ) -> TrajectoryFit:
     """Estimate parameters of a plant from trajectories, starting from the parameters' values.
 
-    `measured` names the outputs or states in the log to be matched. With a `span` the simulation restarts after every
-    `span` periods. All initial states are estimated, with the logged ones as first guess, and reported as
+    `measured` names the outputs or states in the log to be matched. With a `span` the simulation restarts after at most
+    `span` periods: the log is divided into as few equal parts as that takes, and the rows left over, fewer than the
+    parts, are not used. All initial states are estimated, with the logged ones as first guess, and reported as
     ``<state>_0`` where there is no span. Without a span, states in `initial` start exactly from these values unless
     they are also in `free`. The fit begins with `substeps` Runge-Kutta steps per period and doubles them until no
     parameter changes.

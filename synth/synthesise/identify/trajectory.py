@@ -78,8 +78,8 @@ def problem(
     _check(plant, measured, span, initial, free, len(log), substeps)
     unfixed = [name for name in states if name not in initial]
     y, u, first = log.columns(measured), log.columns(signal_names(plant.inputs)).T, log.columns(unfixed)
-    length = len(log) if span is None else span + 1
-    spans = len(log) // length
+    spans = 1 if span is None else _span_count(len(log), span, len(states), len(measured))
+    length = len(log) // spans
     where = tuple(states.index(name) for name in states if name in free or name in unfixed)
     x0 = np.array([first[::length, unfixed.index(n)][:spans] if n in unfixed else [initial[n]] for n in states])
     step = _step(plant, parameters, measured, len(where), log.period() / substeps)
@@ -89,6 +89,15 @@ def problem(
     return Problem(
         y[: spans * length], x0[list(where)].T, steps, substeps, held, x0, where, len(parameters), span is not None
     )
+
+
+def _span_count(rows: int, span: int, states: int, measured: int) -> int:
+    """Return the number of equal spans of at most `span` periods that leave fewest rows over.
+
+    Each has a sample at least for every start state.
+    """
+    least = max(2, -(-states // measured))
+    return min(-(-rows // (span + 1)), rows // least)
 
 
 def _check(

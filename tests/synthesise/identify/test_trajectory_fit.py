@@ -49,6 +49,15 @@ def test_an_unstable_stage_is_followed_over_short_spans() -> None:
         identify.fit_trajectory(stage(unstable=True), long, ("m",), ("x",))
 
 
+@pytest.mark.parametrize("span", [9, 50, 100, 150, 199])
+def test_spans_use_the_whole_log(span: int) -> None:
+    """Spans of the given length alone would leave up to half of the rows out."""
+    log = run({"m": 2.0, "d": 3.0, "k": 40.0}, [0.05, -0.1], 2, 1e-6)
+    rows, spans = len(log), -(-len(log) // (span + 1))
+    fit = identify.fit_trajectory(stage(), log, ("m", "d", "k"), ("x", "v"), span=span)
+    assert fit.estimate.residual_freedom == 2 * (rows - rows % spans) - 3 - 2 * spans
+
+
 def test_parameters_that_act_together_are_named() -> None:
     """Without force d / m and k / m alone act."""
     log = run({"m": 2.0, "d": 3.0, "k": 40.0}, [0.05, 0.0], 6, 0.0, push=0.0)
