@@ -122,25 +122,22 @@ class Interface:
         """The actuators' signals."""
         return tuple(self.signals[a.name] for a in self.actuators)
 
-    def held(self, name: str) -> Signal:
-        """Return ``<name>_held``, the output of the guard for a sensor or set-point, which a law reads.
+    @property
+    def set_point_of(self) -> dict[str, SetPoint]:
+        """The set-point of each sensor that has one, in the order of the set-points."""
+        return {s.name: p for p in self.set_points for s in self.sensors if p.of in (s.name, s.of)}
 
-        Raises SignalError for another name.
-        """
+    def held(self, name: str) -> Signal:
+        """Return ``<name>_held``, the guard's output for a sensor or set-point; raise SignalError for another name."""
         return replace(self._signal(name), name=f"{name}_held")
 
     def error(self, of: str) -> Signal:
-        """Return ``<of>_error``, set-point less measurement of a sensor that has a set-point.
-
-        Raises SignalError for another name.
-        """
-        sensor = next((s for s in self.sensors if s.name == of), None)
-        set_point = next((p for p in self.set_points if sensor and p.of in (of, sensor.of)), None)
-        if set_point is None:
-            known = [s.name for s in self.sensors if {s.name, s.of} & {p.of for p in self.set_points}] or ["none"]
-            raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {', '.join(known)}")
-        r, y = self._signal(set_point.name), self._signal(of)
-        return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{set_point.name} less {of}")
+        """Return ``<of>_error``, set-point less measurement; raise SignalError for a sensor without a set-point."""
+        if of not in self.set_point_of:
+            known = ", ".join(self.set_point_of) or "none"
+            raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {known}")
+        r, y = self._signal(self.set_point_of[of].name), self._signal(of)
+        return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{self.set_point_of[of].name} less {of}")
 
     def demand(self, name: str, bound: float) -> Signal:
         """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
@@ -236,7 +233,7 @@ class Stage:
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
     start             initial plant states of a run, where these are not 0
-    stops             (low, high) of positions, which are inelastic; `velocities` names the rate of each position
+    stops             (low, high) of positions, which are inelastic; `velocities` are the rates that f does not show
     limited           controller states that may reach their bounds, such as an integral limited on purpose
     wires             plant input: controller output, where these are not the interface's actuators
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults

@@ -97,6 +97,14 @@ class Plant:
         return dict(zip((s.name for s in self.outputs), y, strict=True))
 
 
+def velocities(plant: Plant) -> dict[str, str]:
+    """Return the velocity of each position: the state that is its derivative in the model."""
+    x, u, p = (ca.SX.sym(name, n) for name, n in zip("xup", map(plant.f.size1_in, range(3)), strict=True))
+    f, states = ca.vertsplit(plant.f(x, u, p)), [s.name for s in plant.states]
+    pairs = ((i, j) for i in range(len(states)) for j in range(len(states)) if ca.is_equal(f[i], x[j]))
+    return {states[i]: states[j] for i, j in pairs}
+
+
 def _text(expr: ca.SX) -> str:
     """Return a formula as text; CasADi prints (x/(2.*y)) for x / (2 y)."""
     text = re.sub(r"(\d)\.(?!\d)", r"\1", str(expr)).replace("*", " ")

@@ -38,7 +38,7 @@ from synth.declaration import (
 )
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
-from synth.plant import Plant
+from synth.plant import Plant, velocities
 from synth.progress import Progress
 from synth.report.audit import Row
 from synth.signals import Signal, signal_names
@@ -57,11 +57,11 @@ __all__ = [
 
 def errors(time: Discrete, interface: Interface, of: Sequence[str]) -> Block:
     """Return the Block of the tracking errors, set-point minus measurement: ``<sensor>_error``."""
-    points = {s.of: s for s in interface.set_points if s.of in of}
-    held = [interface.held(name) for of, s in points.items() for name in (of, s.name)]
+    points = {sensor: s for sensor, s in interface.set_point_of.items() if sensor in of}
+    held = [interface.held(name) for sensor, s in points.items() for name in (sensor, s.name)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({f"{of}_error": u[f"{s.name}_held"] - u[f"{of}_held"] for of, s in points.items()})
+        return Step({f"{n}_error": u[f"{s.name}_held"] - u[f"{n}_held"] for n, s in points.items()})
 
     return build(
         "errors", time, law, inputs=held, outputs=[interface.error(of) for of in points], tag="tracking errors"
@@ -121,7 +121,7 @@ def _composition(
     read = {s.name for block in blocks for s in block.inputs}
     driven = {s.name: s for block in blocks for s in block.outputs}
     demands = [driven[f"{a.name}_demand"] for a in interface.actuators if f"{a.name}_demand" in driven]
-    controlled = [s.of for s in interface.set_points if f"{s.of}_error" in read - set(driven)]
+    controlled = [n for n in interface.set_point_of if f"{n}_error" in read - set(driven)]
     actuators = [a.name for a in interface.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
@@ -184,6 +184,11 @@ def design(
     if unknown := [name for name in fields if name not in known]:
         raise DesignError(f"a stage has no field '{unknown[0]}': give some of {', '.join(known)}")
     stage = Stage(controller, plant, **fields)
+    if {*stage.stops} - {*stage.velocities}:
+        rates = velocities(plant)
+        stage = dataclasses.replace(
+            stage, velocities={q: rates[q] for q in stage.stops if q in rates} | dict(stage.velocities)
+        )
     stage_consistency.require_consistent(stage)
     if verify is standard.verify:
         standard.require_reference(stage)

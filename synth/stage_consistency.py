@@ -80,12 +80,14 @@ def _require_operating_points_in_range(stage: Stage) -> None:
 
 
 def _require_reachable_stops(stage: Stage) -> None:
-    """Raise SignalError for a stop beyond the plant's range, or where every sensor of its position is out of range."""
+    """Raise SignalError for a stop of no state or without a velocity, or beyond the range of plant or sensors."""
     plant, sensors = stage.plant, stage.interface.sensors
     states = {s.name: s for s in plant.states}
     for q, (low, high) in stage.stops.items():
         if q not in states:
             raise SignalError(f"stops: plant '{plant.name}' has no state '{q}': name some of {', '.join(states)}")
+        if q not in stage.velocities:
+            raise SignalError(f"'{q}' has stops, but velocities lack it: add the state that is the rate of '{q}'")
         s = states[q]
         if low < s.low or high > s.high:
             raise SignalError(
@@ -103,11 +105,10 @@ def _require_reachable_stops(stage: Stage) -> None:
 def _require_set_points_in_range(stage: Stage) -> None:
     """Raise SignalError for a set-point whose range goes beyond that of its sensor, or beyond a stop."""
     interface = stage.interface
-    sensors = {s.name: interface.signals[s.name] for s in interface.sensors}
     outputs = {s.name: s.of for s in interface.sensors}
     for point in interface.set_points:
         limits, unit = [], interface.signals[point.name].unit
-        if sensor := sensors.get(point.of):
+        for sensor in (interface.signals[s.name] for s in interface.sensors if point.of in (s.name, s.of)):
             limits.append((f"the range of its sensor '{sensor.name}'", sensor.low, sensor.high))
         position = outputs.get(point.of, point.of)
         if position in stage.stops:

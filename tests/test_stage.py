@@ -8,12 +8,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth import stage, standard_tasks
+from synth import analyse, stage, standard_tasks
+from synth import plant as plants
 from synth.block import Block, Exprs, Step, build
+from synth.blocks import axis
+from synth.declaration import Stage
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
 from synth.signals import Signal
 from synth.stage import Actuator, Companion, Drive, FaultCampaign, Sensor, SetPoint
+from synth.timing import Discrete
 from synth.verify import stimuli
 from tests import levitator
 
@@ -21,6 +25,16 @@ PID = levitator.design()
 SENSORS = [Sensor("z"), Sensor("x_read", of="x", high=5e-4, initial=1e-4, about="from the left")]
 POINTS = [SetPoint("z_ref", of="z", low=1e-4, high=5e-4)]
 ACTUATORS = [Actuator("i1", 0.0, 100.0), Actuator("coil", 0.0, 50.0, of="i2", low=-1.0)]
+
+
+CARRIAGE = plants.build(
+    "carriage",
+    [Signal("q", "m", -5e-3, 5e-3), Signal("v", "m/s", -1.0, 1.0)],
+    [Signal("f", "N", -20.0, 20.0)],
+    [Signal("q", "m", -5e-3, 5e-3)],
+    [],
+    lambda x, u, p: ({"q": x["v"], "v": u["f"] - 50.0 * x["q"]}, {"q": x["q"]}),
+)
 
 
 def around(**changed: Any) -> stage.Interface:
@@ -348,3 +362,32 @@ def test_coordinates_name_sensors_and_leave_out_none_that_has_a_set_point() -> N
     made = replace(PID.DESIGN.stage.controller, interface=rates)
     with pytest.raises(SignalError, match="'vz', the coordinate of set-point 'vz_ref', is missing"):
         stage.design(made, PID.PLANT, reference=PID.reference.step, coordinates=tilt | {"tilt": {"z": 1.0}})
+
+
+def test_the_rate_of_a_position_with_a_stop_comes_from_the_model_or_is_asked_for() -> None:
+    stops = {"z": (-6e-4, 6e-4)}
+    assert design_with(stops=stops).stage.velocities == {"z": "vz"}
+    with pytest.raises(SignalError, match="'vz' has stops, but velocities lack it: add the state that is the rate of"):
+        design_with(stops={"vz": (-0.1, 0.1)})
+
+
+def test_a_servo_follows_a_set_point_that_names_the_output_behind_its_sensor() -> None:
+    """The sensor has another name; the loop that is composed and simulated is the same."""
+    ends = []
+    for of in ("q", "probe"):
+        made = stage.interface(
+            CARRIAGE,
+            sensors=[Sensor("probe", of="q", resolution=1e-8)],
+            set_points=[SetPoint("r", of=of, low=-2e-3, high=2e-3)],
+            actuators=[Actuator("f", safe=0.0, slew_per_s=1e3)],
+            delay=1, bad_samples=4, safe_output_effect="stops",
+        )  # fmt: skip
+        servo = axis.servo(
+            analyse.linearise(CARRIAGE, analyse.trim(CARRIAGE, {}, ["f"])), modes={0.0: 20.0},
+            weights={"q": 1e8, "v": 1e2},
+            command_weight=1e-2, estimator=axis.kalman({"v": 1e-3}, {"q": 1e-14}), anti_windup=30.0,
+        )  # fmt: skip
+        declared = Stage(stage.controller("carriage", Discrete(1e-3), made, [servo]), CARRIAGE)
+        rig = standard_tasks.rig(declared, np.float64)
+        ends.append(rig.run(0.5, {"q": 1e-3}, {"r": 5e-4})["q"][-1])
+    assert ends[0] == ends[1] == pytest.approx(5e-4, abs=1e-8)

@@ -93,13 +93,13 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
         trial = equilibrium_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
             rest = _equilibrium(closed, references, near, trial)
-            if not (_raised_faults(rest) or _saturated(rest) or rest.point.outside):
+            if not (_raised_faults(rest) or _commands_at_limit(rest) or rest.point.outside):
                 return rest
             refused.append(rest)
         least = trial if least is None or trial.size < least.size else least
     without_fault = [rest for rest in refused if not _raised_faults(rest)]
     for rest in without_fault:
-        if not _saturated(rest):
+        if not _commands_at_limit(rest):
             return rest
     if without_fault:
         raise _at_limit(without_fault[0])
@@ -140,7 +140,7 @@ def _raised_faults(rest: Equilibrium) -> list[str]:
     return [f for f, value in _outputs(rest, flags).items() if value]
 
 
-def _saturated(rest: Equilibrium) -> dict[str, float]:
+def _commands_at_limit(rest: Equilibrium) -> dict[str, float]:
     """Return the commands at an end of their declared range, where a limit holds them."""
     signals = {s.name: s for s in rest.closed.controller.outputs}
     commands = _outputs(rest, list(dict.fromkeys(c for row in rest.closed.mixing.values() for c in row)))
@@ -165,7 +165,7 @@ def _at_limit(rest: Equilibrium) -> NoEquilibriumError:
     signals = {s.name: s for s in block.outputs}
     commands = [
         f"{n} = {v:.6g} of {signals[n].low:g} .. {signals[n].high:g} {signals[n].unit}"
-        for n, v in _saturated(rest).items()
+        for n, v in _commands_at_limit(rest).items()
     ]
     return NoEquilibriumError(
         f"the controller '{block.name}' rests with a command at its limit, {', '.join(commands)}, and no gain there: "

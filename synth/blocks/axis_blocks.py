@@ -60,16 +60,16 @@ def blocks(time: Discrete, axes: Sequence[Axis], interface: Interface) -> list[B
 
 
 def _wires(axis: Axis, interface: Interface) -> _Wires:
-    sensor = next((s.name for s in interface.sensors if s.of == axis.output), "")
-    point = next((s.name for s in interface.set_points if s.of in (axis.output, sensor)), "")
-    if not sensor or not point:
+    points = interface.set_point_of
+    sensor = next((s.name for s in interface.sensors if s.of == axis.output and s.name in points), None)
+    if sensor is None:
         raise SignalError(
             f"the axis of '{axis.output}' needs a sensor and a set-point of it: the interface has sensors of "
             f"{', '.join(s.of for s in interface.sensors) or 'nothing'} and set-points of "
             f"{', '.join(s.of for s in interface.set_points) or 'nothing'}; declare both"
         )
     command = axis_inverse.command(axis, interface) if axis.inverse is not None else _command(axis, interface)
-    return _Wires(interface.error(sensor), command, interface.held(sensor), interface.held(point))
+    return _Wires(interface.error(sensor), command, interface.held(sensor), interface.held(points[sensor].name))
 
 
 def _command(axis: Axis, interface: Interface) -> Command:

@@ -54,7 +54,7 @@ def fit(places: ArrayLike, residuals: ArrayLike, grid: Grid, smoothing: float = 
                 f"samples reach from {along.min():.4g} to {along.max():.4g}, the grid from {axis[0]:.4g} to "
                 f"{axis[-1]:.4g}: widen the grid"
             )
-    _require_determined(places, grid)
+    _check_surfaces(places, grid)
     A, D = _weights(grid, places), _second_differences(grid.size)
     values = linalg.splu((A.T @ A + smoothing * (D.T @ D)).tocsc()).solve(A.T @ residuals)
     if unit := numeric.number("the unit", unit):
@@ -62,7 +62,7 @@ def fit(places: ArrayLike, residuals: ArrayLike, grid: Grid, smoothing: float = 
     return ResidualMap(grid, readonly(values.reshape(*grid.size, -1)))
 
 
-def _require_determined(places: Array, grid: Grid) -> None:
+def _check_surfaces(places: Array, grid: Grid) -> None:
     """Refuse places whose samples leave one of the surfaces 1, x, y and x y free, which no smoothing bounds."""
     x, y = (2 * (v - a[0]) / (a[-1] - a[0]) - 1 for v, a in zip(places.T, grid.axes, strict=True))
     surfaces = np.column_stack([np.ones(len(places)), x, y, x * y])

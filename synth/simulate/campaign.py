@@ -16,14 +16,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from synth.declaration import Stage
 from synth.errors import SignalError
 from synth.fault import LATCH_BIT
-from synth.plant import Plant
+from synth.plant import Plant, velocities
 from synth.progress import Counted, Progress
 from synth.simulate import conditions, fault_effects, injections
 from synth.simulate.injections import Injection
@@ -95,14 +94,6 @@ def plant_number(plant: Plant, i: int) -> Plant:
     s = rng.choice((-1.0, 1.0), len(tolerances)) if i <= CORNERS else rng.uniform(-1, 1, len(tolerances))
     changes = dict(zip(tolerances, s * np.array(list(tolerances.values())), strict=True))
     return plant.with_parameters(**{n: plant.parameter(n).value + float(d) for n, d in changes.items()})
-
-
-def velocities(plant: Plant) -> dict[str, str]:
-    """Return the velocity of each position: the state that is its derivative in the model."""
-    x, u, p = (ca.SX.sym(name, n) for name, n in zip("xup", map(plant.f.size1_in, range(3)), strict=True))
-    f, states = ca.vertsplit(plant.f(x, u, p)), [s.name for s in plant.states]
-    pairs = ((i, j) for i in range(len(states)) for j in range(len(states)) if ca.is_equal(f[i], x[j]))
-    return {states[i]: states[j] for i, j in pairs}
 
 
 def with_stops(rig: Rig) -> Rig:

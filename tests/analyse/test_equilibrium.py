@@ -156,7 +156,7 @@ def test_the_search_goes_on_after_an_equilibrium_that_raises_a_fault(monkeypatch
 
 
 POSITION, RATE = Signal("gap", "m", -0.05, 0.05), Signal("speed", "m/s", -1, 1)
-PUSHED = Signal("i", "m/s^2", -20, 20)
+ACCELERATION = Signal("i", "m/s^2", -20, 20)
 
 
 def carriage(spring: float, bias: float = 0.0) -> Plant:
@@ -165,7 +165,7 @@ def carriage(spring: float, bias: float = 0.0) -> Plant:
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         return {"gap": x["speed"], "speed": u["i"] - spring * x["gap"] + bias}, {"gap": x["gap"]}
 
-    return plant_of("carriage", [POSITION, RATE], [PUSHED], [POSITION], [], physics)
+    return plant_of("carriage", [POSITION, RATE], [ACCELERATION], [POSITION], [], physics)
 
 
 def limited_pd(integral: float = 0.0) -> Block:
