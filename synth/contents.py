@@ -10,6 +10,7 @@ A value of another kind has no digest.
 """
 
 import dataclasses
+import functools
 import hashlib
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,6 +27,8 @@ import numpy as np
 
 from synth import slices
 from synth.errors import ContentError
+
+_NUMBERS = (float, int, bool, type(None))
 
 
 def digest(*values: Any) -> str:
@@ -51,7 +54,7 @@ class _Reader:
 
     def content(self, value: Any) -> bytes:
         """Return the content of a value as bytes that no other value has."""
-        kind, body = self._simple(value) or self._compound(value) or self._code(value)
+        kind, body = self._common(value) or self._simple(value) or self._compound(value) or self._code(value)
         text = body if isinstance(body, bytes) else b"".join(self.content(part) for part in body)
         return f"{kind}:{len(text)}:".encode() + text
 
@@ -61,6 +64,21 @@ class _Reader:
             return b""
         symbols = ca.symvar(ca.veccat(*self.expressions))
         return str(ca.Function("content", symbols, self.expressions).serialize()).encode()
+
+    def _common(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
+        """Return kind and content of what most parts of a program are, which the other tests take longer to tell."""
+        kind: Any = type(value)
+        if kind is str:
+            return "str", value.encode()
+        if kind in _NUMBERS:
+            return kind.__name__, repr(value).encode()
+        if kind is tuple or kind is list:
+            return kind.__name__, value
+        if kind is dict:
+            return "mapping", value.items()
+        if (names := _field_names(kind)) is not None:
+            return "dataclass", (kind, *((name, getattr(value, name)) for name in names))
+        return None
 
     def _simple(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
         kind = type(value).__name__
@@ -82,8 +100,6 @@ class _Reader:
         return None
 
     def _compound(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            return "dataclass", (type(value), *((f.name, getattr(value, f.name)) for f in dataclasses.fields(value)))
         if isinstance(value, Mapping):
             return "mapping", value.items()
         if isinstance(value, AbstractSet):
@@ -120,6 +136,12 @@ class _Reader:
             followed = slices.digest(value) if slices.is_followed(value) else ""
             self.sources[place] = f"{value.__module__}.{value.__qualname__} {followed}".encode()
         return self.sources[place]
+
+
+@functools.cache
+def _field_names(kind: Any) -> tuple[str, ...] | None:
+    """Return the names of the fields of a dataclass, None for another class."""
+    return tuple(f.name for f in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else None
 
 
 def _array(value: np.ndarray[Any, Any]) -> tuple[Any, ...]:
