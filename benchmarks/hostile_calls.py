@@ -125,6 +125,7 @@ def examples() -> Mapping[str, Call]:
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
         "relative_degree.of_plant": single,
+        "plant.velocities": single,
         "relative_degree.of_affine": {"model": lie.affine(maglev)},
         "feedback_loop.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
         "feedback_loop.feedback": {"forward": ([[-100.0]], [[1.0]], [[10.0]])},

@@ -97,6 +97,7 @@ class Plant:
         return dict(zip((s.name for s in self.outputs), y, strict=True))
 
 
+@arguments.checked
 def velocities(plant: Plant) -> dict[str, str]:
     """Return the velocity of each position: the state that is its derivative in the model."""
     x, u, p = (ca.SX.sym(name, n) for name, n in zip("xup", map(plant.f.size1_in, range(3)), strict=True))
