@@ -193,8 +193,8 @@ def examples() -> Mapping[str, Call]:
         "calibration.calibrate": calibrating,
         "calibration.assess": {"calibration": calibration.calibrate(**calibrating), "held_out": log},
         "residual_map.fit": {
-            "places": [[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]],
-            "residuals": [[1.0], [2.0], [1.5]],
+            "places": [[0.0, 0.0], [1.0, 0.5], [0.5, 1.0], [1.0, 1.0]],
+            "residuals": [[1.0], [2.0], [1.5], [2.5]],
             "grid": lookup_table.square(1.0, 0.5),
         },
         "identify.fit_linear": {
