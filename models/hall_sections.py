@@ -179,7 +179,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         def or_bridge(value: ca.SX, bridge: ca.SX) -> ca.SX:
             return ca.if_else(accepted, by_case(value, zero, zero), bridge)  # the C computes the bridge in bad samples
 
-        last = x[INNOVATION.name] if from_forces else zero  # about 0 after a bad sample
+        last = x[INNOVATION.name] if from_forces else zero  # after a bad sample what was added there
         # In a contradicted sample the mean, if smaller: a wrong channel may have shifted the last innovation.
         mean = ca.fmax(-ca.fabs(last), ca.fmin(u[MEAN.name], ca.fabs(last))) if from_forces else zero
         bridge = _bridge(u, x, phi, by_case(zero, mean, last), predicted, from_forces)
@@ -198,8 +198,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             next |= {} if from_forces else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
         if from_forces:
-            e = ca.if_else(ca.logic_and(u["ready"], accepted), output[yaw] - u["phi_predicted"], 0)
-            next[INNOVATION.name] = e
+            next[INNOVATION.name] = ca.if_else(u["ready"], output[yaw] - u["phi_predicted"], 0)
             output[dead_reckoning.MEASURED.name] = accepted
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])

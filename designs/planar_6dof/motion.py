@@ -2,6 +2,7 @@
 
     raw positions ---->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
     acting demands ----^          '---------> predicted rates -------> [ braking ]---> demands
+                                              demands of the law, 0 before the first complete sample ----^
 
 The demand d that was achieved in the sample before acts until the next one. The LQG law has it as a state, another law
 needs `delay`. Each axis is q'' = b d with d in A; b follows from force constant, arm and inertia. Both poles of an axis
@@ -15,6 +16,8 @@ by that, if the motion does not show it earlier. Figures: docs/decisions/planar_
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+
+import casadi as ca
 
 from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
@@ -86,14 +89,29 @@ def add_braking(
     plant: Plant, time: Discrete, law: Sequence[Block], bandwidth: Bandwidth, notes: Sequence[str] = ()
 ) -> list[Block]:
     """Return a law whose horizontal demands brake before the latch; `notes` are sentences on it in the C."""
-    passed = {axis: vertical.DEMAND[axis] for axis in HORIZONTAL}
-    demanded = {a: Signal(f"law_{a}", s.unit, s.low, s.high, "demand of the law") for a, s in passed.items()}
-    names = {s.name: demanded[a].name for a, s in passed.items()}
+    demanded = {a: replace(s, name=f"law_{a}", about="demand of the law") for a, s in vertical.DEMAND.items()}
+    names = {s.name: demanded[a].name for a, s in vertical.DEMAND.items()}
     blocks = [b.renamed(names) if {s.name for s in b.outputs} & set(names) else b for b in law]
-    demands = {axis: (demanded[axis], passed[axis]) for axis in HORIZONTAL}
+    begun = {a: replace(demanded[a], name=f"begun_{a}") for a in HORIZONTAL}
+    demands = {axis: (begun[axis], vertical.DEMAND[axis]) for axis in HORIZONTAL}
     moved = axes(plant, time, bandwidth)
     said = [*notes, removes({axis.name: axis.acceleration for axis in moved}, time)]
-    return [*blocks, braking.block("braking", time, moved, demands, SHARE, said)]
+    started = start(time, {demanded[a]: begun.get(a, s) for a, s in vertical.DEMAND.items()})
+    return [*blocks, started, braking.block("braking", time, moved, demands, SHARE, said)]
+
+
+def start(time: Discrete, demands: Mapping[Signal, Signal]) -> Block:
+    """Return the Block that passes demands on once a sample was complete, and 0 before.
+
+    Before it x, y and the yaw are not known, so a current would act in any direction.
+    """
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        known = ca.logic_or(u[sensing.READY.name], u[sensing.COMPLETE.name])
+        return Step({passed.name: ca.if_else(known, u[demand.name], 0) for demand, passed in demands.items()})
+
+    inputs, tag = [sensing.READY, sensing.COMPLETE, *demands], "no demand before the first complete sample"
+    return build("start", time, law, inputs=inputs, outputs=list(demands.values()), tag=tag)
 
 
 def removes(acceleration: Mapping[str, float], time: Discrete) -> str:

@@ -142,22 +142,29 @@ def guard_inputs(state: Columns, inputs: Columns) -> Guarded:
 
 
 def sample(
-    state: Columns, measured: Columns, trusted: Array, acting: Columns, T: float, bandwidth: Mapping[str, float]
+    state: Columns, measured: Columns, accepted: Array, acting: Columns, T: float, bandwidth: Mapping[str, float]
 ) -> dead_reckoning.Sample:
     """Return what a sample tells about x, y and phi, for the demands in A that act and bandwidths in rad/s."""
+    begun = np.asarray(state["guard_ready"]) > 0
     axes = {
         a: dead_reckoning.Axis(
             scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a], MEAN.get(a, 0.0), BAD_SAMPLES - 1 + BRAKING
         )
         for a, inertia in INERTIAS.items()
     }
-    return dead_reckoning.Sample(measured, trusted, acting, T, axes)
+    return dead_reckoning.Sample(measured, begun, begun & accepted, acting, T, axes)
 
 
 def brake(demands: Columns, state: Columns, now: dead_reckoning.Sample, stops: Array) -> dict[str, Array]:
     """Return the demands in N and N m; while the platen brakes, those that leave a part of the rates."""
     rates = dead_reckoning.next_rates(state, now)
     return dead_reckoning.brake(demands, rates, stops, now.T, INERTIAS, REMAINING)
+
+
+def begun_demands(demands: Columns, state: Columns, complete: Array) -> dict[str, Array]:
+    """Return the demands, 0 before the first sample in which all Hall voltages are good."""
+    begun = (np.asarray(state["guard_ready"]) > 0) | complete
+    return {axis: np.where(begun, d, 0.0) for axis, d in demands.items()}
 
 
 def vertical_kinematics(v: Columns) -> dict[str, Array]:

@@ -237,7 +237,7 @@ def sense(
         after |= watched | {"sensing_contradiction_confirmed": np.where(is_frozen, 1.0, confirmed)}
     pace = np.where(ready > 0, share, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(corrects, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
-    e = np.where((ready > 0) & accepted, out["phi_raw"] - predicted["phi"], 0)
+    e = np.where(ready > 0, out["phi_raw"] - predicted["phi"], 0)
     after |= {"sensing_phi_raw": out["phi_raw"], "sensing_innovation_phi": e} if from_forces else {}
     out |= {"measured": accepted} if from_forces else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():

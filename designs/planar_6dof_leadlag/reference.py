@@ -61,10 +61,9 @@ def sense(state: Columns, v: Columns, complete: Array) -> tuple[dict[str, Array]
 
 def sample(state: Columns, pose: Columns) -> dead_reckoning.Sample:
     """Return what a sample tells about the motion; the demands achieved in the sample before act until the next one."""
-    trusted = (np.asarray(state["guard_ready"]) > 0) & pose["measured"]
     measured = {axis: pose[f"{axis}_raw"] for axis in GAIN}
     acting = {axis: state[f"delay_{axis}"] for axis in GAIN}
-    return shared.sample(state, measured, trusted, acting, float(PERIOD), BANDWIDTH)
+    return shared.sample(state, measured, pose["measured"], acting, float(PERIOD), BANDWIDTH)
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
@@ -77,6 +76,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}
     k = compensators()
     demand = {axis: shared.demand(axis, k[axis], e[axis], state) for axis in AXES}
+    demand = shared.begun_demands(demand, state, guarded.complete)
     demand |= shared.brake({axis: demand[axis] for axis in GAIN}, state, now, guarded.braked)
     currents, achieved = shared.allocate(demand, pose["phi"])
     for axis in AXES:

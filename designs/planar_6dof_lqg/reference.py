@@ -137,9 +137,10 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
     measured = {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}
     acting = {axis: state[f"lqg_{axis}_achieved"] for axis in HORIZONTAL}
-    now = shared.sample(state, measured, (ready > 0) & pose["measured"], acting, float(PERIOD), BANDWIDTH)
-    demands = shared.brake(demands, state, now, guarded.braked)
+    now = shared.sample(state, measured, pose["measured"], acting, float(PERIOD), BANDWIDTH)
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
+    demands = shared.begun_demands(demands, state, guarded.complete)
+    demands |= shared.brake({axis: demands[axis] for axis in HORIZONTAL}, state, now, guarded.braked)
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)

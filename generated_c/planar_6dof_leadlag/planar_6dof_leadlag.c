@@ -108,7 +108,7 @@ static inline float f6_polynomial(float t)
 
 typedef struct {
     float error;
-    float value_2;
+    float law;
 } planar_6dof_leadlag_loop_output_t;
 
 /* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
@@ -119,8 +119,7 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag
     planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
-    return (planar_6dof_leadlag_loop_output_t){.error = error, .value_2 = (gain * error) + state->lead +
-        state->integral};
+    return (planar_6dof_leadlag_loop_output_t){.error = error, .law = (gain * error) + state->lead + state->integral};
 }
 
 /* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
@@ -403,11 +402,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
         const float reckoning_y_position = state->reckoning_y_position;
-        const float sensing_offset_y = state->sensing_offset_y;
-        const float expected_y = reckoning_y_position - sensing_offset_y;
-        const float reckoning_phi_position = state->reckoning_phi_position;
-        const float sensing_innovation_phi = state->sensing_innovation_phi;
-        const float reckoning_phi_mean = state->reckoning_phi_mean;
 
         /* sensing: position and yaw, (1)-(5) (continued)
          *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
@@ -456,6 +450,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
         static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
+        const float sensing_offset_y = state->sensing_offset_y;
+        const float expected_y = reckoning_y_position - sensing_offset_y;
+        const uint32_t sensing_watch_left = state->sensing_watch_left;
+        const float reckoning_phi_position = state->reckoning_phi_position;
+        const float sensing_innovation_phi = state->sensing_innovation_phi;
+        const float reckoning_phi_mean = state->reckoning_phi_mean;
         bool measured = false;
         float x_raw = 0.0f;
         float y_raw = 0.0f;
@@ -595,16 +595,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
-                const uint32_t sensing_watch_left = state->sensing_watch_left;
                 if (repeats < sensing_watch_left) {
-                    float gain = sensing_scale_gain;
-                    if (guard_ready != 0u) {
-                        state->sensing_watch_left = repeats;
-                    } else {
-                        gain = sensing_first_scale_gain;
-                    }
-                    state->sensing_scale = scale_middle + planar_6dof_leadlag_limit(sensing_scale -
-                        (gain * (m_x + m_y)) - scale_middle, scale_half_range);
+                    state->sensing_watch_left = (guard_ready != 0u) ? repeats : sensing_watch_left;
+                    const float sensing_scale_sum = sensing_scale - (((guard_ready != 0u) ? sensing_scale_gain :
+                        sensing_first_scale_gain) * (m_x + m_y)) - scale_middle;
+                    state->sensing_scale = scale_middle +
+                        planar_6dof_leadlag_limit(sensing_scale_sum, scale_half_range);
                 } else {
                     const uint32_t sensing_watch_channel = state->sensing_watch_channel;
                     float code = V_ax_held;
@@ -675,12 +671,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_x_k_h = 9.431981e-05f;
         const float filter_x_p = state->filter_x_p;
-        const float e_2 = x_raw - filter_x_p;
-        const float a = state->filter_x_h + (filter_x_k_h * e_2);
-        const float prediction_p_sum = state->filter_x_s + (filter_x_k_s * e_2) + a;
+        const float e = x_raw - filter_x_p;
+        const float a = state->filter_x_h + (filter_x_k_h * e);
+        const float prediction_p_sum = state->filter_x_s + (filter_x_k_s * e) + a;
         float x = x_raw;
         if ((guard_ready != 0u) && ((fabsf(prediction_p_sum) + fabsf(a)) <= filter_x_fastest)) {
-            const float now = filter_x_p + (filter_x_k_p * e_2);
+            const float now = filter_x_p + (filter_x_k_p * e);
             const float prediction_p = now + prediction_p_sum;
             /*@ admit -0.2f <= prediction_p <= 0.2f; */
             const float prediction_s = prediction_p_sum + a;
@@ -707,12 +703,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_y_k_h = 9.431981e-05f;
         const float filter_y_p = state->filter_y_p;
-        const float e_3 = y_raw - filter_y_p;
-        const float a_2 = state->filter_y_h + (filter_y_k_h * e_3);
-        const float prediction_p_sum_2 = state->filter_y_s + (filter_y_k_s * e_3) + a_2;
+        const float e_2 = y_raw - filter_y_p;
+        const float a_2 = state->filter_y_h + (filter_y_k_h * e_2);
+        const float prediction_p_sum_2 = state->filter_y_s + (filter_y_k_s * e_2) + a_2;
         float y = y_raw;
         if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_2) + fabsf(a_2)) <= filter_y_fastest)) {
-            const float now_2 = filter_y_p + (filter_y_k_p * e_3);
+            const float now_2 = filter_y_p + (filter_y_k_p * e_2);
             const float prediction_p_2 = now_2 + prediction_p_sum_2;
             /*@ admit -0.2f <= prediction_p_2 <= 0.2f; */
             const float prediction_s_2 = prediction_p_sum_2 + a_2;
@@ -749,12 +745,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* 1; (16), steady: gain on the acceleration, in units of position */
         static const float filter_phi_k_h = 0.0026284785f;
         const float filter_phi_p = state->filter_phi_p;
-        const float e_4 = phi_raw - filter_phi_p;
-        const float a_3 = state->filter_phi_h + (filter_phi_k_h * e_4);
-        const float prediction_p_sum_3 = state->filter_phi_s + (filter_phi_k_s * e_4) + a_3;
+        const float e_3 = phi_raw - filter_phi_p;
+        const float a_3 = state->filter_phi_h + (filter_phi_k_h * e_3);
+        const float prediction_p_sum_3 = state->filter_phi_s + (filter_phi_k_s * e_3) + a_3;
         float phi = phi_raw;
         if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_3) + fabsf(a_3)) <= filter_phi_fastest)) {
-            const float now_3 = filter_phi_p + (filter_phi_k_p * e_4);
+            const float now_3 = filter_phi_p + (filter_phi_k_p * e_3);
             const float prediction_p_3 = now_3 + prediction_p_sum_3;
             /*@ admit -0.05f <= prediction_p_3 <= 0.05f; */
             const float prediction_s_3 = prediction_p_sum_3 + a_3;
@@ -795,6 +791,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
         static const float reckoning_phi_half_step = 0.00011162948f;
         static const float reckoning_phi_mean_gain = 0.0025f;   /* 1; 1 - r_m, r_m = 0.9975 */
+        const float innovation_phi = phi_raw - reckoning_phi_position;
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -802,10 +799,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;
         float rate_y = reckoning_y_rate;
-        float corrected_phi = phi_raw;
+        float corrected_phi = (guard_ready != 0u) ? reckoning_phi_position : phi_raw;
         float rate_phi = reckoning_phi_rate;
         if ((guard_ready != 0u) && measured) {
-            const float innovation_phi = phi_raw - reckoning_phi_position;
             const float phi_mean_next = reckoning_phi_mean +
                 (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
             /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
@@ -818,9 +814,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
-            state->sensing_innovation_phi = innovation_phi;
-        } else {
-            state->sensing_innovation_phi = 0.0f;
         }
         const float a_x = reckoning_x_half_step * state->delay_x;
         const float middle_x = rate_x + a_x;
@@ -842,6 +835,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->reckoning_phi_position = phi_next;
         const float advance_phi = middle_phi + a_phi;
         state->reckoning_phi_rate = planar_6dof_leadlag_limit(advance_phi, phi_rate_limit);
+        state->sensing_innovation_phi = (guard_ready != 0u) ? innovation_phi : 0.0f;
 
         /* functions above: loop_output */
         static const float loop_x_gain = 2515.072f;             /* A/m; (21): gain on the error */
@@ -869,41 +863,60 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
             loop_phi_gain, phi_ref_held, phi);
 
-        /* braking: braking before the latch
-         * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
-         * before the latch motor C can remove 0.165 m/s from x, whatever the yaw demands; A and B can remove up to
-         * 0.66 m/s from y, less what the yaw takes. What is left of a larger speed coasts.
-         *     d_phi = phi_gain * phi_advance if brakes, else law_phi; likewise d_x, d_y */
+        /* start: no demand before the first complete sample
+         *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
+         *         d_z */
         /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.992: a steady innovation is a rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.01776f;
-        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
-        static const float braking_x_gain = -39587.992f;
-        /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
-        static const float braking_y_gain = -39587.992f;
-        /* A/rad; -0.5 / T^2, over the acceleration of 223.259 rad/s^2 per A */
-        static const float braking_phi_gain = -2239.5518f;
-        float d_phi;
-        float d_x;
-        float d_y;
+        float begun_phi = 0.0f;
+        float begun_x = 0.0f;
+        float begun_y = 0.0f;
+        float d_psi = 0.0f;
+        float d_theta = 0.0f;
+        float d_z = 0.0f;
+        float back = 0.0f;
+        if ((guard_ready != 0u) || complete) {
+            begun_x = loop_x_output.law;
+            begun_y = loop_y_output.law;
+            begun_phi = loop_phi_output.law;
+            d_z = loop_z_output.law;
+            d_theta = loop_theta_output.law;
+            back = loop_z_output.law + (2.0f * loop_theta_output.law);
+            d_psi = loop_psi_output.law;
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->law_x = loop_x_output.law;
+                diagnostics->law_y = loop_y_output.law;
+                diagnostics->law_phi = loop_phi_output.law;
+                diagnostics->law_z = loop_z_output.law;
+                diagnostics->law_theta = loop_theta_output.law;
+                diagnostics->law_psi = loop_psi_output.law;
+            }
+#endif
+        }
+        float d_phi = begun_phi;
+        float d_x = begun_x;
+        float d_y = begun_y;
         if (brakes) {
             const float phi_advance = advance_phi + (reckoning_phi_bias_gain * reckoning_phi_mean);
+
+            /* braking: braking before the latch
+             * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
+             * before the latch motor C can remove 0.165 m/s from x, whatever the yaw demands; A and B can remove up
+             * to 0.66 m/s from y, less what the yaw takes. What is left of a larger speed coasts.
+             *     d_phi = phi_gain * phi_advance if brakes, else begun_phi; likewise d_x, d_y */
+            /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
+            static const float braking_x_gain = -39587.992f;
+            /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
+            static const float braking_y_gain = -39587.992f;
+            /* A/rad; -0.5 / T^2, over the acceleration of 223.259 rad/s^2 per A */
+            static const float braking_phi_gain = -2239.5518f;
             d_phi = braking_phi_gain * phi_advance;
             d_x = braking_x_gain * x_advance;
             d_y = braking_y_gain * y_advance;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
             if (diagnostics != NULL) {
                 diagnostics->phi_advance = phi_advance;
-            }
-#endif
-        } else {
-            d_x = loop_x_output.value_2;
-            d_y = loop_y_output.value_2;
-            d_phi = loop_phi_output.value_2;
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->law_x = loop_x_output.value_2;
-                diagnostics->law_y = loop_y_output.value_2;
-                diagnostics->law_phi = loop_phi_output.value_2;
             }
 #endif
         }
@@ -918,6 +931,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *         quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
          *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
+         *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
          *     achieved_x = cos(phi) * i_CQ - sin(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_y = sin(phi) * i_CQ + cos(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
@@ -943,11 +957,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             fabsf(yaw_current));
         const float i_AQ = y_current - yaw_current;
         const float i_BQ = y_current + yaw_current;
-        const float front_2 = loop_z_output.value_2 - loop_theta_output.value_2;
-        const float i_AD = planar_6dof_leadlag_limit(front_2 + loop_psi_output.value_2, direct_limit);
-        const float i_BD = planar_6dof_leadlag_limit(front_2 - loop_psi_output.value_2, direct_limit);
-        const float i_CD = planar_6dof_leadlag_limit(loop_z_output.value_2 + (2.0f * loop_theta_output.value_2),
-            direct_limit);
+        const float front_2 = d_z - d_theta;
+        const float i_AD = planar_6dof_leadlag_limit(front_2 + d_psi, direct_limit);
+        const float i_BD = planar_6dof_leadlag_limit(front_2 - d_psi, direct_limit);
+        const float i_CD = planar_6dof_leadlag_limit(back, direct_limit);
         const float both = allocation_two * y_current;
         const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
         const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
@@ -1077,9 +1090,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->phi = phi;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
-            diagnostics->d_z = loop_z_output.value_2;
-            diagnostics->d_theta = loop_theta_output.value_2;
-            diagnostics->d_psi = loop_psi_output.value_2;
+            diagnostics->begun_phi = begun_phi;
+            diagnostics->begun_x = begun_x;
+            diagnostics->begun_y = begun_y;
+            diagnostics->d_psi = d_psi;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_z = d_z;
             diagnostics->d_phi = d_phi;
             diagnostics->d_x = d_x;
             diagnostics->d_y = d_y;

@@ -56,7 +56,15 @@
  * Control Methodology".
  *
  * At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the
- * Hall voltages repeat with each pitch, and the pitches are counted from there.
+ * Hall voltages repeat with each pitch, and the pitches are counted from there. After a latch move the platen there
+ * before init.
+ *
+ * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
+ * known. Six suspects at once can also mean a dead or reversed phase, a steady force above 1.8 N, or missed calls.
+ *
+ * Calibrate the sensitivity of each Hall channel to 0.5 % and its offset to 5 mV: what a single channel is off by turns
+ * the platen. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop in 17 of 48 runs under the LQG law
+ * and in 6 of 48 under the lead-lag law, some of them without a fault bit. What all channels share may be off by 10 %.
  *
  * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
  * first within 4 samples. Up to then no bit is set, the two samples are not used, and predictions take their place.
@@ -273,15 +281,21 @@ typedef struct {
     float law_x;                        /* A: demand of x over its scale */
     float law_y;                        /* A: demand of y over its scale */
     float law_phi;                      /* A: demand of phi over its scale */
-    float d_z;                          /* A: demand of z over its scale */
-    float d_theta;                      /* A: demand of theta over its scale */
-    float d_psi;                        /* A: demand of psi over its scale */
+    float law_z;                        /* A: demand of z over its scale */
+    float law_theta;                    /* A: demand of theta over its scale */
+    float law_psi;                      /* A: demand of psi over its scale */
+    float begun_phi;                    /* A: demand of the law */
     float d_phi;                        /* A: demand of phi over its scale */
+    float begun_x;                      /* A: demand of the law */
     float d_x;                          /* A: demand of x over its scale */
+    float begun_y;                      /* A: demand of the law */
     float d_y;                          /* A: demand of y over its scale */
     float i_AQ;                         /* A: quadrature current of motor A, peak of a phase */
     float i_BQ;                         /* A: quadrature current of motor B, peak of a phase */
     float i_CQ;                         /* A: quadrature current of motor C, peak of a phase */
+    float d_psi;                        /* A: demand of psi over its scale */
+    float d_theta;                      /* A: demand of theta over its scale */
+    float d_z;                          /* A: demand of z over its scale */
     float i_AD;                         /* A: direct current of motor A, peak of a phase */
     float i_BD;                         /* A: direct current of motor B, peak of a phase */
     float i_CD;                         /* A: direct current of motor C, peak of a phase */

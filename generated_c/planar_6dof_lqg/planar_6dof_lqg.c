@@ -420,6 +420,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
         static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_x_half_step = 9.867259e-06f;
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_y_half_step = 9.867259e-06f;
+        /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
+        static const float reckoning_phi_half_step = 0.00017442106f;
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
         const uint32_t sensing_watch_left = state->sensing_watch_left;
@@ -620,82 +626,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
         state->sensing_phi_raw = phi_raw;
-
-        /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
-         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
-         *         * phi_mean
-         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
-         *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
-         *         phi_limit) */
-        static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
-        static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
-        static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
-        static const float reckoning_x_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
-        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
-        static const float reckoning_x_half_step = 9.867259e-06f;
-        static const float reckoning_y_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
-        static const float reckoning_y_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
-        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
-        static const float reckoning_y_half_step = 9.867259e-06f;
-        static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
-        static const float reckoning_phi_rate_gain = 0.000225f; /* 1; (1 - r)^2, r = 0.985 */
-        /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
-        static const float reckoning_phi_half_step = 0.00017442106f;
-        static const float reckoning_phi_mean_gain = 0.0025f;   /* 1; 1 - r_m, r_m = 0.9975 */
-        const float reckoning_x_rate = state->reckoning_x_rate;
-        const float reckoning_y_rate = state->reckoning_y_rate;
-        const float reckoning_phi_rate = state->reckoning_phi_rate;
-        float corrected_x = x_raw;
-        float rate_x = reckoning_x_rate;
-        float corrected_y = y_raw;
-        float rate_y = reckoning_y_rate;
-        float corrected_phi = phi_raw;
-        float rate_phi = reckoning_phi_rate;
-        if ((guard_ready != 0u) && measured) {
-            const float innovation_phi = phi_raw - reckoning_phi_position;
-            const float phi_mean_next = reckoning_phi_mean +
-                (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
-            /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
-            state->reckoning_phi_mean = phi_mean_next;
-            const float innovation_x_2 = x_raw - reckoning_x_position;
-            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
-            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
-            const float innovation_y_2 = y_raw - reckoning_y_position;
-            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
-            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
-            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
-            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
-            state->sensing_innovation_phi = innovation_phi;
-        } else {
-            state->sensing_innovation_phi = 0.0f;
-        }
+        const bool brakes = guard_left < latch_certain_from;
+        const float innovation_phi = phi_raw - reckoning_phi_position;
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float middle_x = rate_x + a_x;
-        const float x_next = corrected_x + middle_x;
-        /*@ admit -0.2f <= x_next <= 0.2f; */
-        const float x_advance = middle_x + a_x;
         const float lqg_y_achieved = state->lqg_y_achieved;
         const float a_y = reckoning_y_half_step * lqg_y_achieved;
-        const float middle_y = rate_y + a_y;
-        const float y_next = corrected_y + middle_y;
-        /*@ admit -0.2f <= y_next <= 0.2f; */
-        const float y_advance = middle_y + a_y;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
-        const float middle_phi = rate_phi + a_phi;
-        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_limit);
-        state->reckoning_x_position = x_next;
-        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, rate_limit);
-        state->reckoning_y_position = y_next;
-        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, rate_limit);
-        state->reckoning_phi_position = phi_next;
-        const float advance_phi = middle_phi + a_phi;
-        state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
-        const bool brakes = guard_left < latch_certain_from;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral
@@ -714,42 +652,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     as lqg_x, with y in place of x */
         static const float lqg_y_integral_decay = 0.953085f;    /* 1; (49): 1 - k3 T / (k1 + k3 T) */
         static const float lqg_y_L = 3558.6274f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float seen_2 = lqg_y_L * y_raw;
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_close_y_raw = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float decayed_2 = lqg_y_integral_decay * lqg_y_integral;
-        const float seen_3 = lqg_phi_L * phi_raw;
-        const float lqg_phi_integral = state->lqg_phi_integral;
-
-        /* lqg_x, lqg_y, lqg_phi: reduced-order LQG, (28)-(35), (49) */
-        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
-        static const float lqg_x_achieved_gain = 0.319009f;
-        static const float lqg_x_F = 0.7f;                      /* 1; (35): A22 - L A12 */
-        static const float lqg_x_G = -1537.8536f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_x_H = 0.28662756f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
-        static const float lqg_y_achieved_gain = 0.22358753f;
-        static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
-        static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        float now;
-        float now_2;
-        float now_3;
-        if (guard_ready != 0u) {
-            now = state->lqg_x_x3;
-            now_2 = state->lqg_y_x3;
-            now_3 = state->lqg_phi_x3;
-        } else {
-            now = -seen;
-            now_2 = -seen_2;
-            now_3 = -seen_3;
-        }
-        state->lqg_x_x3 = (lqg_x_F * now) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-        const float estimated = now + seen + (lqg_x_achieved_gain * lqg_x_achieved);
-        state->lqg_y_x3 = (lqg_y_F * now_2) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-        const float estimated_2 = now_2 + seen_2 + (lqg_y_achieved_gain * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
@@ -757,21 +664,179 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
-        /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.985: a steady innovation is a rate that is not predicted */
-        static const float reckoning_phi_bias_gain = 0.0361875f;
-        static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
-        static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
-        static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
+        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
+        const float seen_3 = lqg_phi_L * phi_raw;
+        const float lqg_phi_integral = state->lqg_phi_integral;
+
+        /* reckoning, lqg_x, lqg_y, lqg_phi, sensing */
+        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
+        static const float lqg_x_achieved_gain = 0.319009f;
+        static const float lqg_x_F = 0.7f;                      /* 1; (35): A22 - L A12 */
+        static const float lqg_x_G = -1537.8536f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_x_H = 0.28662756f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        float corrected_phi = reckoning_phi_position;
+        float now;
+        float now_2;
+        float now_3;
+        if (guard_ready != 0u) {
+            now = state->lqg_x_x3;
+            now_2 = state->lqg_y_x3;
+            now_3 = state->lqg_phi_x3;
+            state->sensing_innovation_phi = innovation_phi;
+        } else {
+            state->sensing_innovation_phi = 0.0f;
+            corrected_phi = phi_raw;
+            now = -seen;
+            now_2 = -seen_2;
+            now_3 = -seen_3;
+        }
+        state->lqg_x_x3 = (lqg_x_F * now) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+        const float estimated = now + seen + (lqg_x_achieved_gain * lqg_x_achieved);
+
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
+         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
+         *         * phi_mean
+         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
+         *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
+         *         phi_limit) */
+        static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
+        static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
+        static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
+        static const float reckoning_x_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
+        static const float reckoning_y_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
+        static const float reckoning_y_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
+        static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
+        static const float reckoning_phi_rate_gain = 0.000225f; /* 1; (1 - r)^2, r = 0.985 */
+        static const float reckoning_phi_mean_gain = 0.0025f;   /* 1; 1 - r_m, r_m = 0.9975 */
+        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
+        static const float lqg_y_achieved_gain = 0.22358753f;
+        static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
+        static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
         /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 223.259 rad/s^2 per A */
         static const float lqg_phi_achieved_gain = 0.87617064f;
         static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
         static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
         static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        const float reckoning_x_rate = state->reckoning_x_rate;
+        const float reckoning_y_rate = state->reckoning_y_rate;
+        const float reckoning_phi_rate = state->reckoning_phi_rate;
+        float corrected_x = x_raw;
+        float rate_x = reckoning_x_rate;
+        float corrected_y = y_raw;
+        float rate_y = reckoning_y_rate;
+        float rate_phi = reckoning_phi_rate;
+        if ((guard_ready != 0u) && measured) {
+            const float phi_mean_next = reckoning_phi_mean +
+                (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
+            /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
+            state->reckoning_phi_mean = phi_mean_next;
+            const float innovation_x_2 = x_raw - reckoning_x_position;
+            corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
+            rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
+            const float innovation_y_2 = y_raw - reckoning_y_position;
+            corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
+            rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
+            corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
+            rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
+        }
+        const float middle_x = rate_x + a_x;
+        const float x_next = corrected_x + middle_x;
+        /*@ admit -0.2f <= x_next <= 0.2f; */
+        const float x_advance = middle_x + a_x;
+        const float middle_y = rate_y + a_y;
+        const float y_next = corrected_y + middle_y;
+        /*@ admit -0.2f <= y_next <= 0.2f; */
+        const float y_advance = middle_y + a_y;
+        const float middle_phi = rate_phi + a_phi;
+        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_limit);
+        state->reckoning_x_position = x_next;
+        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, rate_limit);
+        state->reckoning_y_position = y_next;
+        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, rate_limit);
+        state->reckoning_phi_position = phi_next;
+        const float advance_phi = middle_phi + a_phi;
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
+        state->lqg_y_x3 = (lqg_y_F * now_2) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+        const float estimated_2 = now_2 + seen_2 + (lqg_y_achieved_gain * lqg_y_achieved);
         state->lqg_phi_x3 = (lqg_phi_F * now_3) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
         const float estimated_3 = now_3 + seen_3 + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        float d_phi;
-        float d_x;
-        float d_y;
+
+        /* loop_z: lead-lag, (23)
+         *     law_z = gain * (z_ref_held - z) + lead + integral */
+        static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
+        const float error = z_ref_held - z;
+        const float loop_z_lead = state->loop_z_lead;
+        state->loop_z_lead = loop_z_lead_input * error;
+        const float loop_z_integral = state->loop_z_integral;
+
+        /* loop_theta: lead-lag, (24)
+         *     as loop_z, with theta in place of z */
+        static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
+        const float error_2 = theta_ref_held - theta;
+        const float loop_theta_lead = state->loop_theta_lead;
+        state->loop_theta_lead = loop_theta_lead_input * error_2;
+        const float loop_theta_integral = state->loop_theta_integral;
+
+        /* loop_psi: lead-lag, (25)
+         *     as loop_z, with psi in place of z */
+        static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
+        const float error_3 = psi_ref_held - psi;
+        const float loop_psi_lead = state->loop_psi_lead;
+        state->loop_psi_lead = loop_psi_lead_input * error_3;
+        const float loop_psi_integral = state->loop_psi_integral;
+
+        /* start: no demand before the first complete sample
+         *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
+         *         d_z */
+        /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.985: a steady innovation is a rate that is not predicted */
+        static const float reckoning_phi_bias_gain = 0.0361875f;
+        static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
+        static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
+        static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
+        static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
+        static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
+        static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
+        float begun_phi = 0.0f;
+        float begun_x = 0.0f;
+        float begun_y = 0.0f;
+        float d_psi = 0.0f;
+        float d_theta = 0.0f;
+        float d_z = 0.0f;
+        float back = 0.0f;
+        if ((guard_ready != 0u) || complete) {
+            const float law_x = (lqg_x_error_gain * ((is_close_x_raw) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
+                0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
+            begun_x = law_x;
+            const float law_y = (lqg_y_error_gain * ((is_close_y_raw) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
+                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_2);
+            begun_y = law_y;
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - estimated_3);
+            begun_phi = law_phi;
+            const float law_z = (loop_z_gain * error) + loop_z_lead + loop_z_integral;
+            d_z = law_z;
+            const float law_theta = (loop_theta_gain * error_2) + loop_theta_lead + loop_theta_integral;
+            d_theta = law_theta;
+            back = law_z + (2.0f * law_theta);
+            const float law_psi = (loop_psi_gain * error_3) + loop_psi_lead + loop_psi_integral;
+            d_psi = law_psi;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->law_x = law_x;
+                diagnostics->law_y = law_y;
+                diagnostics->law_phi = law_phi;
+                diagnostics->law_z = law_z;
+                diagnostics->law_theta = law_theta;
+                diagnostics->law_psi = law_psi;
+            }
+#endif
+        }
+        float d_phi = begun_phi;
+        float d_x = begun_x;
+        float d_y = begun_y;
         bool is_late_x_raw = false;
         bool is_late_y_raw = false;
         if (brakes) {
@@ -782,7 +847,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
              * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples
              * before the latch motor C can remove 0.206 m/s from x, whatever the yaw demands; A and B can remove up
              * to 0.82 m/s from y, less what the yaw takes. What is left of a larger speed coasts.
-             *     d_phi = phi_gain * phi_advance if brakes, else law_phi; likewise d_x, d_y */
+             *     d_phi = phi_gain * phi_advance if brakes, else begun_phi; likewise d_x, d_y */
             /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
             static const float braking_x_gain = -25336.316f;
             /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
@@ -798,23 +863,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         } else {
-            const float law_x = (lqg_x_error_gain * ((is_close_x_raw) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
-                0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
-            d_x = law_x;
-            const float law_y = (lqg_y_error_gain * ((is_close_y_raw) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
-                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_2);
-            d_y = law_y;
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - estimated_3);
-            d_phi = law_phi;
             is_late_x_raw = !is_close_x_raw;
             is_late_y_raw = !is_close_y_raw;
-#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->law_x = law_x;
-                diagnostics->law_y = law_y;
-                diagnostics->law_phi = law_phi;
-            }
-#endif
         }
 
         /* guard: range acceptance, hold, latch (continued) */
@@ -828,33 +878,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             fault_word = faults_before;
         }
 
-        /* loop_z: lead-lag, (23)
-         *     d_z = gain * (z_ref_held - z) + lead + integral */
-        static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
-        static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
-        const float error = z_ref_held - z;
-        const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * error) + state->loop_z_lead + loop_z_integral;
-        state->loop_z_lead = loop_z_lead_input * error;
-
-        /* loop_theta: lead-lag, (24)
-         *     as loop_z, with theta in place of z */
-        static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
-        static const float loop_theta_lead_input = -386.5337f;  /* A/rad; (24): gain times (lead_pole - zero) */
-        const float error_2 = theta_ref_held - theta;
-        const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * error_2) + state->loop_theta_lead + loop_theta_integral;
-        state->loop_theta_lead = loop_theta_lead_input * error_2;
-
-        /* loop_psi: lead-lag, (25)
-         *     as loop_z, with psi in place of z */
-        static const float loop_psi_gain = 469.96793f;          /* A/rad; (25): gain on the error */
-        static const float loop_psi_lead_input = -425.18707f;   /* A/rad; (25): gain times (lead_pole - zero) */
-        const float error_3 = psi_ref_held - psi;
-        const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * error_3) + state->loop_psi_lead + loop_psi_integral;
-        state->loop_psi_lead = loop_psi_lead_input * error_3;
-
         /* allocation: motor currents, Table 3, (17)
          * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
          * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
@@ -865,6 +888,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *         i_CQ, quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
          *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
+         *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
          *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
@@ -905,7 +929,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float front_2 = d_z - d_theta;
         const float i_AD = planar_6dof_lqg_limit(front_2 + d_psi, direct_limit);
         const float i_BD = planar_6dof_lqg_limit(front_2 - d_psi, direct_limit);
-        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
+        const float i_CD = planar_6dof_lqg_limit(back, direct_limit);
         const float both = allocation_two * y_current;
         const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
         const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
@@ -1019,12 +1043,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->phi_raw = phi_raw;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
+            diagnostics->begun_phi = begun_phi;
+            diagnostics->begun_x = begun_x;
+            diagnostics->begun_y = begun_y;
+            diagnostics->d_psi = d_psi;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_z = d_z;
             diagnostics->d_phi = d_phi;
             diagnostics->d_x = d_x;
             diagnostics->d_y = d_y;
-            diagnostics->d_z = d_z;
-            diagnostics->d_theta = d_theta;
-            diagnostics->d_psi = d_psi;
             diagnostics->i_CQ = i_CQ;
             diagnostics->i_AQ = i_AQ;
             diagnostics->i_BQ = i_BQ;

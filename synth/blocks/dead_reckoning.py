@@ -17,9 +17,10 @@ A constant d also leaves the predicted rate behind the true one by
 Where an axis has a `bias`, its output rate includes b, computed with n and with the mean innovation of measured samples
 as e, m+ = m + (1 - r_m) (e - m). The prediction itself stays as it is.
 
-In a sample that is not ``measured``, q is no measurement, and p is replaced by it: e = 0, and f alone moves the
-prediction. A source that returns p plus the last or the mean e removes the offset of d, one that returns p changes
-nothing.
+In a sample that is not ``measured``, q is no measurement, e = 0, and f alone moves the prediction: from q, or with a
+`bias` from p. For q a source with a bias returns p plus the last or the mean e, which is where the body is; p keeps the
+offset of d. Without it the next measurement would correct the rate by less than d changes it, and the errors of samples
+that are missing now and then would add up.
 `predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
 
 Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 6.5.
@@ -113,7 +114,8 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
             corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
             innovation = q - p
-            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, q)
+            bridged = ca.if_else(u[READY.name], p, q) if axis.bias else q
+            corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, bridged)
             rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
             middle = rate + a
             advance = middle + a

@@ -5,8 +5,8 @@ Each axis is the double integrator q'' = b d, sampled with d held over a period:
     (q, v) <- (q + T v + b d T^2/2, v + b d T)
 
 A measured position corrects the prediction by a Luenberger observer whose two poles coincide, placed by the
-characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it. d acts one sample late. While it
-brakes, d is what leaves a part of the predicted rate.
+characteristic polynomial (z - r)^2 with r = 1 - w T. A bridged one replaces it, but for an axis with a bias. d acts one
+sample late. While it brakes, d is what leaves a part of the predicted rate.
 
 Bias. A constant acceleration a besides b d leaves a steady error (e, v) of position and rate. It is (e, v) - M e after
 the correction and (e, v) again after the prediction, which gives a and v for an e. The mean of e estimates it, and n
@@ -43,10 +43,11 @@ class Axis:
 class Sample:
     """What a sample tells about the motion: measured positions, whether to trust them, and the demands that act.
 
-    `T` is the period in s, and `axes` has the model of each axis.
+    `begun` says whether a sample before was complete. `T` is the period in s, and `axes` has the model of each axis.
     """
 
     measured: Columns
+    begun: Array
     trusted: Array
     acting: Columns
     T: float
@@ -68,10 +69,11 @@ def correct(axis: str, state: Columns, now: Sample) -> tuple[Array, Array]:
     """Return position and rate after the measurement.
 
     At the first good sample, and where the sample is not complete, the position is that measured or bridged, and the
-    rate stays as predicted.
+    rate stays as predicted. An axis with a mean innovation is bridged by its prediction, less what is added to it.
     """
     e, M = now.measured[axis] - state[f"reckoning_{axis}_position"], observer_gain(now.axes[axis].w, now.T)
-    position, rate = (np.where(now.trusted, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
+    other = np.where(now.begun, 0.0, 1.0) if now.axes[axis].mean else np.array(1.0)
+    position, rate = np.where(now.trusted, M[0], other), np.where(now.trusted, M[1], 0.0)
     return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / now.T + rate * e
 
 

@@ -116,6 +116,29 @@ def test_braking_leaves_an_axis_at_rest_that_a_constant_acceleration_pushes() ->
     assert left_after_braking(BIASED, change=0.0) > 0.05 and left_after_braking(BIASED, change=2.0) > 0.05
 
 
+def largest_rate_error(axis: Axis, every: int) -> float:
+    """Return the largest error of the predicted rate once it is steady, m/s, where every n-th sample is missing.
+
+    The source then returns the prediction plus the last innovation. An acceleration acts that no effort explains.
+    """
+    d, block = 0.1, dead_reckoning.block("reckoning", TIME, [axis])
+    step, x, added, errors = block.function(), block.initial, 0.0, []
+    q = motion(np.full(1000, d / B), q=0.0, v=0.0)
+    for k in range(len(q)):
+        good, p = k % every != every - 1, float(x[0])
+        added = q[k] - p if good and k else added
+        x = np.asarray(step(x, [q[k] if good else p + added, 0.0, float(k > 0), float(good)])[0]).ravel()
+        errors.append(abs(float(x[1]) / T - d * (k + 1) * T))
+    return max(errors[500:])
+
+
+def test_samples_that_are_missing_now_and_then_leave_the_rate_of_an_axis_with_a_bias() -> None:
+    """Planted: an axis without one takes the bridged position for its own, and the errors of the rate add up."""
+    whole = largest_rate_error(BIASED, 2000)
+    assert largest_rate_error(BIASED, 10) < 1.1 * whole
+    assert largest_rate_error(AXIS, 10) > 1.5 * whole
+
+
 @pytest.mark.parametrize(
     ("demands", "text"),
     [

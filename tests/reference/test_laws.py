@@ -86,7 +86,7 @@ def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING, unmeasured
     x, u = sampling.anywhere(block, np.random.default_rng(0), N)
     u |= {n: np.round(v) for n, v in u.items() if n in ("ready", "measured", "brakes")}
     now = dead_reckoning.Sample(
-        {"q": u["q"]}, (u["ready"] > 0) & (u["measured"] > 0), {"q": u["acting_q"]}, T,
+        {"q": u["q"]}, u["ready"] > 0, (u["ready"] > 0) & (u["measured"] > 0), {"q": u["acting_q"]}, T,
         {"q": dead_reckoning.Axis(B, w, 2.0, 0.2, MEAN, unmeasured)},
     )  # fmt: skip
     rates, force = dead_reckoning.next_rates(x, now), {"q": u["law_q"] * B * INERTIA}
