@@ -141,9 +141,11 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
 
 def _current_limits() -> list[Constant]:
     return [
-        Constant("quadrature_limit", QUADRATURE, "A", "largest quadrature current of a motor"),
+        Constant("quadrature_limit", QUADRATURE, "A", f"largest quadrature current of a motor, 0.9 of {LIMIT:g} A"),
         Constant("half_quadrature_limit", QUADRATURE / 2, "A", "what the yaw leaves to motor C"),
-        Constant("direct_limit", DIRECT, "A", "largest direct current of a motor"),
+        Constant(
+            "direct_limit", DIRECT, "A", f"largest direct current of a motor: both together stay below {LIMIT:g} A"
+        ),
     ]
 
 

@@ -866,7 +866,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* start: no demand before the first complete sample
          *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
          *         d_z */
-        /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.992: a steady innovation is a rate that is not predicted */
+        /* 1; (1 - r^2) + (n + 1/2) (1 - r)^2, r = 0.992, n = 28 samples without measurement: a steady innovation is a
+         * rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.01776f;
         float begun_phi = 0.0f;
         float begun_x = 0.0f;
@@ -937,9 +938,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     achieved_y = sin(phi) * i_CQ + cos(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
-        static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
+        static const float quadrature_limit = 1.134f; /* A; largest quadrature current of a motor, 0.9 of 1.26 A */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
-        static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
+        /* A; largest direct current of a motor: both together stay below 1.26 A */
+        static const float direct_limit = 0.54913455f;
         /* 1; (24): zero of the integral action in the z-domain */
         static const float loop_theta_integral_decay = 0.9900498f;
         static const float loop_theta_integral_input = 0.0099502485f; /* 1; (24): 1 - integral_decay */

@@ -792,7 +792,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* start: no demand before the first complete sample
          *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
          *         d_z */
-        /* 1; (1 - r^2) + (28 + 1/2) (1 - r)^2, r = 0.985: a steady innovation is a rate that is not predicted */
+        /* 1; (1 - r^2) + (n + 1/2) (1 - r)^2, r = 0.985, n = 28 samples without measurement: a steady innovation is a
+         * rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.0361875f;
         static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
@@ -894,9 +895,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
-        static const float quadrature_limit = 1.134f;           /* A; largest quadrature current of a motor */
+        static const float quadrature_limit = 1.134f; /* A; largest quadrature current of a motor, 0.9 of 1.26 A */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
-        static const float direct_limit = 0.54913455f;          /* A; largest direct current of a motor */
+        /* A; largest direct current of a motor: both together stay below 1.26 A */
+        static const float direct_limit = 0.54913455f;
         static const float lqg_x_integral_input = 0.056925878f; /* 1; (49): k3 T / (k1 + k3 T) */
         static const float lqg_y_integral_input = 0.046914965f; /* 1; (49): k3 T / (k1 + k3 T) */
         static const float lqg_phi_integral_decay = 0.9013263f; /* 1; (49): 1 - k3 T / (k1 + k3 T) */

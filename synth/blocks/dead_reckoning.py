@@ -196,7 +196,8 @@ def _constants(axis: Axis, time: Discrete) -> list[Constant]:
     if not axis.bias:
         return constants
     n, mean_gain = axis.bias.unmeasured, 1 - axis.bias.pole
-    gain, source = 1 - r**2 + (0.5 + n) * (1 - r) ** 2, f"(1 - r^2) + ({n} + 1/2) (1 - r)^2, r = {r:g}"
+    gain = 1 - r**2 + (0.5 + n) * (1 - r) ** 2
+    source = f"(1 - r^2) + (n + 1/2) (1 - r)^2, r = {r:g}, n = {n} samples without measurement"
     return [
         *constants,
         Constant(f"{axis.name}_mean_gain", mean_gain, "1", f"1 - r_m, r_m = {axis.bias.pole:g}"),
