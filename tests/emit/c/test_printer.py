@@ -28,6 +28,7 @@ pytestmark = pytest.mark.slow
 
 F32, F64 = np.float32, np.float64
 SEEDS = range(24)
+BATCH = 10  # Blocks in one library, where a planted defect is looked for
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
@@ -99,7 +100,8 @@ def test_a_planted_defect_is_found(
     # Without what else would refuse such C.
     monkeypatch.setattr(carriers, "require_whole", lambda program, proved: None)
     monkeypatch.setattr(compiler, "STRICT_FLAGS", ("-std=c99",))
-    assert one_step.differing_from_casadi(hazards.BLOCKS, F64, 300)
+    batches = (hazards.BLOCKS[k : k + BATCH] for k in range(0, len(hazards.BLOCKS), BATCH))
+    assert any(one_step.differing_from_casadi(batch, F64, 300) for batch in batches)  # up to the first that finds it
 
 
 def test_a_planted_change_of_the_c_is_found() -> None:

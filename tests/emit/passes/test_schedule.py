@@ -22,6 +22,7 @@ from synth.emit.passes import fold, schedule
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Regions
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.pipeline import Reduced
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
 from tests.emit.semantics import interpret, value
@@ -75,10 +76,10 @@ class Machine:
         return known[k]
 
 
-def execute(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
+def execute(program: Program, statements: Sequence[Statement], loads: Mapping[str, Any]) -> dict[str, Any]:
     """Return outputs, next states and word after the statements of a program."""
     machine = Machine(program, dict(loads))
-    machine.block(schedule.statements(program), ChainMap())
+    machine.block(statements, ChainMap())
     stored = {f"next {n}": machine.memory[n] for n in program.next}
     stored |= {n: machine.stored.get(("out", n)) for n in program.outputs}
     return stored | {"word": machine.stored.get(("word", ""))}
@@ -101,25 +102,30 @@ def random_block(make: Callable[[int], Block], seed: int) -> Block:
     return make(seed)
 
 
-def defects(blocks: Sequence[Block]) -> list[str]:
-    """Return the names of Blocks whose statements fail the machine or give something else than the program."""
-    defective = []
-    for block in blocks:
-        printed = pipeline.reduce(block, np.float64, libm=True)
-        program = printed.program
-        x, u = dyadic.samples(block, 12)
+def reduce(block: Block) -> Reduced:
+    return pipeline.reduce(block, np.float64, libm=True)
+
+
+def is_right(printed: Reduced) -> bool:
+    """Whether the statements of a program pass the machine and give what the program gives."""
+    program, block = printed.program, printed.block
+    x, u = dyadic.samples(block, 12)
+    try:
+        statements = schedule.statements(program)
         for k in range(x.shape[1]):
             loads = {s.name: float(v) for s, v in zip(block.states, x[:, k], strict=True)}
             loads |= {s.name: float(v) for s, v in zip(block.inputs, u[:, k], strict=True)}
-            loads |= {c.name: c.value for c in printed.block.constants}
-            try:
-                right = execute(program, loads) == reference_results(program, loads)
-            except (AssertionError, KeyError):
-                right = False
-            if not right:
-                defective.append(block.name)
-                break
-    return defective
+            loads |= {c.name: c.value for c in block.constants}
+            if execute(program, statements, loads) != reference_results(program, loads):
+                return False
+    except (AssertionError, KeyError):
+        return False
+    return True
+
+
+def defects(blocks: Sequence[Block]) -> list[str]:
+    """Return the names of Blocks whose statements fail the machine or give something else than the program."""
+    return [block.name for block in blocks if not is_right(reduce(block))]
 
 
 @pytest.mark.slow
@@ -130,10 +136,9 @@ def test_hazards_are_scheduled_right() -> None:
 @pytest.mark.slow
 def test_random_blocks_are_scheduled_right() -> None:
     makers = dyadic.random_block, dyadic.random_holding_block
-    blocks = [random_block(makers[seed // 4 % 2], seed) for seed in SEEDS]
-    assert not defects(blocks)
-    programs = [pipeline.reduce(b, np.float64, libm=True).program for b in blocks]
-    branches = [s for p in programs for s in everywhere(schedule.statements(p)) if isinstance(s, Branch)]
+    reduced = [reduce(random_block(makers[seed // 4 % 2], seed)) for seed in SEEDS]
+    assert not [printed.block.name for printed in reduced if not is_right(printed)]
+    branches = [s for r in reduced for s in everywhere(schedule.statements(r.program)) if isinstance(s, Branch)]
     assert len(branches) > 100 and any(isinstance(s, Branch) for b in branches for s in (*b.then, *b.other))
 
 
