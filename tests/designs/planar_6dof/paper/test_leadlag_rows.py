@@ -192,6 +192,7 @@ def test_the_spread_of_masses_is_found_from_their_inertias() -> None:
 # What moves what
 
 
+@pytest.mark.usefixtures("plant_built_once")
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_a_parameter_moves_the_rows_that_depend_on_it_and_no_other(rows: dict[str, Row], parameter: str) -> None:
     plant = PLANT.with_parameters(**{parameter: PLANT.parameter(parameter).value * 1.01})
@@ -205,6 +206,7 @@ def readers() -> dict[str, set[str]]:
     return recomputed.readers(ROWS)
 
 
+@pytest.mark.usefixtures("plant_built_once")
 @pytest.mark.parametrize("source", NUMBERS)
 def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
     rows: dict[str, Row], readers: dict[str, set[str]], source: str

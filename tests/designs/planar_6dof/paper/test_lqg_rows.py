@@ -203,6 +203,7 @@ def readers() -> dict[str, set[str]]:
     return recomputed.readers(ROWS)
 
 
+@pytest.mark.usefixtures("plant_built_once")
 @pytest.mark.parametrize("source", NUMBERS)
 def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
     rows: dict[str, Row], readers: dict[str, set[str]], source: str
