@@ -10,9 +10,14 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from designs.hall_position import costs
+from designs.hall_position import config, costs
 from designs.hall_position.costs import BUILDS, Row, Subject
+from designs.hall_position.pages import six as pages
+from designs.hall_position.protected import spatial
 from designs.hall_position.protected.config import THREE, block
+from models.hall_stage import Stage
+from models.hall_two_waves import SpatialArray
+from synth.block import unranged
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
@@ -24,6 +29,7 @@ GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-g
 PLAIN = BUILDS[0]
 TURNS = 50  # of a loop that is planted
 emit_with_libm = partial(write.emit, libm=True)
+GUARDED = cache(spatial.guarded_estimator)  # built once, as several tests ask for it
 
 
 @cache
@@ -33,8 +39,14 @@ def three() -> EmittedCode:
 
 
 @cache
+def array() -> SpatialArray:
+    """Return the four sensors that are measured in six degrees of freedom."""
+    return pages.optimised_layout(Stage(), pages.MIN_SENSORS)
+
+
+@cache
 def six() -> EmittedCode:
-    return emit_with_libm(posed.block(posed.FOUR), np.float32)
+    return emit_with_libm(unranged(GUARDED(array(), config.TIME)), np.float32)
 
 
 @cache
@@ -70,6 +82,7 @@ def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(
         costs, "emit", lambda block: six() if "pose" in block.name else emit_with_libm(block, np.float32)
     )
+    monkeypatch.setattr(spatial, "guarded_estimator", GUARDED)
     monkeypatch.setattr(costs, "row", lambda of, build: Row(of.name, build.name, len(of.steps), 1, 1))
     rows = costs.measure(lambda _: None)
     names = "4 sensors", "3 sensors", "six degrees of freedom, 4 sensors"
@@ -86,20 +99,20 @@ def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
-    poses = costs.motion(posed.FOUR, costs.SPATIAL_STEPS)
-    seen = costs.six_steps(posed.FOUR, host.load(six().files, six().manifest)).inputs[: costs.SPATIAL_STEPS]
+    poses = costs.motion(array(), costs.SPATIAL_STEPS)
+    seen = costs.six_steps(array(), host.load(six().files, six().manifest)).inputs[: costs.SPATIAL_STEPS]
     read = np.array([seen[name] for name in seen.dtype.names or ()]).T
     read[costs.FALSE_VOLTAGES] *= -1
-    off = read - posed.volts(posed.FOUR, poses).reshape(costs.SPATIAL_STEPS, -1)
-    assert np.std(off) == pytest.approx(posed.FOUR.deviation, rel=0.1)
+    off = read - posed.volts(array(), poses).reshape(costs.SPATIAL_STEPS, -1)
+    assert np.std(off) == pytest.approx(array().deviation, rel=0.1)
     assert (np.ptp(poses, axis=0) > np.array([1e-3, 1e-3, 5e-6, 1e-4, 1e-4, 1e-3])).all()
-    assert (np.abs(poses[:, 2] - posed.FOUR.height) < posed.USUAL.gap).all()
+    assert (np.abs(poses[:, 2] - array().height) < posed.USUAL.gap).all()
     assert (np.abs(poses[:, 3:5]) < posed.USUAL.tilt).all()
 
 
 def test_it_finds_its_way_and_loses_it() -> None:
     controller = host.load(six().files, six().manifest)
-    sequence = costs.six_steps(posed.FOUR, controller)
+    sequence = costs.six_steps(array(), controller)
     assert len(sequence) == 2 * costs.SPATIAL_STEPS
     outputs = steps.evaluate(controller, sequence).outputs
     valid, lost = (outputs[name][: costs.SPATIAL_STEPS] > 0 for name in ("valid", "lost"))
