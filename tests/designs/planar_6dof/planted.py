@@ -85,8 +85,13 @@ def mutants(at: WitnessSteps, count: int) -> Iterator[tuple[str, agree.Witness]]
         at_place = places[k]
         other = text[:at_place] + ("-" if text[at_place] == "+" else "+") + text[at_place + 1 :]
         line = text[text.rindex("\n", 0, at_place) + 1 : text.index("\n", at_place)].strip()
-        files = {**at.emitted.files, f"{name}.c": other}
-        yield f"{line}, column {at_place}", agree.emitted_c(host.load(files, at.emitted.manifest))
+        mutant = replace(at.emitted, files={**at.emitted.files, f"{name}.c": other})
+        yield f"{line}, column {at_place}", agree.emitted_c(unoptimised(mutant))
+
+
+def unoptimised(made: write.EmittedCode) -> host.Controller:
+    """Load C that takes few steps: its results are those of the optimised, and it is compiled much sooner."""
+    return host.load(made.files, made.manifest, ["-O0"])
 
 
 def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:

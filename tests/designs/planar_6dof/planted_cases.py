@@ -20,6 +20,7 @@ __all__ = [
     "test_every_constant_counts",
     "test_steps_that_are_mostly_at_the_limits",
     "test_the_sound_reference_is_no_defect",
+    "test_without_optimisation_the_sound_c_is_no_defect",
 ]
 
 
@@ -49,3 +50,8 @@ def test_every_constant_counts(at: WitnessSteps) -> None:
 def test_a_wrong_sign_in_the_c_is_reported(at: WitnessSteps) -> None:
     missed = [line for line, witness in planted.mutants(at, 24) if not planted.is_detected(at, witness)]
     assert missed == []
+
+
+def test_without_optimisation_the_sound_c_is_no_defect(at: WitnessSteps) -> None:
+    """What a wrong sign parts is parted by the sign."""
+    assert not planted.is_detected(at, agree.emitted_c(planted.unoptimised(at.emitted)))
