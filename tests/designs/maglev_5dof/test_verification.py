@@ -69,7 +69,7 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 
 def _compiled(block: Block) -> host.Controller:
-    """Return the C of a defective Block with functions of libm: polynomials are fitted anew for other constants."""
+    """Return the C of a defective Block with functions of libm: other constants need polynomials of their own."""
     return build.compile_block(block, np.float64, libm=True)
 
 
