@@ -108,7 +108,7 @@ def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, 
 
 
 def test_without_optimisation_the_sound_c_agrees(stage: Plant, random_steps: Steps) -> None:
-    """What a planted change parts is parted by the change."""
+    """So a difference after a planted change comes from the change."""
     emitted = _emitted(control.with_fault_handling(stage).block)
     assert not _disagrees(_worst(host.load(emitted.files, emitted.manifest, UNOPTIMISED), random_steps))
 

@@ -53,5 +53,5 @@ def test_a_wrong_sign_in_the_c_is_reported(at: WitnessSteps) -> None:
 
 
 def test_without_optimisation_the_sound_c_is_no_defect(at: WitnessSteps) -> None:
-    """What a wrong sign parts is parted by the sign."""
+    """So a difference after a wrong sign comes from the sign."""
     assert not planted.is_detected(at, agree.emitted_c(planted.unoptimised(at.emitted)))
