@@ -144,7 +144,7 @@ class _Entry:
     top: str
     line: int
 
-    @property
+    @functools.cached_property
     def root(self) -> Path:
         """The folder that holds the module's package."""
         return self.path.parents[self.module.count(".") + (self.path.name == "__init__.py")]
@@ -213,6 +213,7 @@ def _next(root: Path, place: Place) -> frozenset[Place]:
     return frozenset([(name, BARE), *imported, *packages, *reached])
 
 
+@functools.cache
 def _targets(target: str) -> tuple[str, ...]:
     """Return the modules that the import of a dotted name may load."""
     parts = target.split(".")
