@@ -80,13 +80,13 @@ def dense(J: bordered.Jacobian) -> np.ndarray:
 def test_spans_start_from_states_of_their_own() -> None:
     logged = log()
     problem = trajectory.problem(pendulum(), logged, ("w",), ("x",), 7, {}, (), 2)
-    assert len(problem.y) == 7 * 8 and problem.starts.shape == (7, 2), "60 rows in spans of 8, none of them shared"
+    assert len(problem.y) == 8 * 7 and problem.starts.shape == (8, 2), "60 rows in 8 equal spans, none of them shared"
     np.testing.assert_array_equal(problem.y[:, 0], logged.samples["x"][:56])
-    np.testing.assert_array_equal(problem.starts[:, 1], logged.samples["v"][:56:8])
-    alone = Log({name: v[16:24] for name, v in logged.samples.items()}, 0.02)
+    np.testing.assert_array_equal(problem.starts[:, 1], logged.samples["v"][:56:7])
+    alone = Log({name: v[14:21] for name, v in logged.samples.items()}, 0.02)
     single = trajectory.problem(pendulum(), alone, ("w",), ("x",), None, {}, (), 2)
     np.testing.assert_allclose(
-        problem.simulate(np.concatenate([[2.0], problem.starts.ravel()]))[0][16:24],
+        problem.simulate(np.concatenate([[2.0], problem.starts.ravel()]))[0][14:21],
         single.simulate(np.concatenate([[2.0], single.starts.ravel()]))[0],
         rtol=tolerances.of("double"),
     )
