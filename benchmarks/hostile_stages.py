@@ -65,6 +65,7 @@ def examples() -> Mapping[str, Call]:
         "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
         "dead_reckoning.Axis": fields(moving),
         "dead_reckoning.RateBias": {"pole": 0.99, "unmeasured": 28},
+        "start.block": {"demands": {replace(U, name="law"): U}},
         "repeated_codes.states": {"channels": coils, "repeats": 6},
         "repeated_codes.numbers": {"channels": coils, "repeats": 6},
         "repeated_codes.longest": {"channels": 6, "repeats": 14},

@@ -17,14 +17,12 @@ by that, if the motion does not show it earlier. Figures: docs/decisions/planar_
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import casadi as ca
-
 from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models.planar_allocation import HORIZONTAL
 from synth.block import Block, Exprs, State, Step, build
-from synth.blocks import braking, dead_reckoning
+from synth.blocks import braking, dead_reckoning, start
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -96,22 +94,8 @@ def add_braking(
     demands = {axis: (begun[axis], vertical.DEMAND[axis]) for axis in HORIZONTAL}
     moved = axes(plant, time, bandwidth)
     said = [*notes, removes({axis.name: axis.acceleration for axis in moved}, time)]
-    started = start(time, {demanded[a]: begun.get(a, s) for a, s in vertical.DEMAND.items()})
+    started = start.block(time, {demanded[a]: begun.get(a, s) for a, s in vertical.DEMAND.items()})
     return [*blocks, started, braking.block("braking", time, moved, demands, SHARE, said)]
-
-
-def start(time: Discrete, demands: Mapping[Signal, Signal]) -> Block:
-    """Return the Block that passes demands on once a sample was complete, and 0 before.
-
-    Before it x, y and the yaw are not known, so a current would act in any direction.
-    """
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        known = ca.logic_or(u[sensing.READY.name], u[sensing.COMPLETE.name])
-        return Step({passed.name: ca.if_else(known, u[demand.name], 0) for demand, passed in demands.items()})
-
-    inputs, tag = [sensing.READY, sensing.COMPLETE, *demands], "no demand before the first complete sample"
-    return build("start", time, law, inputs=inputs, outputs=list(demands.values()), tag=tag)
 
 
 def removes(acceleration: Mapping[str, float], time: Discrete) -> str:

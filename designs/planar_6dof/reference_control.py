@@ -161,12 +161,6 @@ def brake(demands: Columns, state: Columns, now: dead_reckoning.Sample, stops: A
     return dead_reckoning.brake(demands, rates, stops, now.T, INERTIAS, REMAINING)
 
 
-def begun_demands(demands: Columns, state: Columns, complete: Array) -> dict[str, Array]:
-    """Return the demands, 0 before the first sample in which all Hall voltages are good."""
-    begun = (np.asarray(state["guard_ready"]) > 0) | complete
-    return {axis: np.where(begun, d, 0.0) for axis, d in demands.items()}
-
-
 def vertical_kinematics(v: Columns) -> dict[str, Array]:
     """Return z, theta and psi for three distances."""
     points = np.array([[1, y, -x] for x, y in ((-LASER_ARM, -LASER_ARM), (LASER_ARM, -LASER_ARM), (0.0, LASER_ARM))])

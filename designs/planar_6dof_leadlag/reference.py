@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from designs.planar_6dof import reference_control as shared
 from designs.planar_6dof import reference_sensing as sensing
 from designs.planar_6dof.reference_control import AXES
-from synth.reference import dead_reckoning, lead_lag
+from synth.reference import dead_reckoning, guard, lead_lag
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -76,7 +76,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}
     k = compensators()
     demand = {axis: shared.demand(axis, k[axis], e[axis], state) for axis in AXES}
-    demand = shared.begun_demands(demand, state, guarded.complete)
+    demand = guard.begun(state, demand, guarded.complete)
     demand |= shared.brake({axis: demand[axis] for axis in GAIN}, state, now, guarded.braked)
     currents, achieved = shared.allocate(demand, pose["phi"])
     for axis in AXES:

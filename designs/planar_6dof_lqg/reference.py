@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_control as shared
 from designs.planar_6dof import reference_sensing as sensing
-from synth.reference import dead_reckoning, gains
+from synth.reference import dead_reckoning, gains, guard
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -139,7 +139,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     acting = {axis: state[f"lqg_{axis}_achieved"] for axis in HORIZONTAL}
     now = shared.sample(state, measured, pose["measured"], acting, float(PERIOD), BANDWIDTH)
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
-    demands = shared.begun_demands(demands, state, guarded.complete)
+    demands = guard.begun(state, demands, guarded.complete)
     demands |= shared.brake({axis: demands[axis] for axis in HORIZONTAL}, state, now, guarded.braked)
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():

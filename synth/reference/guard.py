@@ -104,6 +104,12 @@ def frozen(state: Columns, after: Columns, latched: Flags) -> dict[str, Array]:
     return {n: np.where(latched, state[n], v) for n, v in after.items()}
 
 
+def begun(state: Columns, demands: Columns, complete: Flags) -> dict[str, Array]:
+    """Return the demands, 0 before the first complete sample: reference of `blocks.start`."""
+    known = (np.asarray(state["guard_ready"]) > 0) | complete
+    return {name: np.where(known, d, 0.0) for name, d in demands.items()}
+
+
 def slew(
     state: Columns, computed: Columns, latched: Flags, step: float, safe: Mapping[str, float | Array] | None = None
 ) -> tuple[dict[str, Array], dict[str, Array]]:

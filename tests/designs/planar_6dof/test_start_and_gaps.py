@@ -1,9 +1,11 @@
 """Hall channels that are bad from the first sample on, or now and then, on the stage: off the middle, tilted."""
 
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
@@ -19,12 +21,10 @@ LATCH, SUSPECTS = 1 << 31, 0b111111 << 15
 TWISTED = 5, 6  # plants of the campaign with the largest torques about Z, one of each sign
 
 
-def run(rig: Rig, channel: str, bad: float | int, duration: float) -> Trajectory:
-    """Run at rest in POSE; the channel is NaN in the first `bad` samples, or in this part of all."""
+def run(rig: Rig, channel: str, bad: Callable[[int], NDArray[np.bool_]], duration: float) -> Trajectory:
+    """Run at rest in POSE; the channel is NaN in the samples that `bad` returns for their number."""
     n = len(sample_times(duration, rig.period_s))
-    mask = np.arange(n) < bad if isinstance(bad, int) else np.random.default_rng(3).uniform(size=n) < bad
-    mask[0] |= bad == n
-    overrides = {channel: Override(mask, np.full(n, np.nan))}
+    overrides = {channel: Override(bad(n), np.full(n, np.nan))}
     return loops.simulate(rig, duration, {a: np.full(n, v) for a, v in POSE.items()}, POSE, overrides=overrides)
 
 
@@ -32,7 +32,7 @@ def run(rig: Rig, channel: str, bad: float | int, duration: float) -> Trajectory
 @pytest.mark.parametrize("package", [leadlag, lqg])
 def test_no_current_flows_before_the_hall_voltages_are_complete(package: ModuleType, channel: str) -> None:
     rig = loops.of(package.subject().block)
-    healed = run(rig, channel, 4, 0.4)
+    healed = run(rig, channel, lambda n: np.arange(n) < 4, 0.4)
     currents = np.array([healed.commands[s.name] for s in planar_stage.INPUTS])
     assert not currents[:, :4].any() and currents[:, 4].any()
     assert not healed.faults[4:].any() and not (healed.faults & LATCH).any()
@@ -42,9 +42,14 @@ def test_no_current_flows_before_the_hall_voltages_are_complete(package: ModuleT
 @pytest.mark.parametrize("package", [leadlag, lqg])
 def test_a_channel_that_is_lost_from_the_start_leaves_the_platen_at_rest(package: ModuleType) -> None:
     rig = loops.of(package.subject().block)
-    lost = run(rig, "V_ay", 400, 0.4)
+    lost = run(rig, "V_ay", lambda n: np.ones(n, bool), 0.4)
     assert lost.faults[-1] & LATCH and not np.array([lost.commands[s.name] for s in planar_stage.INPUTS]).any()
     assert all(abs(lost[axis][-1] - POSE[axis]) < 1e-6 for axis in ("x", "y", "phi"))
+
+
+def now_and_then(n: int) -> NDArray[np.bool_]:
+    """Return a tenth of n samples, at random."""
+    return np.asarray(np.random.default_rng(3).uniform(size=n) < 0.1)
 
 
 @pytest.mark.parametrize("number", TWISTED)
@@ -54,6 +59,6 @@ def test_bad_samples_now_and_then_do_not_latch(package: ModuleType, number: int)
     rig = loops.of(package.subject().block)
     plant = campaign.plant_number(rig.plant, number)
     for channel in ("V_ax", "V_by"):
-        some = run(Rig(rig.stage, plant, rig.controller), channel, 0.1, 6.0)
+        some = run(Rig(rig.stage, plant, rig.controller), channel, now_and_then, 6.0)
         assert not (some.faults & (LATCH | SUSPECTS)).any()
         assert abs(some["phi"]).max() < 0.01
