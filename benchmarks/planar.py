@@ -35,6 +35,7 @@ COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps for CasADi's C, with t
 BREAKDOWN_STEPS = 500  # closed-loop steps of the instruction profile
 CORE = 2000  # steps of a core
 PARTS = {
+    "guard": ("guard", "start"),
     "sensing": ("sensing", "vertical_kinematics"),
     "filters": ("filter_",),
     "prediction": ("reckoning", "delay"),
