@@ -46,10 +46,14 @@ def plan_of(designs: tuple[Design, Design], drawn: Sampling, patterns: tuple[str
 
 
 def _machine(stage: Stage) -> list[tuple[str, float, float]]:
-    """Return all from which machines are drawn, in order: name, nominal value, and tolerance or offset."""
+    """Return all from which machines are drawn, in order: name, nominal value, and tolerance or largest error."""
     rig = study_runs.rig(stage)
-    sensors = ((f"sensor {s.name}", s.resolution, s.offset) for s in rig.stage.interface.sensors)
-    return [*((p.name, p.value, p.tolerance) for p in rig.plant.parameters), *sensors]
+    sensors = rig.stage.interface.sensors
+    return [
+        *((p.name, p.value, p.tolerance) for p in rig.plant.parameters),
+        *((f"sensor {s.name}", s.resolution, s.offset) for s in sensors),
+        *((f"gain of sensor {s.name}", 1.0, s.gain_error) for s in sensors),
+    ]
 
 
 def _difference(*machines: list[tuple[str, float, float]]) -> str:

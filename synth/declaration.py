@@ -30,7 +30,8 @@ class Sensor:
 
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
     by default the output's range. Before the first good sample, and with `held=False` for each bad one, it takes
-    `initial`, by default the value nearest to 0. `offset` is the largest error of its zero, for studies.
+    `initial`, by default the value nearest to 0. `offset` is the largest error of its zero, `gain_error` the largest
+    relative one of its sensitivity, on the machines of studies and fault campaigns.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Sensor:
     resolution: float = 0.0
     noise: float = 0.0
     offset: float = 0.0
+    gain_error: float = 0.0
     low: float | None = None
     high: float | None = None
     initial: float | None = None

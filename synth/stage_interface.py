@@ -1,5 +1,6 @@
 """The interface of a stage, completed from its plant: names, units and ranges, guarded inputs and safe outputs."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -41,7 +42,8 @@ def interface(
 
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
     actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with noise or a
-    resolution that is negative or above COARSEST, and for a `delay` that is not a whole number from 0.
+    resolution that is negative or above COARSEST, or an error that is negative or not finite, and for a `delay` that is
+    not a whole number from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -94,6 +96,11 @@ def _sensor(sensor: Sensor, of: Signal) -> Sensor:
             f"sensor '{sensor.name}' has noise of {sensor.noise:g} {of.unit} in a range of {low:g} .. {high:g} "
             f"{of.unit}: give its standard deviation, from 0 to {COARSEST:g} of the range"
         )
+    for field, unit in (("offset", of.unit), ("gain_error", "1")):
+        if not 0 <= (value := getattr(sensor, field)) < math.inf:
+            raise SignalError(
+                f"sensor '{sensor.name}' has {field} = {value:g}: give its largest size in {unit}, finite, from 0 on"
+            )
     initial = float(np.clip(0.0, low, high)) if sensor.initial is None else sensor.initial
     return replace(sensor, of=of.name, low=low, high=high, initial=initial, about=sensor.about or of.about)
 

@@ -85,6 +85,8 @@ def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any]
         (Sensor("z", resolution=50), "'z' has a resolution of 50 m in a range of -0.0006 .. 0.0006 m: give one from 0"),
         (Sensor("z", resolution=-1e-8), "'z' has a resolution of -1e-08 m"),
         (Sensor("z", noise=-1e-8), "sensor 'z' has noise of -1e-08 m in a range of"),
+        (Sensor("z", offset=-1e-6), "sensor 'z' has offset = -1e-06: give its largest size in m, finite, from 0 on"),
+        (Sensor("z", gain_error=np.nan), "sensor 'z' has gain_error = nan: give its largest size in 1, finite"),
     ],
 )
 def test_a_resolution_or_noise_that_no_sensor_has_is_refused(sensor: Sensor, message: str) -> None:

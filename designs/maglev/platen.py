@@ -8,6 +8,7 @@ for levitation. The laws compensate only a part of the guide springs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import pi, sqrt
 
 import casadi as ca
@@ -43,7 +44,8 @@ BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 LOST = 2 * WIDE  # m, outside the range of x and z
-STOP_MARGIN = 20e-6  # m at a motor: more than the error of an encoder, its zero off by 7 um and half a count
+ENCODER_OFFSET = 7e-6  # m: largest error of the zero of an encoder
+STOP_MARGIN = 20e-6  # m at a motor: more than the error of an encoder, ENCODER_OFFSET and half a count
 ARM = 1 / (2 * maglev_stage.plant().parameter("r").value)  # 1/m
 
 
@@ -53,11 +55,12 @@ def _off_stops(name: str, scale: float = 1.0) -> tuple[float, float]:
     return low + scale * STOP_MARGIN, high - scale * STOP_MARGIN
 
 
+_ENCODER = partial(Sensor, resolution=RESOLUTION, offset=ENCODER_OFFSET)
 INTERFACE = stage.interface(
     maglev_stage.plant(),
     sensors=[
-        *(Sensor(f"y{j}", of=f"g{j}", resolution=RESOLUTION, initial=GAP[1]) for j in MOTORS),
-        *(Sensor(n, resolution=RESOLUTION, low=-WIDE, high=WIDE, about=f"platen along {n.upper()}") for n in "xz"),
+        *(_ENCODER(f"y{j}", of=f"g{j}", initial=GAP[1]) for j in MOTORS),
+        *(_ENCODER(n, low=-WIDE, high=WIDE, about=f"platen along {n.upper()}") for n in "xz"),
     ],
     set_points=[
         SetPoint("y_ref", "y", *_off_stops("y"), initial=GAP[1] - STOP_MARGIN, about="set-point of the gap"),

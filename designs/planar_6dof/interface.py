@@ -26,6 +26,7 @@ from synth.timing import Discrete
 NOISE, NOISE_PRINTED = 13e-6, 5e-5  # m: a third of the peaks of +-4e-5 m in Fig. 5(a); the value of section 3.2
 LASER_NOISE = 2e-7  # m, not printed
 RANGE, BITS = 20.0, 16  # V, section 4.2
+HALL_OFFSET, HALL_GAIN_ERROR = 5e-3, 5e-3  # V, and of the sensitivity: largest errors of a channel, not printed
 ADC = RANGE / 2**BITS
 LASER_RESOLUTION = 2 * vertical.LASER / 2**BITS  # m: the range of a distance over the converter's
 BAD_SAMPLES = 5
@@ -37,7 +38,7 @@ SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float
 
 
 VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
-_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE)
+_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, offset=HALL_OFFSET, gain_error=HALL_GAIN_ERROR)
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
 
 

@@ -7,9 +7,8 @@
     time to notice    detection time, from the onset to the first fault bit that the healthy run does not have
     time to latch     from the onset to the latch; a time is inf if there is no such bit or no latch
 
-Plant 0 is the nominal one. The others have perturbed parameters p (1 + tolerance s). Each s is -1 or 1 at random for
-the first CORNERS of them, and uniform in -1 .. 1 for the others. Plant i is the same in every campaign. Positions
-without declared stops have stops at the limits of the plant's domain.
+Plant 0 is the nominal one, the others are those of `machines`. Positions without declared stops have stops at the
+limits of the plant's domain.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,14 +21,14 @@ from numpy.typing import NDArray
 from synth.declaration import Stage
 from synth.errors import SignalError
 from synth.fault import LATCH_BIT
-from synth.plant import Plant, velocities
+from synth.plant import velocities
 from synth.progress import Counted, Progress
-from synth.simulate import conditions, fault_effects, injections
+from synth.simulate import conditions, fault_effects, injections, machines
 from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
-CORNERS, SEED = 8, 18  # number of perturbed plants at corners of the tolerances, and the seed of all
+FAR = 0.2  # of the range of a set-point: largest distance from it, on average, at rest without a fault
 SWING = 0.2  # amplitude of the default motion, over the distance from rest to the nearer end of the range
 AT_REST, IN_MOTION = "at rest", "in motion"
 Values = Mapping[str, float]
@@ -83,17 +82,6 @@ class HealthyRun:
     plant: int
     alarms: int
     impacts: Values
-
-
-def plant_number(plant: Plant, i: int) -> Plant:
-    """Return the nominal plant for i = 0, otherwise perturbed plant i."""
-    tolerances = {p.name: p.value * p.tolerance for p in plant.parameters if p.tolerance > 0}
-    if i == 0 or not tolerances:
-        return plant
-    rng = np.random.default_rng([SEED, i])
-    s = rng.choice((-1.0, 1.0), len(tolerances)) if i <= CORNERS else rng.uniform(-1, 1, len(tolerances))
-    changes = dict(zip(tolerances, s * np.array(list(tolerances.values())), strict=True))
-    return plant.with_parameters(**{n: plant.parameter(n).value + float(d) for n, d in changes.items()})
 
 
 def with_stops(rig: Rig) -> Rig:
@@ -185,10 +173,13 @@ def run(
 ) -> tuple[HealthyRun, list[FaultRun]]:
     """Run `faults`, by default all, in a condition on the plant with this number; `rig` is from `with_stops`.
 
-    Raises SignalError and WiringError as `Rig.run`.
+    Raises SignalError for an operating point at which the nominal machine does not rest, and as `Rig.run`, like
+    WiringError.
     """
-    perturbed = replace(rig, plant=plant_number(rig.plant, plant))
+    perturbed = machines.machine_number(rig, plant)
     healthy, begun = run_healthy(perturbed, condition)
+    if plant == 0 and condition.name not in (AT_REST, IN_MOTION):
+        _require_rest(rig, condition, healthy)
     runs: list[FaultRun] = []
     chosen = injections.derive(rig.stage) if faults is None else faults
     for k, injection in enumerate(chosen):
@@ -197,6 +188,21 @@ def run(
         for onset in condition.onsets:
             runs.append(inject(begun[onset], plant, condition, injection, onset, healthy))
     return HealthyRun(condition.name, plant, int(np.count_nonzero(healthy.faults)), healthy.impacts), runs
+
+
+def _require_rest(rig: Rig, condition: Condition, healthy: Trajectory) -> None:
+    """Refuse an operating point that the machine has left for good, as where a sensor repeats with each pitch."""
+    points, onset = {s.name: s for s in rig.stage.interface.set_points}, condition.onsets[0]
+    for name, course in condition.references.items():
+        point, position = points[name], rig.positions[name]
+        distance = abs(float(np.mean(healthy[position][onset // 2 : onset])) - float(course[onset]))
+        if not distance <= FAR * (point.high - point.low):
+            unit = rig.stage.interface.signals[name].unit
+            raise SignalError(
+                f"{condition.name}: without a fault '{position}' is {distance:g} {unit} from '{name}' = "
+                f"{course[onset]:g} {unit} before the fault; give an operating point at which the machine rests, one "
+                "that its controller can tell from others at init"
+            )
 
 
 def run_healthy(rig: Rig, condition: Condition) -> tuple[Trajectory, dict[int, Rig]]:

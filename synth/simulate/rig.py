@@ -87,7 +87,8 @@ class Rig:
     `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
     `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
     `drive` are the compiled Blocks behind the controller; `plant` is then the plant that they drive.
-    `offsets` are errors of the sensors' zeros, in their units. `simulate` runs a scenario.
+    `offsets` are errors of the sensors' zeros, in their units, `gain_errors` relative ones of their sensitivities.
+    `simulate` runs a scenario.
     """
 
     stage: Stage
@@ -100,6 +101,7 @@ class Rig:
     disturbance: ca.Function | None = None
     drive: tuple[host.Controller, ...] = ()
     offsets: Mapping[str, float] = field(default_factory=dict)
+    gain_errors: Mapping[str, float] = field(default_factory=dict)
     simulate: Simulate = closed_loop.simulate
 
     @property
@@ -251,9 +253,9 @@ class Rig:
     def _encoders(self) -> dict[str, Encoder]:
         resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}
         return {
-            name: Encoder(resolution, self.offsets.get(name, 0.0))
+            name: Encoder(resolution, self.offsets.get(name, 0.0), self.gain_errors.get(name, 0.0))
             for name, resolution in resolutions.items()
-            if resolution or name in self.offsets
+            if resolution or name in self.offsets or name in self.gain_errors
         }
 
     def sensor_noise(self, n: int) -> dict[str, Array]:

@@ -1,6 +1,7 @@
-"""Random machines within their tolerances: plant parameters and zeros of sensors.
+"""Random machines within their tolerances: plant parameters, and zeros and sensitivities of sensors.
 
     value = nominal (1 + tolerance z)     of a parameter          offset = largest offset times z     of a sensor
+                                                              gain error = largest gain error times z
 
     uniform   z uniform in -1 .. 1
     normal    z normal with standard deviation 1/3: the tolerance is three deviations
@@ -52,9 +53,13 @@ class Sampling:
 
 
 def quantities(rig: Rig) -> tuple[str, ...]:
-    """Return the names of what is drawn: parameters with a tolerance, then sensors with an offset, as `offset.NAME`."""
-    parameters = (p.name for p in rig.plant.parameters if p.tolerance > 0)
-    return (*parameters, *(_offset(s.name) for s in rig.stage.interface.sensors if s.offset > 0))
+    """Return the names of what is drawn: parameters with a tolerance, then `offset.NAME` and `gain.NAME` of sensors."""
+    sensors = rig.stage.interface.sensors
+    return (
+        *(p.name for p in rig.plant.parameters if p.tolerance > 0),
+        *(_offset(s.name) for s in sensors if s.offset > 0),
+        *(_gain(s.name) for s in sensors if s.gain_error > 0),
+    )
 
 
 def draw(sampling: Sampling, number: int, rows: Sequence[int]) -> Array:
@@ -87,10 +92,23 @@ def machine(rig: Rig, z: Mapping[str, float], seed: int, row: int) -> Rig:
     plant = rig.plant.with_parameters(
         **{p.name: p.value * (1 + p.tolerance * z[p.name]) for p in rig.plant.parameters if p.name in z}
     )
+    noise = int(np.random.default_rng([seed, row, 1]).integers(_NOISE))
+    return with_sensor_errors(replace(rig, plant=plant, seed=noise), z)
+
+
+def with_sensor_errors(rig: Rig, z: Mapping[str, float]) -> Rig:
+    """Return the rig whose sensors have the errors with z by quantity."""
     sensors = rig.stage.interface.sensors
-    offsets = {s.name: s.offset * z[_offset(s.name)] for s in sensors if _offset(s.name) in z}
-    return replace(rig, plant=plant, offsets=offsets, seed=int(np.random.default_rng([seed, row, 1]).integers(_NOISE)))
+    return replace(
+        rig,
+        offsets={s.name: s.offset * z[_offset(s.name)] for s in sensors if _offset(s.name) in z},
+        gain_errors={s.name: s.gain_error * z[_gain(s.name)] for s in sensors if _gain(s.name) in z},
+    )
 
 
 def _offset(sensor: str) -> str:
     return f"offset.{sensor}"
+
+
+def _gain(sensor: str) -> str:
+    return f"gain.{sensor}"

@@ -13,7 +13,7 @@ from synth.blocks import safety
 from synth.campaign import FaultCampaign, FaultLimit
 from synth.errors import SignalError
 from synth.progress import silent
-from synth.simulate import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections
+from synth.simulate import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections, machines
 from synth.simulate.campaign import FaultRun, HealthyRun
 from synth.simulate.conditions import Sine
 from synth.simulate.fault_rows import Campaign
@@ -111,15 +111,29 @@ def test_velocities_and_stops_come_from_the_model(bare: Rig) -> None:
 
 def test_wrong_plants_are_corners_first_and_always_the_same(rig: Rig) -> None:
     nominal, tolerances = rig.plant, np.array([p.tolerance for p in rig.plant.parameters])
-    assert campaign.plant_number(nominal, 0) is nominal
+    assert machines.plant_number(nominal, 0) is nominal
     for i in range(1, 17):
-        wrong = campaign.plant_number(nominal, i)
+        wrong = machines.plant_number(nominal, i)
         change = wrong.values / nominal.values - 1
-        assert np.array_equal(wrong.values, campaign.plant_number(nominal, i).values)
-        if i <= campaign.CORNERS:
+        assert np.array_equal(wrong.values, machines.plant_number(nominal, i).values)
+        if i <= machines.CORNERS:
             assert np.allclose(np.abs(change), tolerances, rtol=0, atol=1e-12)
         else:
             assert (np.abs(change) <= tolerances).all() and (np.abs(change) < 0.99 * tolerances).any()
+
+
+def test_the_sensors_of_wrong_machines_are_off_within_their_errors(rig: Rig) -> None:
+    wide = {"z": replace(rig.stage.interface.sensors[0], offset=2e-6, gain_error=0.01)}
+    off = rig.with_interface(sensors=tuple(wide.get(s.name, s) for s in rig.stage.interface.sensors))
+    assert machines.machine_number(off, 0) is off
+    drawn = [machines.machine_number(off, i) for i in range(1, 17)]
+    assert {abs(m.offsets["z"]) for m in drawn[: machines.CORNERS]} == {2e-6}
+    assert all(0 < abs(m.gain_errors["z"]) <= 0.01 for m in drawn) and len({m.gain_errors["z"] for m in drawn}) > 8
+    for i, machine in enumerate(drawn, 1):
+        assert np.array_equal(machine.plant.values, machines.plant_number(rig.plant, i).values)
+    healthy, _ = campaign.run_healthy(drawn[0], campaign.motion_and_standstill(off)[0])
+    told = healthy.states["z"][-100:].mean() * (1 + drawn[0].gain_errors["z"]) + drawn[0].offsets["z"]
+    assert abs(healthy.measured["z"][-100:].mean() - told) < 2e-7
 
 
 def test_a_lost_sensor_is_noticed_at_once_named_and_latches(rig: Rig) -> None:

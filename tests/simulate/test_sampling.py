@@ -18,7 +18,8 @@ PID = levitator.design()
 @pytest.fixture(scope="module")
 def rig() -> Rig:
     loaded = standard_tasks.rig(PID.DESIGN.stage, np.float64)
-    sensors = tuple(replace(s, offset=2e-6) if s.name == "z" else s for s in loaded.stage.interface.sensors)
+    errors = {"offset": 2e-6, "gain_error": 0.01}
+    sensors = tuple(replace(s, **errors) if s.name == "z" else s for s in loaded.stage.interface.sensors)
     return loaded.with_interface(sensors=sensors)
 
 
@@ -44,16 +45,17 @@ def test_each_method_has_its_distribution() -> None:
         assert len(np.unique(slices)) == n - 1, "one row in each slice but that of the nominal row"
 
 
-def test_a_machine_has_the_drawn_parameters_offsets_and_noise(rig: Rig) -> None:
+def test_a_machine_has_the_drawn_parameters_errors_of_sensors_and_noise(rig: Rig) -> None:
     names = sampling.quantities(rig)
-    assert names[-1] == "offset.z" and "M" in names
+    assert names[-2:] == ("offset.z", "gain.z") and "M" in names
     z = dict.fromkeys(names, 0.5)
     machine = sampling.machine(rig, z, 1, 7)
     mass = rig.plant.parameter("M")
     assert machine.plant.parameter("M").value == mass.value * (1 + 0.5 * mass.tolerance)
-    assert machine.offsets == {"z": 1e-6} and machine.seed != sampling.machine(rig, z, 1, 8).seed
-    nominal, moved = (r.run(0.02).measured["z"] for r in (rig, machine))
-    assert abs((moved - nominal)[0] - 1e-6) < 2e-7
+    assert machine.offsets == {"z": 1e-6} and machine.gain_errors == {"z": 0.005}
+    assert machine.seed != sampling.machine(rig, z, 1, 8).seed
+    run = machine.run(0.02, {"z": 1e-4})
+    assert abs(run.measured["z"][0] - (1.005 * 1e-4 + 1e-6)) < 2e-7
 
 
 @pytest.mark.parametrize(("rows", "seed"), [(0, 0), (3, -1)])

@@ -1,14 +1,12 @@
 """Encoders of x and z that freeze or jump inside a large step of the set-point, and the wide gates for them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof_precise.design import DESIGN as PRECISE
 from synth import standard_tasks
-from synth.simulate import campaign
+from synth.simulate import campaign, machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
@@ -27,7 +25,7 @@ def in_a_step(
     """Return a run in which an encoder freezes, or `jumps` by so many m, so many samples `after` a step of 60 mm."""
     time = sample_times(duration, rig.period_s)
     k = np.arange(len(time))
-    rig = replace(rig, plant=campaign.plant_number(rig.plant, plant))
+    rig = machines.machine_number(rig, plant)
     start, references = {sensor: -SIZE / 2}, {f"{sensor}_ref": np.where(k < STEP, -SIZE / 2, SIZE / 2)}
     if not jumps:
         return rig.run(duration, start, references, lags={sensor: np.clip(k - STEP - after + 1, 0, None)})

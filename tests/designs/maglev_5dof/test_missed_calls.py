@@ -1,7 +1,5 @@
 """Missing calls in the 4-DOF tracking: 40 end in no contact, and no law that follows the course survives 60."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from designs.maglev.fault_handling import MISSED_CALLS
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth import standard_tasks
-from synth.simulate import campaign
+from synth.simulate import campaign, machines
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
 from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Machine, Y, course, machine
@@ -42,9 +40,10 @@ def tracking(plant: int, phase: float, missed: int) -> Trajectory:
     time = sample_times(duration_s, PERIOD_S)
     references = {f"{axis}_ref": sine(time) for axis, sine in motions.COURSES.items()}
     start = {axis: float(references[f"{axis}_ref"][0]) for axis in ("y", "x", "z")}
-    wrong = replace(rig, plant=campaign.plant_number(rig.plant, plant))
     k = np.arange(len(time))
-    return wrong.run(duration_s, start, references, missed=(k >= first) & (k < first + missed))
+    return machines.machine_number(rig, plant).run(
+        duration_s, start, references, missed=(k >= first) & (k < first + missed)
+    )
 
 
 @pytest.mark.parametrize("phase", CLIMBING)

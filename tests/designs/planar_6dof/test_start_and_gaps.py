@@ -11,7 +11,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
 from models import planar_stage
-from synth.simulate import campaign
+from synth.simulate import machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
@@ -56,9 +56,8 @@ def now_and_then(n: int) -> NDArray[np.bool_]:
 @pytest.mark.parametrize("package", [leadlag, lqg])
 def test_bad_samples_now_and_then_do_not_latch(package: ModuleType, number: int) -> None:
     """A torque that is not modelled turns the platen a little in each of them, and the next measurement corrects it."""
-    rig = loops.of(package.subject().block)
-    plant = campaign.plant_number(rig.plant, number)
+    rig = machines.machine_number(loops.of(package.subject().block), number)
     for channel in ("V_ax", "V_by"):
-        some = run(Rig(rig.stage, plant, rig.controller), channel, now_and_then, 6.0)
+        some = run(rig, channel, now_and_then, 6.0)
         assert not (some.faults & (LATCH | SUSPECTS)).any()
         assert abs(some["phi"]).max() < 0.01

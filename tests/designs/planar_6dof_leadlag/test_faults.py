@@ -13,7 +13,7 @@ from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.design import DESIGN, subject
 from models import planar_stage
 from synth.fault import BRAKING_BIT, LATCH_BIT
-from synth.simulate import campaign
+from synth.simulate import machines
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof.faulty_runs import (
     FAILS,
@@ -42,9 +42,9 @@ def planted() -> Rig:
 
 def on_plant(number: int, amplitude: float = 1.0) -> Rig:
     """Return the loop of a wrong plant of the campaign with another amplitude of all Hall voltages."""
-    plant = campaign.plant_number(rig().plant, number)
-    sensitivity = amplitude * plant.parameter("sensitivity").value
-    return replace(rig(), plant=plant.with_parameters(sensitivity=sensitivity))
+    machine = machines.machine_number(rig(), number)
+    sensitivity = amplitude * machine.plant.parameter("sensitivity").value
+    return replace(machine, plant=machine.plant.with_parameters(sensitivity=sensitivity))
 
 
 @pytest.mark.parametrize("speed", SPEEDS)

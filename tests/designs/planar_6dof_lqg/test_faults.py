@@ -11,7 +11,9 @@ from designs.planar_6dof import failures, faults, interface, lqg, motion
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_lqg.design import DESIGN, subject
 from models import hall_sections, planar_stage
-from synth.simulate import campaign
+from synth.errors import SignalError
+from synth.progress import silent
+from synth.simulate import campaign, machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
@@ -109,12 +111,12 @@ def test_fast_filters_learn_the_motion_of_a_stuck_channel(monkeypatch: pytest.Mo
 
 def turning(rig: Rig, factor: float, plant: int) -> Trajectory:
     """Run a ramp of x with an oscillating yaw on a perturbed plant with another amplitude."""
-    perturbed = campaign.plant_number(rig.plant, plant)
-    sensitivity = factor * perturbed.parameter("sensitivity").value
+    machine = machines.machine_number(rig, plant)
+    sensitivity = factor * machine.plant.parameter("sensitivity").value
     time = sample_times(1.5, rig.period_s)
     references = {"x": ramp(0.1, -0.02, time), "phi": 7.8e-3 * np.sin(20 * np.pi * time)}
-    stage = replace(rig, plant=perturbed.with_parameters(sensitivity=sensitivity))
-    return loops.simulate(stage, 1.5, references, {"x": -0.02})
+    scaled = replace(machine, plant=machine.plant.with_parameters(sensitivity=sensitivity))
+    return loops.simulate(scaled, 1.5, references, {"x": -0.02})
 
 
 @pytest.mark.parametrize("factor", [0.9, 1.1])
@@ -138,3 +140,15 @@ def test_an_amplitude_that_jumps_has_its_own_bit_beside_all_six_channels() -> No
     word = int(np.bitwise_or.reduce(result.faults))
     suspects = {f["suspect"] for f in rig().controller.manifest["faults"] if f.get("suspect") and word >> f["bit"] & 1}
     assert word & AMPLITUDE and suspects == set(planar_stage.HALL)
+
+
+def test_an_operating_point_in_another_pitch_is_refused() -> None:
+    """The Hall voltages repeat: at init the controller takes 37 mm for -13.8 mm, and moves on by a pitch."""
+    stage = rig().stage
+    points = {"in another pitch": {"x_ref": 0.037, "y_ref": 0.0098}}
+    off = campaign.with_stops(
+        replace(rig(), stage=replace(stage, faults=replace(faults.CAMPAIGN, operating_points=points)))
+    )
+    (condition,) = (c for c in campaign.motion_and_standstill(off) if c.name.endswith("pitch"))
+    with pytest.raises(SignalError, match=r"another pitch: without a fault 'x' is 0\.05.* m from 'x_ref' = 0.037 m"):
+        campaign.run(off, 0, condition, silent, [])
