@@ -120,13 +120,13 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         yaw_current = clip(d_phi + _product(across, C), CURRENTS[0])
         limit_y = QUADRATURE - ca.fabs(yaw_current)
         y_current = ca.fmax(ca.fmin(y_current, limit_y), -limit_y)
-        front, back = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
-        Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
+        front_current, rear_current = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
+        Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front_current + d_psi, front_current - d_psi, rear_current))
         currents = y_current - yaw_current, y_current + yaw_current, C, Az, Bz, Cz
-        both, lifts = k["two"] * y_current, Az + Bz
+        y_currents, lifts = k["two"] * y_current, Az + Bz
         achieved = (
-            cos * C - sin * both,
-            sin * C + cos * both,
+            cos * C - sin * y_currents,
+            sin * C + cos * y_currents,
             yaw_current - _product(across, C),
             k["z_share"] * (lifts + Cz),
             k["rear_share"] * Cz - k["front_share"] * lifts,
@@ -177,9 +177,9 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         front, named_front = _cos_sin("front", u["within_y"] - behind, l)
         for _ in range(turns):
             front = (front[1], -front[0])
-        yaw = 2 * pi / l * a * ca.sin(angle)
-        (cos, sin), (cy, sy) = front, (ca.cos(yaw), ca.sin(yaw))
-        cc, ss, cs, sc = cos * cy, sin * sy, cos * sy, sin * cy
+        aside = 2 * pi / l * a * ca.sin(angle)
+        (cos, sin), (cos_aside, sin_aside) = front, (ca.cos(aside), ca.sin(aside))
+        cc, ss, cs, sc = cos * cos_aside, sin * sin_aside, cos * sin_aside, sin * cos_aside
         angles = {"A": (cc + ss, sc - cs), "B": (cc - ss, sc + cs), "C": back}
         output: dict[str, ca.SX] = {}
         for motor, (cos, sin) in angles.items():
@@ -217,10 +217,11 @@ def _cos_sin(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX],
 
     With h = sin q cos q: cos 4q = 1 - 8 h^2, sin 4q = h (4 - 8 sin^2 q).
     """
-    sin = ca.sin(pi / (2 * l) * distance)
-    h = sin * ca.sqrt(1 - sin**2)
+    quarter_sine = ca.sin(pi / (2 * l) * distance)
+    h = quarter_sine * ca.sqrt(1 - quarter_sine**2)
+    cosine, sine = 1 - 8 * h**2, h * (4 - 8 * quarter_sine**2)
     named = [
         (Signal(f"distance_{name}", "m", -l, l, "distance to the middle of the pitch"), distance),
-        (Signal(f"quarter_sine_{name}", "1", -1, 1), sin),
+        (Signal(f"quarter_sine_{name}", "1", -1, 1), quarter_sine),
     ]
-    return (1 - 8 * h**2, h * (4 - 8 * sin**2)), named
+    return (cosine, sine), named

@@ -68,10 +68,10 @@ def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
     inverse = plant.constant("half_over_laser_arm", "1/m", lambda p: 1 / (2 * p["laser_arm"]))
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        left, right, back = (u[s.name] for s in DISTANCES)
-        front = (left + right) / 2
-        tilts = {"theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)}
-        return Step({"z": (front + back) / 2} | tilts, numbers=[inverse])
+        left, right, rear = (u[s.name] for s in DISTANCES)
+        front_distance = (left + right) / 2
+        tilts = {"theta": (rear - front_distance) / (2 * r), "psi": (left - right) / (2 * r)}
+        return Step({"z": (front_distance + rear) / 2} | tilts, numbers=[inverse])
 
     outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]
     return build("vertical_kinematics", time, law, inputs=DISTANCES, outputs=outputs, tag="z and tilts from distances")

@@ -50,9 +50,9 @@ HALL_POSITION_INLINE float hall_position_hold_within(float value, float high, fl
     return held;
 }
 
-/* f1_polynomial / x; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at
+/* sine_polynomial / x; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f1_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 0.25f + (t * (-0.0026041644f + (t * (8.136728e-06f + (t * -1.1898613e-08f)))));
 }
@@ -64,10 +64,10 @@ static inline float yaw_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.031249868f + (t * (0.00016270365f + (t * -3.3090393e-07f)))));
 }
 
-/* f3_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
- * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float f3_polynomial(float t)
+/* sine_2_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) +
+ * (2.35619449 * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2;
+ * relative error at most 1.2e-07. */
+static inline float sine_2_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552038f + (t * (2.5425797e-07f + (t * -9.268511e-11f)))));
 }
@@ -80,32 +80,32 @@ static inline float ax_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.0078125f + (t * (1.0172516e-05f + (t * (-5.2972737e-09f + (t * 1.4511657e-12f)))))));
 }
 
-/* f5_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
- * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
-static inline float f5_polynomial(float t)
+/* sine_3_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)),
+ * -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_3_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* f6_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
- * 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
-static inline float f6_polynomial(float t)
+/* tangent_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)),
+ * -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+static inline float tangent_polynomial(float t)
 {
     return 0.5f + (t * (0.04166665f + (t * 0.004172491f)));
 }
 
-/* f7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
- * 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at most
- * 1.3e-07. */
-static inline float f7_polynomial(float t)
+/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
+ * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
+ * most 1.3e-07. */
+static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.001388265f + (t * 2.4109138e-05f)))))));
 }
 
-/* f8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
+/* sine_4_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
  * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f8_polynomial(float t)
+static inline float sine_4_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
@@ -181,12 +181,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
     const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
-    const float f1 = prediction_yaw * f1_polynomial(yaw_part_cosine_argument);
-    const float yaw_part_sine = 4.0f * f1;
+    const float sine = prediction_yaw * sine_polynomial(yaw_part_cosine_argument);
+    const float yaw_part_sine = 4.0f * sine;
     const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
     const float estimator_motion_x = state->estimator_motion_x;
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
-    const float s_yaw = hall_position_limit(4.0f * (f1 * yaw_part_cosine), 2.0f);
+    const float s_yaw = hall_position_limit(4.0f * (sine * yaw_part_cosine), 2.0f);
     const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
     const float ax_part_sine_product = three_quarters_pi * heading_cosine;
     const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
@@ -194,14 +194,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_product + ax_part_sine_product_2,
         6.973755f);
     const float ax_part_cosine_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
-    const float ax_part_sine = 8.0f * f3;
+    const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
+    const float ax_part_sine = 8.0f * sine_2;
     const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
-    const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
+    const float sine_2_times_ax_part_cosine = sine_2 * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
-        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+        (sine_2_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
-    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
@@ -209,40 +209,40 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_product - ax_part_sine_product_2,
         6.973755f);
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float f3_2 = limited_ay * f3_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 8.0f * f3_2;
+    const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 8.0f * sine_2_2;
     const float ay_part_cosine = ax_part_cosine_polynomial(ay_part_cosine_argument);
-    const float f3_2_times_ay_part_cosine = f3_2 * ay_part_cosine;
+    const float ay_part_doubled_product = sine_2_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
-        (f3_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+        (ay_part_doubled_product * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * f3_2_times_ay_part_cosine;
+    const float sines_2_ay = 8.0f * ay_part_doubled_product;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_product - ax_part_sine_product_2,
         6.973755f);
     const float bx_part_cosine_argument = limited_bx * limited_bx;
-    const float f3_3 = limited_bx * f3_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 8.0f * f3_3;
+    const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
+    const float bx_part_sine = 8.0f * sine_2_3;
     const float bx_part_cosine = ax_part_cosine_polynomial(bx_part_cosine_argument);
-    const float f3_3_times_bx_part_cosine = f3_3 * bx_part_cosine;
+    const float bx_part_doubled_product = sine_2_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
-        (f3_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+        (bx_part_doubled_product * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * f3_3_times_bx_part_cosine;
+    const float sines_2_bx = 8.0f * bx_part_doubled_product;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_product + ax_part_sine_product_2,
         6.973755f);
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float f3_4 = limited_by * f3_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 8.0f * f3_4;
+    const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 8.0f * sine_2_4;
     const float by_part_cosine = ax_part_cosine_polynomial(by_part_cosine_argument);
-    const float f3_4_times_by_part_cosine = f3_4 * by_part_cosine;
+    const float by_part_doubled_product = sine_2_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
-        (f3_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+        (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * f3_4_times_by_part_cosine;
+    const float sines_2_by = 8.0f * by_part_doubled_product;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
@@ -307,8 +307,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_sum_2 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
         (row_2_converged * gradient_2_converged)) / converged_denominator, 0.10100254f);
     const float then_3_converged_squared = then_3_converged * then_3_converged;
-    const float sine_converged = then_3_converged * f5_polynomial(then_3_converged_squared);
-    const float half_converged = then_3_converged * f6_polynomial(then_3_converged_squared);
+    const float sine_converged = then_3_converged * sine_3_polynomial(then_3_converged_squared);
+    const float half_converged = then_3_converged * tangent_polynomial(then_3_converged_squared);
     const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged = heading_cosine - fall_converged;
     const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
@@ -318,9 +318,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_9 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
     const float converged_product_10 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
     const float by_ax_converged = then_1_converged - converged_product_9 + converged_product_10;
-    const float f7_argument = by_ax_converged * by_ax_converged;
-    const float by_cosine_ax_converged = f7_polynomial(f7_argument);
-    const float by_sine_ax_converged = by_ax_converged * f8_polynomial(f7_argument);
+    const float cosine_argument = by_ax_converged * by_ax_converged;
+    const float by_cosine_ax_converged = cosine_polynomial(cosine_argument);
+    const float by_sine_ax_converged = by_ax_converged * sine_4_polynomial(cosine_argument);
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
     const float converged_square = phasors_1_sine_converged * phasors_1_sine_converged;
@@ -332,9 +332,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
         (row_2_converged * then_3_converged), 0.5f);
     const float by_ay_converged = then_2_converged - converged_product_9 - converged_product_10;
-    const float f7_argument_2 = by_ay_converged * by_ay_converged;
-    const float by_cosine_ay_converged = f7_polynomial(f7_argument_2);
-    const float by_sine_ay_converged = by_ay_converged * f8_polynomial(f7_argument_2);
+    const float cosine_argument_2 = by_ay_converged * by_ay_converged;
+    const float by_cosine_ay_converged = cosine_polynomial(cosine_argument_2);
+    const float by_sine_ay_converged = by_ay_converged * sine_4_polynomial(cosine_argument_2);
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
     const float converged_square_2 = phasors_2_sine_converged * phasors_2_sine_converged;
@@ -344,9 +344,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
         (turns_3_sine_converged * V_ax_held) - converged_product_14;
     const float by_bx_converged = then_1_converged + converged_product_9 - converged_product_10;
-    const float f7_argument_3 = by_bx_converged * by_bx_converged;
-    const float by_cosine_bx_converged = f7_polynomial(f7_argument_3);
-    const float by_sine_bx_converged = by_bx_converged * f8_polynomial(f7_argument_3);
+    const float cosine_argument_3 = by_bx_converged * by_bx_converged;
+    const float by_cosine_bx_converged = cosine_polynomial(cosine_argument_3);
+    const float by_sine_bx_converged = by_bx_converged * sine_4_polynomial(cosine_argument_3);
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
     const float converged_square_3 = phasors_3_sine_converged * phasors_3_sine_converged;
@@ -356,9 +356,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
         (turns_3_sine_converged * V_by_held) - converged_product_16;
     const float by_converged = then_2_converged + converged_product_9 + converged_product_10;
-    const float f7_argument_4 = by_converged * by_converged;
-    const float by_cosine_converged = f7_polynomial(f7_argument_4);
-    const float by_sine_converged = by_converged * f8_polynomial(f7_argument_4);
+    const float cosine_argument_4 = by_converged * by_converged;
+    const float by_cosine_converged = cosine_polynomial(cosine_argument_4);
+    const float by_sine_converged = by_converged * sine_4_polynomial(cosine_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_square_4 = phasors_4_sine_converged * phasors_4_sine_converged;
     const float converged_product_17 = converged_square_4 * estimator_field_5;
@@ -429,8 +429,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         gradient_2_converged_2)) / converged_denominator_2)) : (0.5f * (then_3_converged + other_3_converged));
     const float then_3_converged_2 = hall_position_limit(converged_choice_2, 0.10100254f);
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
-    const float sine_converged_2 = then_3_converged_2 * f5_polynomial(then_3_converged_2_squared);
-    const float half_converged_2 = then_3_converged_2 * f6_polynomial(then_3_converged_2_squared);
+    const float sine_converged_2 = then_3_converged_2 * sine_3_polynomial(then_3_converged_2_squared);
+    const float half_converged_2 = then_3_converged_2 * tangent_polynomial(then_3_converged_2_squared);
     const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
     const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
@@ -443,9 +443,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_22 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
     const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_product_21 +
         converged_product_22, 0.97596323f);
-    const float f7_argument_5 = by_ax_converged_2 * by_ax_converged_2;
-    const float by_cosine_ax_converged_2 = f7_polynomial(f7_argument_5);
-    const float by_sine_ax_converged_2 = by_ax_converged_2 * f8_polynomial(f7_argument_5);
+    const float cosine_argument_5 = by_ax_converged_2 * by_ax_converged_2;
+    const float by_cosine_ax_converged_2 = cosine_polynomial(cosine_argument_5);
+    const float by_sine_ax_converged_2 = by_ax_converged_2 * sine_4_polynomial(cosine_argument_5);
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_square_5 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
@@ -459,9 +459,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged + other_2_converged)), 0.5f);
     const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_product_21 -
         converged_product_22, 0.97596323f);
-    const float f7_argument_6 = by_ay_converged_2 * by_ay_converged_2;
-    const float by_cosine_ay_converged_2 = f7_polynomial(f7_argument_6);
-    const float by_sine_ay_converged_2 = by_ay_converged_2 * f8_polynomial(f7_argument_6);
+    const float cosine_argument_6 = by_ay_converged_2 * by_ay_converged_2;
+    const float by_cosine_ay_converged_2 = cosine_polynomial(cosine_argument_6);
+    const float by_sine_ay_converged_2 = by_ay_converged_2 * sine_4_polynomial(cosine_argument_6);
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_square_6 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
@@ -472,9 +472,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_2 * V_ax_held) - converged_product_26;
     const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_product_21 -
         converged_product_22, 0.97596323f);
-    const float f7_argument_7 = by_bx_converged_2 * by_bx_converged_2;
-    const float by_cosine_bx_converged_2 = f7_polynomial(f7_argument_7);
-    const float by_sine_bx_converged_2 = by_bx_converged_2 * f8_polynomial(f7_argument_7);
+    const float cosine_argument_7 = by_bx_converged_2 * by_bx_converged_2;
+    const float by_cosine_bx_converged_2 = cosine_polynomial(cosine_argument_7);
+    const float by_sine_bx_converged_2 = by_bx_converged_2 * sine_4_polynomial(cosine_argument_7);
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_square_7 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
@@ -485,9 +485,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_2 * V_by_held) - converged_product_28;
     const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_product_21 + converged_product_22,
         0.97596323f);
-    const float f7_argument_8 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = f7_polynomial(f7_argument_8);
-    const float by_sine_converged_2 = by_converged_2 * f8_polynomial(f7_argument_8);
+    const float cosine_argument_8 = by_converged_2 * by_converged_2;
+    const float by_cosine_converged_2 = cosine_polynomial(cosine_argument_8);
+    const float by_sine_converged_2 = by_converged_2 * sine_4_polynomial(cosine_argument_8);
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
     const float converged_square_8 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
@@ -557,8 +557,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         gradient_2_converged_3)) / converged_denominator_3)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
     const float then_3_converged_3 = hall_position_limit(converged_choice_4, 0.10100254f);
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
-    const float sine_converged_3 = then_3_converged_3 * f5_polynomial(then_3_converged_3_squared);
-    const float half_converged_3 = then_3_converged_3 * f6_polynomial(then_3_converged_3_squared);
+    const float sine_converged_3 = then_3_converged_3 * sine_3_polynomial(then_3_converged_3_squared);
+    const float half_converged_3 = then_3_converged_3 * tangent_polynomial(then_3_converged_3_squared);
     const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
     const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
@@ -571,9 +571,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_34 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
     const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_product_33 +
         converged_product_34, 0.97596323f);
-    const float f7_argument_9 = by_ax_converged_3 * by_ax_converged_3;
-    const float by_cosine_ax_converged_3 = f7_polynomial(f7_argument_9);
-    const float by_sine_ax_converged_3 = by_ax_converged_3 * f8_polynomial(f7_argument_9);
+    const float cosine_argument_9 = by_ax_converged_3 * by_ax_converged_3;
+    const float by_cosine_ax_converged_3 = cosine_polynomial(cosine_argument_9);
+    const float by_sine_ax_converged_3 = by_ax_converged_3 * sine_4_polynomial(cosine_argument_9);
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_square_9 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
@@ -587,9 +587,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
     const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_product_33 -
         converged_product_34, 0.97596323f);
-    const float f7_argument_10 = by_ay_converged_3 * by_ay_converged_3;
-    const float by_cosine_ay_converged_3 = f7_polynomial(f7_argument_10);
-    const float by_sine_ay_converged_3 = by_ay_converged_3 * f8_polynomial(f7_argument_10);
+    const float cosine_argument_10 = by_ay_converged_3 * by_ay_converged_3;
+    const float by_cosine_ay_converged_3 = cosine_polynomial(cosine_argument_10);
+    const float by_sine_ay_converged_3 = by_ay_converged_3 * sine_4_polynomial(cosine_argument_10);
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_square_10 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
@@ -600,9 +600,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_3 * V_ax_held) - converged_product_38;
     const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_product_33 -
         converged_product_34, 0.97596323f);
-    const float f7_argument_11 = by_bx_converged_3 * by_bx_converged_3;
-    const float by_cosine_bx_converged_3 = f7_polynomial(f7_argument_11);
-    const float by_sine_bx_converged_3 = by_bx_converged_3 * f8_polynomial(f7_argument_11);
+    const float cosine_argument_11 = by_bx_converged_3 * by_bx_converged_3;
+    const float by_cosine_bx_converged_3 = cosine_polynomial(cosine_argument_11);
+    const float by_sine_bx_converged_3 = by_bx_converged_3 * sine_4_polynomial(cosine_argument_11);
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_square_11 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
@@ -613,9 +613,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_3 * V_by_held) - converged_product_40;
     const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_product_33 + converged_product_34,
         0.97596323f);
-    const float f7_argument_12 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = f7_polynomial(f7_argument_12);
-    const float by_sine_converged_3 = by_converged_3 * f8_polynomial(f7_argument_12);
+    const float cosine_argument_12 = by_converged_3 * by_converged_3;
+    const float by_cosine_converged_3 = cosine_polynomial(cosine_argument_12);
+    const float by_sine_converged_3 = by_converged_3 * sine_4_polynomial(cosine_argument_12);
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
     const float converged_square_12 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
@@ -686,8 +686,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         gradient_2_converged_4)) / converged_denominator_4)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
     const float then_3_converged_4 = hall_position_limit(converged_choice_6, 0.10100254f);
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
-    const float sine_converged_4 = then_3_converged_4 * f5_polynomial(then_3_converged_4_squared);
-    const float half_converged_4 = then_3_converged_4 * f6_polynomial(then_3_converged_4_squared);
+    const float sine_converged_4 = then_3_converged_4 * sine_3_polynomial(then_3_converged_4_squared);
+    const float half_converged_4 = then_3_converged_4 * tangent_polynomial(then_3_converged_4_squared);
     const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
     const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
     const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
@@ -700,9 +700,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_46 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
     const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_product_45 +
         converged_product_46, 0.97596323f);
-    const float f7_argument_13 = by_ax_converged_4 * by_ax_converged_4;
-    const float by_cosine_ax_converged_4 = f7_polynomial(f7_argument_13);
-    const float by_sine_ax_converged_4 = by_ax_converged_4 * f8_polynomial(f7_argument_13);
+    const float cosine_argument_13 = by_ax_converged_4 * by_ax_converged_4;
+    const float by_cosine_ax_converged_4 = cosine_polynomial(cosine_argument_13);
+    const float by_sine_ax_converged_4 = by_ax_converged_4 * sine_4_polynomial(cosine_argument_13);
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_square_13 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
@@ -716,9 +716,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
     const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_product_45 -
         converged_product_46, 0.97596323f);
-    const float f7_argument_14 = by_ay_converged_4 * by_ay_converged_4;
-    const float by_cosine_ay_converged_4 = f7_polynomial(f7_argument_14);
-    const float by_sine_ay_converged_4 = by_ay_converged_4 * f8_polynomial(f7_argument_14);
+    const float cosine_argument_14 = by_ay_converged_4 * by_ay_converged_4;
+    const float by_cosine_ay_converged_4 = cosine_polynomial(cosine_argument_14);
+    const float by_sine_ay_converged_4 = by_ay_converged_4 * sine_4_polynomial(cosine_argument_14);
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_square_14 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
@@ -729,9 +729,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_4 * V_ax_held) - converged_product_50;
     const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_product_45 -
         converged_product_46, 0.97596323f);
-    const float f7_argument_15 = by_bx_converged_4 * by_bx_converged_4;
-    const float by_cosine_bx_converged_4 = f7_polynomial(f7_argument_15);
-    const float by_sine_bx_converged_4 = by_bx_converged_4 * f8_polynomial(f7_argument_15);
+    const float cosine_argument_15 = by_bx_converged_4 * by_bx_converged_4;
+    const float by_cosine_bx_converged_4 = cosine_polynomial(cosine_argument_15);
+    const float by_sine_bx_converged_4 = by_bx_converged_4 * sine_4_polynomial(cosine_argument_15);
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_square_15 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
@@ -742,9 +742,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (turns_3_sine_converged_4 * V_by_held) - converged_product_52;
     const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_product_45 + converged_product_46,
         0.97596323f);
-    const float f7_argument_16 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = f7_polynomial(f7_argument_16);
-    const float by_sine_converged_4 = by_converged_4 * f8_polynomial(f7_argument_16);
+    const float cosine_argument_16 = by_converged_4 * by_converged_4;
+    const float by_cosine_converged_4 = cosine_polynomial(cosine_argument_16);
+    const float by_sine_converged_4 = by_converged_4 * sine_4_polynomial(cosine_argument_16);
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
     const float converged_square_16 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;

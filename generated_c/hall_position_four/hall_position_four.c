@@ -58,10 +58,10 @@ static inline float sin_yaw_polynomial(float t)
     return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* f3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
+/* sine_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
  * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) in -2.95293951 .. 3.5246768, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f3_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 0.25f + (t * (-0.0026041628f + (t * (8.1361795e-06f + (t * -1.1858457e-08f)))));
 }
@@ -74,10 +74,10 @@ static inline float ax_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.03125f + (t * (0.00016276025f + (t * (-3.390221e-07f + (t * 3.7130776e-10f)))))));
 }
 
-/* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
- * (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
+/* sine_2_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw))
+ * + (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f5_polynomial(float t)
+static inline float sine_2_polynomial(float t)
 {
     return 0.25f + (t * (-0.0026041619f + (t * (8.135896e-06f + (t * -1.1839816e-08f)))));
 }
@@ -90,10 +90,10 @@ static inline float ay_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.39012e-07f + (t * 3.7075404e-10f)))))));
 }
 
-/* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
- * (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) in -4.62185955 .. 2.40948486, t = x^2; relative error at most
+/* sine_3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw))
+ * + (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) in -4.62185955 .. 2.40948486, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f7_polynomial(float t)
+static inline float sine_3_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552078f + (t * (2.5430117e-07f + (t * -9.3721475e-11f)))));
 }
@@ -106,10 +106,10 @@ static inline float bx_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.007812497f + (t * (1.0171755e-05f + (t * -5.2370166e-09f)))));
 }
 
-/* f9_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.74044233 * cos_yaw)) -
- * (1.11840698 * sin_yaw)), -5.21040238, 5.21040238) in -5.11456728 .. 1.67171443, t = x^2; relative error at most
+/* sine_4_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.74044233 * cos_yaw))
+ * - (1.11840698 * sin_yaw)), -5.21040238, 5.21040238) in -5.11456728 .. 1.67171443, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f9_polynomial(float t)
+static inline float sine_4_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552076f + (t * (2.5429642e-07f + (t * -9.355345e-11f)))));
 }
@@ -122,10 +122,10 @@ static inline float by_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.007812495f + (t * (1.017137e-05f + (t * -5.223309e-09f)))));
 }
 
-/* f11_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.50699094 * cos_yaw)) +
- * (3.00336258 * sin_yaw)), -7.05377751, 7.05377751) in -6.27302074 .. 1.31382179, t = x^2; relative error at most
+/* sine_5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.50699094 * cos_yaw))
+ * + (3.00336258 * sin_yaw)), -7.05377751, 7.05377751) in -6.27302074 .. 1.31382179, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f11_polynomial(float t)
+static inline float sine_5_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552058f + (t * (2.5427622e-07f + (t * -9.3037696e-11f)))));
 }
@@ -138,10 +138,10 @@ static inline float cx_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.00781247f + (t * (1.0169286e-05f + (t * -5.1766627e-09f)))));
 }
 
-/* f13_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (3.00336258 * cos_yaw)) -
- * (2.50699094 * sin_yaw)), -7.05377751, 7.05377751) in -6.66619205 .. 0.72509557, t = x^2; relative error at most
+/* sine_6_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (3.00336258 * cos_yaw))
+ * - (2.50699094 * sin_yaw)), -7.05377751, 7.05377751) in -6.66619205 .. 0.72509557, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f13_polynomial(float t)
+static inline float sine_6_polynomial(float t)
 {
     return 0.125f + (t * (-0.0003255205f + (t * (2.5426758e-07f + (t * -9.285783e-11f)))));
 }
@@ -154,10 +154,10 @@ static inline float cy_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.0078124637f + (t * (1.0168685e-05f + (t * -5.164675e-09f)))));
 }
 
-/* f15_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.62734499 * cos_yaw)) -
- * (0.766548607 * sin_yaw)), -4.94043909, 4.94043909) in -1.70918477 .. 4.92831421, t = x^2; relative error at most
+/* sine_7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.62734499 * cos_yaw))
+ * - (0.766548607 * sin_yaw)), -4.94043909, 4.94043909) in -1.70918477 .. 4.92831421, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f15_polynomial(float t)
+static inline float sine_7_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552078f + (t * (2.5430032e-07f + (t * -9.367218e-11f)))));
 }
@@ -170,10 +170,10 @@ static inline float dx_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.007812496f + (t * (1.01715195e-05f + (t * -5.2283817e-09f)))));
 }
 
-/* f17_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
- * (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
+/* sine_8_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw))
+ * + (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f17_polynomial(float t)
+static inline float sine_8_polynomial(float t)
 {
     return 0.125f + (t * (-0.0003255208f + (t * (2.5430614e-07f + (t * -9.3915965e-11f)))));
 }
@@ -186,114 +186,114 @@ static inline float dy_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.007812498f + (t * (1.0171948e-05f + (t * -5.245477e-09f)))));
 }
 
-/* f19_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
+/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
  * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 6e-08. */
-static inline float f19_polynomial(float t)
+static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999985f + (t * (0.04166392f + (t * -0.0013740018f)))));
 }
 
-/* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 1.2e-07. */
-static inline float f20_polynomial(float t)
+/* sine_9_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...),
+ * -0.1, 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_9_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689277f)))));
 }
 
-/* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
+/* cosine_2_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
  * 0.1))), -0.785884931, 0.785884931) in -0.698485911 .. 0.698485911, t = x^2; relative error at most 7.9e-08. */
-static inline float f21_polynomial(float t)
+static inline float cosine_2_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999943f + (t * (0.041659873f + (t * -0.0013654011f)))));
 }
 
-/* f22_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
- * 0.1))), -0.785884931, 0.785884931) in -0.698485911 .. 0.698485911, t = x^2; relative error at most 1.2e-07. */
-static inline float f22_polynomial(float t)
+/* sine_10_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...),
+ * -0.1, 0.1))), -0.785884931, 0.785884931) in -0.698485911 .. 0.698485911, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_10_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666661f + (t * (0.008332628f + (t * -0.00019587f)))));
 }
 
-/* f23_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...), -0.1,
+/* cosine_3_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...), -0.1,
  * 0.1))), -1.05103535, 1.05103535) in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.7e-07. */
-static inline float f23_polynomial(float t)
+static inline float cosine_3_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.4999974f + (t * (0.041649524f + (t * -0.0013522666f)))));
 }
 
-/* f24_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...), -0.1,
- * 0.1))), -1.05103535, 1.05103535) in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.2e-07. */
-static inline float f24_polynomial(float t)
+/* sine_11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...),
+ * -0.1, 0.1))), -1.05103535, 1.05103535) in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_11_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666646f + (t * (0.008331675f + (t * -0.00019454073f)))));
 }
 
-/* f25_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...), -0.1,
+/* cosine_4_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...), -0.1,
  * 0.1))), -0.73938936, 0.73938936) in -0.612218797 .. 0.612218797, t = x^2; relative error at most 6.4e-08. */
-static inline float f25_polynomial(float t)
+static inline float cosine_4_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999973f + (t * (0.041662574f + (t * -0.0013706916f)))));
 }
 
-/* f26_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...), -0.1,
- * 0.1))), -0.73938936, 0.73938936) in -0.612218797 .. 0.612218797, t = x^2; relative error at most 1.2e-07. */
-static inline float f26_polynomial(float t)
+/* sine_12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...),
+ * -0.1, 0.1))), -0.73938936, 0.73938936) in -0.612218797 .. 0.612218797, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_12_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666664f + (t * (0.008332917f + (t * -0.00019645771f)))));
 }
 
-/* f27_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
+/* cosine_5_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
  * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 6e-08. */
-static inline float f27_polynomial(float t)
+static inline float cosine_5_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999988f + (t * (0.04166426f + (t * -0.0013748987f)))));
 }
 
-/* f28_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 1.2e-07. */
-static inline float f28_polynomial(float t)
+/* sine_13_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...),
+ * -0.1, 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_13_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * (0.008333099f + (t * -0.00019693414f)))));
 }
 
-/* f29_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,
+/* cosine_6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,
  * 0.1))), -0.785884931, 0.785884931) in -0.649876356 .. 0.649876356, t = x^2; relative error at most 7e-08. */
-static inline float f29_polynomial(float t)
+static inline float cosine_6_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999964f + (t * (0.041661642f + (t * -0.0013686564f)))));
 }
 
-/* f30_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,
- * 0.1))), -0.785884931, 0.785884931) in -0.649876356 .. 0.649876356, t = x^2; relative error at most 1.2e-07. */
-static inline float f30_polynomial(float t)
+/* sine_14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...),
+ * -0.1, 0.1))), -0.785884931, 0.785884931) in -0.649876356 .. 0.649876356, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_14_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666663f + (t * (0.008332776f + (t * -0.00019616597f)))));
 }
 
-/* f31_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...), -0.1,
+/* cosine_7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...), -0.1,
  * 0.1))), -1.05103535, 1.05103535) in -0.816334605 .. 0.816334605, t = x^2; relative error at most 1.4e-07. */
-static inline float f31_polynomial(float t)
+static inline float cosine_7_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.49999782f + (t * (0.0416518f + (t * -0.0013549692f)))));
 }
 
-/* f32_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...), -0.1,
- * 0.1))), -1.05103535, 1.05103535) in -0.816334605 .. 0.816334605, t = x^2; relative error at most 1.2e-07. */
-static inline float f32_polynomial(float t)
+/* sine_15_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...),
+ * -0.1, 0.1))), -1.05103535, 1.05103535) in -0.816334605 .. 0.816334605, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_15_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666651f + (t * (0.008331936f + (t * -0.0001948631f)))));
 }
 
-/* f33_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...), -0.1,
+/* cosine_8_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...), -0.1,
  * 0.1))), -0.73938936, 0.73938936) in -0.679486632 .. 0.679486632, t = x^2; relative error at most 7.4e-08. */
-static inline float f33_polynomial(float t)
+static inline float cosine_8_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999952f + (t * (0.041660603f + (t * -0.0013666898f)))));
 }
 
-/* f34_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...), -0.1,
- * 0.1))), -0.73938936, 0.73938936) in -0.679486632 .. 0.679486632, t = x^2; relative error at most 1.2e-07. */
-static inline float f34_polynomial(float t)
+/* sine_16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...),
+ * -0.1, 0.1))), -0.73938936, 0.73938936) in -0.679486632 .. 0.679486632, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_16_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666661f + (t * (0.008332651f + (t * -0.00019593455f)))));
 }
@@ -608,10 +608,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled = 0.45238933f * sin_yaw;
     const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
-    const float ax_part_sine = 4.0f * f3;
+    const float sine = limited_ax * sine_polynomial(ax_part_cosine_argument);
+    const float ax_part_sine = 4.0f * sine;
     const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
-    const float ax_part_doubled = 4.0f * (f3 * ax_part_cosine);
+    const float ax_part_doubled = 4.0f * (sine * ax_part_cosine);
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (ax_part_sine * ax_part_sine)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
@@ -629,10 +629,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled_2 = 0.28902653f * sin_yaw;
     const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float f5 = limited_ay * f5_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 4.0f * f5;
+    const float sine_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 4.0f * sine_2;
     const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
-    const float ay_part_doubled = 4.0f * (f5 * ay_part_cosine);
+    const float ay_part_doubled = 4.0f * (sine_2 * ay_part_cosine);
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (ay_part_sine * ay_part_sine)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
@@ -640,83 +640,83 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled_3 = 1.7404423f * sin_yaw;
     const float limited_bx = starts_1 - cos_yaw_scaled_3 + sin_yaw_scaled_3;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
-    const float f7 = limited_bx * f7_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 8.0f * f7;
+    const float sine_3 = limited_bx * sine_3_polynomial(bx_part_cosine_argument);
+    const float bx_part_sine = 8.0f * sine_3;
     const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
-    const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
+    const float sine_3_times_bx_part_cosine = sine_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
-        (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+        (sine_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * f7_times_bx_part_cosine;
+    const float sines_2_bx = 8.0f * sine_3_times_bx_part_cosine;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float cos_yaw_scaled_4 = 1.7404423f * cos_yaw;
     const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
     const float limited_by = starts_2 - cos_yaw_scaled_4 - sin_yaw_scaled_4;
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float f9 = limited_by * f9_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 8.0f * f9;
+    const float sine_4 = limited_by * sine_4_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 8.0f * sine_4;
     const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
-    const float f9_times_by_part_cosine = f9 * by_part_cosine;
+    const float sine_4_times_by_part_cosine = sine_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
-        (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+        (sine_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * f9_times_by_part_cosine;
+    const float sines_2_by = 8.0f * sine_4_times_by_part_cosine;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
     const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
     const float limited_cx = starts_1 - cos_yaw_scaled_5 + sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
-    const float f11 = limited_cx * f11_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 8.0f * f11;
+    const float sine_5 = limited_cx * sine_5_polynomial(cx_part_cosine_argument);
+    const float cx_part_sine = 8.0f * sine_5;
     const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float f11_times_cx_part_cosine = f11 * cx_part_cosine;
+    const float sine_5_times_cx_part_cosine = sine_5 * cx_part_cosine;
     const float cx_part_doubled = 8.0f *
-        (f11_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+        (sine_5_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx = 8.0f * f11_times_cx_part_cosine;
+    const float sines_2_cx = 8.0f * sine_5_times_cx_part_cosine;
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
     const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
     const float limited_cy = starts_2 - cos_yaw_scaled_6 - sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
-    const float f13 = limited_cy * f13_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 8.0f * f13;
+    const float sine_6 = limited_cy * sine_6_polynomial(cy_part_cosine_argument);
+    const float cy_part_sine = 8.0f * sine_6;
     const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
-    const float f13_times_cy_part_cosine = f13 * cy_part_cosine;
+    const float sine_6_times_cy_part_cosine = sine_6 * cy_part_cosine;
     const float cy_part_doubled = 8.0f *
-        (f13_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+        (sine_6_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy = 8.0f * f13_times_cy_part_cosine;
+    const float sines_2_cy = 8.0f * sine_6_times_cy_part_cosine;
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
     const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
     const float limited_dx = starts_1 + cos_yaw_scaled_7 - sin_yaw_scaled_7;
     const float dx_part_cosine_argument = limited_dx * limited_dx;
-    const float f15 = limited_dx * f15_polynomial(dx_part_cosine_argument);
-    const float dx_part_sine = 8.0f * f15;
+    const float sine_7 = limited_dx * sine_7_polynomial(dx_part_cosine_argument);
+    const float dx_part_sine = 8.0f * sine_7;
     const float dx_part_cosine = dx_part_cosine_polynomial(dx_part_cosine_argument);
-    const float f15_times_dx_part_cosine = f15 * dx_part_cosine;
+    const float sine_7_times_dx_part_cosine = sine_7 * dx_part_cosine;
     const float dx_part_doubled = 8.0f *
-        (f15_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
+        (sine_7_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
     /*@ admit -2.002f <= dx_part_doubled <= 2.002f; */
-    const float sines_2_dx = 8.0f * f15_times_dx_part_cosine;
+    const float sines_2_dx = 8.0f * sine_7_times_dx_part_cosine;
     const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx * sines_2_dx)));
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
     const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
     const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
     const float dy_part_cosine_argument = limited_dy * limited_dy;
-    const float f17 = limited_dy * f17_polynomial(dy_part_cosine_argument);
-    const float dy_part_sine = 8.0f * f17;
+    const float sine_8 = limited_dy * sine_8_polynomial(dy_part_cosine_argument);
+    const float dy_part_sine = 8.0f * sine_8;
     const float dy_part_cosine = dy_part_cosine_polynomial(dy_part_cosine_argument);
-    const float f17_times_dy_part_cosine = f17 * dy_part_cosine;
+    const float sine_8_times_dy_part_cosine = sine_8 * dy_part_cosine;
     const float dy_part_doubled = 8.0f *
-        (f17_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
+        (sine_8_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
     /*@ admit -2.002f <= dy_part_doubled <= 2.002f; */
-    const float sines_2_dy = 8.0f * f17_times_dy_part_cosine;
+    const float sines_2_dy = 8.0f * sine_8_times_dy_part_cosine;
     const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy * sines_2_dy)));
     /*@ admit -1.001f <= dy_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
@@ -1104,18 +1104,18 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (0.28902653f * limited_3_cosine) + (0.45238933f * limited_3_sine);
-        const float f19_argument = by_ax * by_ax;
-        const float phasors_1_sine = (ax_part_full * f19_polynomial(f19_argument)) +
-            (start_cosine_ax * (by_ax * f20_polynomial(f19_argument)));
+        const float cosine_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * cosine_polynomial(cosine_argument)) +
+            (start_cosine_ax * (by_ax * sine_9_polynomial(cosine_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 - (0.45238933f * limited_3_cosine) + (0.28902653f * limited_3_sine);
-        const float f27_argument = by_ay * by_ay;
-        const float phasors_2_sine = (ay_part_full * f27_polynomial(f27_argument)) +
-            (start_cosine_ay * (by_ay * f28_polynomial(f27_argument)));
+        const float cosine_5_argument = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * cosine_5_polynomial(cosine_5_argument)) +
+            (start_cosine_ay * (by_ay * sine_13_polynomial(cosine_5_argument)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
@@ -1136,9 +1136,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 - (1.118407f * limited_3_cosine) + (1.7404423f * limited_3_sine);
-        const float f21_argument = by_bx * by_bx;
-        const float phasors_3_sine = (bx_part_full * f21_polynomial(f21_argument)) +
-            (start_cosine_bx * (by_bx * f22_polynomial(f21_argument)));
+        const float cosine_2_argument = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument)) +
+            (start_cosine_bx * (by_bx * sine_10_polynomial(cosine_2_argument)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
@@ -1146,9 +1146,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 - (1.7404423f * limited_3_cosine) - (1.118407f * limited_3_sine);
-        const float f29_argument = by * by;
-        const float phasors_4_sine = (by_part_full * f29_polynomial(f29_argument)) +
-            (start_cosine_by * (by * f30_polynomial(f29_argument)));
+        const float cosine_6_argument = by * by;
+        const float phasors_4_sine = (by_part_full * cosine_6_polynomial(cosine_6_argument)) +
+            (start_cosine_by * (by * sine_14_polynomial(cosine_6_argument)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
@@ -1170,9 +1170,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 - (2.506991f * limited_3_cosine) + (3.0033627f * limited_3_sine);
-        const float f23_argument = by_cx * by_cx;
-        const float phasors_5_sine = (cx_part_full * f23_polynomial(f23_argument)) +
-            (start_cosine_cx * (by_cx * f24_polynomial(f23_argument)));
+        const float cosine_3_argument = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * cosine_3_polynomial(cosine_3_argument)) +
+            (start_cosine_cx * (by_cx * sine_11_polynomial(cosine_3_argument)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
@@ -1180,9 +1180,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 - (3.0033627f * limited_3_cosine) - (2.506991f * limited_3_sine);
-        const float f31_argument = by_cy * by_cy;
-        const float phasors_6_sine = (cy_part_full * f31_polynomial(f31_argument)) +
-            (start_cosine_cy * (by_cy * f32_polynomial(f31_argument)));
+        const float cosine_7_argument = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * cosine_7_polynomial(cosine_7_argument)) +
+            (start_cosine_cy * (by_cy * sine_15_polynomial(cosine_7_argument)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
@@ -1204,9 +1204,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_8_chi_square = 0.0f;
     if (weights_7) {
         const float by_dx = best_1 + (1.627345f * limited_3_cosine) - (0.76654863f * limited_3_sine);
-        const float f25_argument = by_dx * by_dx;
-        const float phasors_7_sine = (dx_part_full * f25_polynomial(f25_argument)) +
-            (start_cosine_dx * (by_dx * f26_polynomial(f25_argument)));
+        const float cosine_4_argument = by_dx * by_dx;
+        const float phasors_7_sine = (dx_part_full * cosine_4_polynomial(cosine_4_argument)) +
+            (start_cosine_dx * (by_dx * sine_12_polynomial(cosine_4_argument)));
         const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
         const float residuals_7_phase_x_2 = (turns_3_cosine * V_dx_held) - (turns_3_sine * V_dy_held) -
             (phase_x_limited * (phasors_7_sine * (estimator_field_1 +
@@ -1214,9 +1214,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
         terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
         const float by_dy = best_2 + (0.76654863f * limited_3_cosine) + (1.627345f * limited_3_sine);
-        const float f33_argument = by_dy * by_dy;
-        const float phasors_8_sine = (dy_part_full * f33_polynomial(f33_argument)) +
-            (start_cosine_dy * (by_dy * f34_polynomial(f33_argument)));
+        const float cosine_8_argument = by_dy * by_dy;
+        const float phasors_8_sine = (dy_part_full * cosine_8_polynomial(cosine_8_argument)) +
+            (start_cosine_dy * (by_dy * sine_16_polynomial(cosine_8_argument)));
         const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
         const float residuals_8_phase_x_2 = (turns_3_cosine * V_dy_held) + (turns_3_sine * V_dx_held) -
             (phase_x_limited * (phasors_8_sine * (estimator_field_1 +

@@ -58,10 +58,10 @@ static inline float sin_yaw_polynomial(float t)
     return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* f3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
+/* sine_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
  * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) in -2.03158784 .. 4.98970652, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f3_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552078f + (t * (2.543001e-07f + (t * -9.365995e-11f)))));
 }
@@ -74,10 +74,10 @@ static inline float ax_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.0078124953f + (t * (1.0171452e-05f + (t * -5.2262044e-09f)))));
 }
 
-/* f5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw)) +
- * (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
+/* sine_2_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw))
+ * + (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f5_polynomial(float t)
+static inline float sine_2_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552076f + (t * (2.542963e-07f + (t * -9.3547725e-11f)))));
 }
@@ -90,10 +90,10 @@ static inline float ay_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.0078124944f + (t * (1.0171312e-05f + (t * -5.2216387e-09f)))));
 }
 
-/* f7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw)) -
- * (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
+/* sine_3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw))
+ * - (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f7_polynomial(float t)
+static inline float sine_3_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552058f + (t * (2.542758e-07f + (t * -9.3023485e-11f)))));
 }
@@ -106,10 +106,10 @@ static inline float bx_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.0078124693f + (t * (1.0169195e-05f + (t * -5.1747495e-09f)))));
 }
 
-/* f9_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw)) -
- * (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
+/* sine_4_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw))
+ * - (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f9_polynomial(float t)
+static inline float sine_4_polynomial(float t)
 {
     return 0.125f + (t * (-0.0003255206f + (t * (2.5427858e-07f + (t * -9.308182e-11f)))));
 }
@@ -122,10 +122,10 @@ static inline float by_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.007812471f + (t * (1.0169365e-05f + (t * -5.178205e-09f)))));
 }
 
-/* f11_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
- * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
+/* sine_5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw))
+ * - (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f11_polynomial(float t)
+static inline float sine_5_polynomial(float t)
 {
     return 0.25f + (t * (-0.002604161f + (t * (8.135625e-06f + (t * -1.1822986e-08f)))));
 }
@@ -138,10 +138,10 @@ static inline float cx_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.3900244e-07f + (t * 3.7026232e-10f)))))));
 }
 
-/* f13_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw)) -
- * (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
+/* sine_6_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw))
+ * - (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
  * 1.2e-07. */
-static inline float f13_polynomial(float t)
+static inline float sine_6_polynomial(float t)
 {
     return 0.25f + (t * (-0.0026041619f + (t * (8.135898e-06f + (t * -1.1839998e-08f)))));
 }
@@ -154,86 +154,86 @@ static inline float cy_part_cosine_polynomial(float t)
     return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.3901202e-07f + (t * 3.7075673e-10f)))))));
 }
 
-/* f15_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1, 0.1))),
- * -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 8e-08. */
-static inline float f15_polynomial(float t)
+/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
+ * 0.1))), -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 8e-08. */
+static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.4999994f + (t * (0.04165966f + (t * -0.0013650605f)))));
 }
 
-/* f16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
+/* sine_7_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
  * 0.1))), -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 1.2e-07. */
-static inline float f16_polynomial(float t)
+static inline float sine_7_polynomial(float t)
 {
     return 1.0f + (t * (-0.1666666f + (t * (0.0083325375f + (t * -0.00019574208f)))));
 }
 
-/* f17_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
+/* cosine_2_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
  * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.4e-07. */
-static inline float f17_polynomial(float t)
+static inline float cosine_2_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.49999788f + (t * (0.041652113f + (t * -0.0013553383f)))));
 }
 
-/* f18_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
+/* sine_8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
  * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.2e-07. */
-static inline float f18_polynomial(float t)
+static inline float sine_8_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666652f + (t * (0.008332007f + (t * -0.00019494118f)))));
 }
 
-/* f19_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
+/* cosine_3_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
  * 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 6e-08. */
-static inline float f19_polynomial(float t)
+static inline float cosine_3_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999985f + (t * (0.04166392f + (t * -0.001374002f)))));
 }
 
-/* f20_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
- * 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 1.2e-07. */
-static inline float f20_polynomial(float t)
+/* sine_9_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...),
+ * -0.1, 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_9_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689278f)))));
 }
 
-/* f21_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1, 0.1))),
- * -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 7.6e-08. */
-static inline float f21_polynomial(float t)
+/* cosine_4_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
+ * 0.1))), -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 7.6e-08. */
+static inline float cosine_4_polynomial(float t)
 {
     return 1.0f + (t * (-0.4999995f + (t * (0.04166035f + (t * -0.0013662291f)))));
 }
 
-/* f22_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
+/* sine_10_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
  * 0.1))), -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 1.2e-07. */
-static inline float f22_polynomial(float t)
+static inline float sine_10_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666661f + (t * (0.008332643f + (t * -0.000195911f)))));
 }
 
-/* f23_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
+/* cosine_5_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
  * 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.5e-07. */
-static inline float f23_polynomial(float t)
+static inline float cosine_5_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.49999776f + (t * (0.041651465f + (t * -0.0013545564f)))));
 }
 
-/* f24_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
- * 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.2e-07. */
-static inline float f24_polynomial(float t)
+/* sine_11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...),
+ * -0.1, 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_11_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666651f + (t * (0.008331924f + (t * -0.00019483927f)))));
 }
 
-/* f25_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
+/* cosine_6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
  * 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 6e-08. */
-static inline float f25_polynomial(float t)
+static inline float cosine_6_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999985f + (t * (0.041663855f + (t * -0.0013737328f)))));
 }
 
-/* f26_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
- * 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 1.2e-07. */
-static inline float f26_polynomial(float t)
+/* sine_12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...),
+ * -0.1, 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_12_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * (0.00833308f + (t * -0.0001968529f)))));
 }
@@ -494,14 +494,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled = 1.69646f * sin_yaw;
     const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
-    const float f3 = limited_ax * f3_polynomial(ax_part_cosine_argument);
-    const float ax_part_sine = 8.0f * f3;
+    const float sine = limited_ax * sine_polynomial(ax_part_cosine_argument);
+    const float ax_part_sine = 8.0f * sine;
     const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
-    const float f3_times_ax_part_cosine = f3 * ax_part_cosine;
+    const float sine_times_ax_part_cosine = sine * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
-        (f3_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+        (sine_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
-    const float sines_2_ax = 8.0f * f3_times_ax_part_cosine;
+    const float sines_2_ax = 8.0f * sine_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_phase_y = state->estimator_motion_phase_y;
@@ -518,50 +518,50 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled_2 = 1.495398f * sin_yaw;
     const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float f5 = limited_ay * f5_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 8.0f * f5;
+    const float sine_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 8.0f * sine_2;
     const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
-    const float f5_times_ay_part_cosine = f5 * ay_part_cosine;
+    const float sine_2_times_ay_part_cosine = sine_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
-        (f5_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+        (sine_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * f5_times_ay_part_cosine;
+    const float sines_2_ay = 8.0f * sine_2_times_ay_part_cosine;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float sin_yaw_scaled_3 = 2.5384068f * sin_yaw;
     const float limited_bx = starts_1 - (2.6703537f * cos_yaw) - sin_yaw_scaled_3;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
-    const float f7 = limited_bx * f7_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 8.0f * f7;
+    const float sine_3 = limited_bx * sine_3_polynomial(bx_part_cosine_argument);
+    const float bx_part_sine = 8.0f * sine_3;
     const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
-    const float f7_times_bx_part_cosine = f7 * bx_part_cosine;
+    const float sine_3_times_bx_part_cosine = sine_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
-        (f7_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+        (sine_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * f7_times_bx_part_cosine;
+    const float sines_2_bx = 8.0f * sine_3_times_bx_part_cosine;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float cos_yaw_scaled_3 = 2.5384068f * cos_yaw;
     const float sin_yaw_scaled_4 = 2.6703537f * sin_yaw;
     const float limited_by = starts_2 + cos_yaw_scaled_3 - sin_yaw_scaled_4;
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float f9 = limited_by * f9_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 8.0f * f9;
+    const float sine_4 = limited_by * sine_4_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 8.0f * sine_4;
     const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
-    const float f9_times_by_part_cosine = f9 * by_part_cosine;
+    const float sine_4_times_by_part_cosine = sine_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
-        (f9_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+        (sine_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * f9_times_by_part_cosine;
+    const float sines_2_by = 8.0f * sine_4_times_by_part_cosine;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float sin_yaw_scaled_5 = 0.39584067f * sin_yaw;
     const float limited_cx = starts_1 - (0.5466371f * cos_yaw) - sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
-    const float f11 = limited_cx * f11_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 4.0f * f11;
+    const float sine_5 = limited_cx * sine_5_polynomial(cx_part_cosine_argument);
+    const float cx_part_sine = 4.0f * sine_5;
     const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float cx_part_doubled = 4.0f * (f11 * cx_part_cosine);
+    const float cx_part_doubled = 4.0f * (sine_5 * cx_part_cosine);
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (cx_part_sine * cx_part_sine)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
@@ -569,10 +569,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled_6 = 0.5466371f * sin_yaw;
     const float limited_cy = starts_2 + cos_yaw_scaled_4 - sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
-    const float f13 = limited_cy * f13_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 4.0f * f13;
+    const float sine_6 = limited_cy * sine_6_polynomial(cy_part_cosine_argument);
+    const float cy_part_sine = 4.0f * sine_6;
     const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
-    const float cy_part_doubled = 4.0f * (f13 * cy_part_cosine);
+    const float cy_part_doubled = 4.0f * (sine_6 * cy_part_cosine);
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (cy_part_sine * cy_part_sine)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
@@ -875,18 +875,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (1.495398f * limited_3_cosine) + (1.69646f * limited_3_sine);
-        const float f15_argument = by_ax * by_ax;
-        const float phasors_1_sine = (ax_part_full * f15_polynomial(f15_argument)) +
-            (start_cosine_ax * (by_ax * f16_polynomial(f15_argument)));
+        const float cosine_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * cosine_polynomial(cosine_argument)) +
+            (start_cosine_ax * (by_ax * sine_7_polynomial(cosine_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 - (1.69646f * limited_3_cosine) + (1.495398f * limited_3_sine);
-        const float f21_argument = by_ay * by_ay;
-        const float phasors_2_sine = (ay_part_full * f21_polynomial(f21_argument)) +
-            (start_cosine_ay * (by_ay * f22_polynomial(f21_argument)));
+        const float cosine_4_argument = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * cosine_4_polynomial(cosine_4_argument)) +
+            (start_cosine_ay * (by_ay * sine_10_polynomial(cosine_4_argument)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
@@ -907,9 +907,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 - (2.6703537f * limited_3_cosine) - (2.5384068f * limited_3_sine);
-        const float f17_argument = by_bx * by_bx;
-        const float phasors_3_sine = (bx_part_full * f17_polynomial(f17_argument)) +
-            (start_cosine_bx * (by_bx * f18_polynomial(f17_argument)));
+        const float cosine_2_argument = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument)) +
+            (start_cosine_bx * (by_bx * sine_8_polynomial(cosine_2_argument)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
@@ -917,9 +917,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 + (2.5384068f * limited_3_cosine) - (2.6703537f * limited_3_sine);
-        const float f23_argument = by * by;
-        const float phasors_4_sine = (by_part_full * f23_polynomial(f23_argument)) +
-            (start_cosine_by * (by * f24_polynomial(f23_argument)));
+        const float cosine_5_argument = by * by;
+        const float phasors_4_sine = (by_part_full * cosine_5_polynomial(cosine_5_argument)) +
+            (start_cosine_by * (by * sine_11_polynomial(cosine_5_argument)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
@@ -941,9 +941,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 - (0.5466371f * limited_3_cosine) - (0.39584067f * limited_3_sine);
-        const float f19_argument = by_cx * by_cx;
-        const float phasors_5_sine = (cx_part_full * f19_polynomial(f19_argument)) +
-            (start_cosine_cx * (by_cx * f20_polynomial(f19_argument)));
+        const float cosine_3_argument = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * cosine_3_polynomial(cosine_3_argument)) +
+            (start_cosine_cx * (by_cx * sine_9_polynomial(cosine_3_argument)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
@@ -951,9 +951,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 + (0.39584067f * limited_3_cosine) - (0.5466371f * limited_3_sine);
-        const float f25_argument = by_cy * by_cy;
-        const float phasors_6_sine = (cy_part_full * f25_polynomial(f25_argument)) +
-            (start_cosine_cy * (by_cy * f26_polynomial(f25_argument)));
+        const float cosine_6_argument = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * cosine_6_polynomial(cosine_6_argument)) +
+            (start_cosine_cy * (by_cy * sine_12_polynomial(cosine_6_argument)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +

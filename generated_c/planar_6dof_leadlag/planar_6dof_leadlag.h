@@ -17,8 +17,8 @@
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
  *     machine reaches 0.00014 m/s (z) and 0.0034 rad/s (theta)
- *   - in motion the machine reaches 0.0039 m/s (x) and 0.095 rad/s (phi)
- *   - at rest, tilted, off the middle the machine reaches 0.0035 m/s (y) and 0.2 rad/s (psi)
+ *   - in motion the machine reaches 0.0035 m/s (x) and 0.093 rad/s (phi)
+ *   - at rest, tilted, off the middle the machine reaches 0.0053 m/s (y) and 0.2 rad/s (psi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.

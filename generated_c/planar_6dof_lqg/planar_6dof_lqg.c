@@ -92,16 +92,16 @@ static inline float quarter_sine_front_polynomial(float t)
     return 30.921114f + (t * (-4925.6577f + (t * 229496.34f)));
 }
 
-/* f5_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
- * 9e-08. */
-static inline float f5_polynomial(float t)
+/* cosine_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
+ * most 9e-08. */
+static inline float cosine_polynomial(float t)
 {
     return 0.99999994f + (t * -1.2512345f);
 }
 
-/* f6_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
+/* sine_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
  * most 1.2e-07. */
-static inline float f6_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 1.5822228f + (t * -0.9236455f);
 }
@@ -364,9 +364,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
-        const float front = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (front + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - front);
+        const float front_distance = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front_distance + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front_distance);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
         const float reckoning_x_position = state->reckoning_x_position;
         const float sensing_offset_x = state->sensing_offset_x;
@@ -807,7 +807,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float d_psi = 0.0f;
         float d_theta = 0.0f;
         float d_z = 0.0f;
-        float back = 0.0f;
+        float rear_current = 0.0f;
         if ((guard_ready != 0u) || complete) {
             const float law_x = (lqg_x_error_gain * ((is_close_x_raw) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
                 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
@@ -821,7 +821,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_z = law_z;
             const float law_theta = (loop_theta_gain * error_2) + loop_theta_lead + loop_theta_integral;
             d_theta = law_theta;
-            back = law_z + (2.0f * law_theta);
+            rear_current = law_z + (2.0f * law_theta);
             const float law_psi = (loop_psi_gain * error_3) + loop_psi_lead + loop_psi_integral;
             d_psi = law_psi;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
@@ -928,13 +928,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             fabsf(yaw_current));
         const float i_AQ = y_current - yaw_current;
         const float i_BQ = y_current + yaw_current;
-        const float front_2 = d_z - d_theta;
-        const float i_AD = planar_6dof_lqg_limit(front_2 + d_psi, direct_limit);
-        const float i_BD = planar_6dof_lqg_limit(front_2 - d_psi, direct_limit);
-        const float i_CD = planar_6dof_lqg_limit(back, direct_limit);
-        const float both = allocation_two * y_current;
-        const float achieved_x = (cos_2 * i_CQ) - (sin_2 * both);
-        const float achieved_y = (sin_2 * i_CQ) + (cos_2 * both);
+        const float front_current = d_z - d_theta;
+        const float i_AD = planar_6dof_lqg_limit(front_current + d_psi, direct_limit);
+        const float i_BD = planar_6dof_lqg_limit(front_current - d_psi, direct_limit);
+        const float i_CD = planar_6dof_lqg_limit(rear_current, direct_limit);
+        const float y_currents = allocation_two * y_current;
+        const float achieved_x = (cos_2 * i_CQ) - (sin_2 * y_currents);
+        const float achieved_y = (sin_2 * i_CQ) + (cos_2 * y_currents);
         const float achieved_phi = yaw_current - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
@@ -958,8 +958,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     distance_rear = within_x - c * sin(phi_raw)
          *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
          *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
-         *     i_AA_computed = limit(angles_A_1 * i_AQ + ((1 - 8 * (quarter_sine_front * sqrt(1 -
-         *         quarter_sine_front^2))^2) * cy + cs) * i_AD, 1.26)
+         *     i_AA_computed = limit(angles_A_1 * i_AQ + (cosine * cos_aside + cs) * i_AD, 1.26)
          *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
@@ -975,25 +974,25 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
-        const float cy = f5_polynomial(cos_phi_raw_argument);
-        const float cc = front_1 * cy;
-        const float i_AA_computed_sum = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
-        const float sy = phi_raw * f6_polynomial(cos_phi_raw_argument);
-        const float i_AA_computed_sum_times_sy = i_AA_computed_sum * sy;
-        const float angles_A_1 = cc - i_AA_computed_sum_times_sy;
-        const float i_AA_computed_sum_times_cy = i_AA_computed_sum * cy;
-        const float cs = front_1 * sy;
-        const float i_AA_computed_sum_2 = i_AA_computed_sum_times_cy + cs;
-        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_sum_2 * i_AD);
+        const float cos_aside = cosine_polynomial(cos_phi_raw_argument);
+        const float cc = front_1 * cos_aside;
+        const float cosine = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
+        const float sin_aside = phi_raw * sine_polynomial(cos_phi_raw_argument);
+        const float cosine_times_sin_aside = cosine * sin_aside;
+        const float angles_A_1 = cc - cosine_times_sin_aside;
+        const float cosine_times_cos_aside = cosine * cos_aside;
+        const float cs = front_1 * sin_aside;
+        const float i_AA_computed_sum = cosine_times_cos_aside + cs;
+        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_sum * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         const float middle_A = commutation_minus_half * i_AA_computed;
-        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_sum_2 * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_sum * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         const float i_AC_computed = middle_A - beta_A;
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        const float angles_B_1 = cc + i_AA_computed_sum_times_sy;
-        const float angles_B_2 = cs - i_AA_computed_sum_times_cy;
+        const float angles_B_1 = cc + cosine_times_sin_aside;
+        const float angles_B_2 = cs - cosine_times_cos_aside;
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         const float middle_B = commutation_minus_half * i_BA_computed;
@@ -1005,11 +1004,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
         const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
         const float cos_3 = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
-        const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
-        const float i_CA_computed = (cos_3 * i_CQ) - (sin_i_CA_computed * i_CD);
+        const float sin_3 = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
+        const float i_CA_computed = (cos_3 * i_CQ) - (sin_3 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         const float middle_C = commutation_minus_half * i_CA_computed;
-        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_3 * i_CD));
+        const float beta_C = half_root_3 * ((sin_3 * i_CQ) + (cos_3 * i_CD));
         const float i_CB_computed = middle_C + beta_C;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         const float i_CC_computed = middle_C - beta_C;

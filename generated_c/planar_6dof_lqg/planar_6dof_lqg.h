@@ -16,9 +16,9 @@
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00018 m/s (x) and 0.0069 rad/s (psi)
+ *     machine reaches 0.00017 m/s (x) and 0.0069 rad/s (psi)
  *   - in motion the machine reaches 0.0036 m/s (z) and 0.14 rad/s (phi)
- *   - at rest, tilted, off the middle the machine reaches 0.0032 m/s (y) and 0.2 rad/s (psi)
+ *   - at rest, tilted, off the middle the machine reaches 0.0052 m/s (y) and 0.21 rad/s (psi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.

@@ -25,6 +25,8 @@ from synth.emit.operations import LIBM
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 
+_WORDS = {"sin": "sine", "cos": "cosine", "tan": "tangent", "atan": "arctangent"}  # for a function without a signal
+
 
 @dataclass(frozen=True)
 class Surrogate:
@@ -169,7 +171,7 @@ def _rewrite(
     def place_polynomial(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
-            stem = names.get(k) or _function_name(program, names, k) or f"f{len(surrogates) + 1}"
+            stem = names.get(k) or _function_name(program, names, k)
             name = _unused_name(stem, {s.name for s in surrogates.values()})
             surrogates[p] = Surrogate(name, names.get(k, name), _describe_variable(program, names, variable), p)
         t = index[variable]
@@ -195,14 +197,14 @@ def _rewrite(
 
 
 def _function_name(program: Program, names: Mapping[int, str], k: int) -> str:
-    """Return a name like cos_phi for a function of a signal, which may be limited before; "" for any other node."""
+    """Return a name like cos_phi for a function of a signal, which may be limited before, else the operation's."""
     node = program.nodes[k]
     if node.op not in LIBM or len(node.args) != 1:
-        return ""
+        return "function"
     variable = node.args[0]
     while variable not in names and program.nodes[variable].op == "clamp":
         variable = program.nodes[variable].args[0]
-    return f"{node.op}_{names[variable]}" if variable in names else ""
+    return f"{node.op}_{names[variable]}" if variable in names else _WORDS.get(node.op, node.op)
 
 
 def _unused_name(signal: str, used_names: set[str]) -> str:
