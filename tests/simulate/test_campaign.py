@@ -132,8 +132,8 @@ def test_the_sensors_of_wrong_machines_are_off_within_their_errors(rig: Rig) -> 
     for i, machine in enumerate(drawn, 1):
         assert np.array_equal(machine.plant.values, machines.plant_number(rig.plant, i).values)
     healthy, _ = campaign.run_healthy(drawn[0], campaign.motion_and_standstill(off)[0])
-    told = healthy.states["z"][-100:].mean() * (1 + drawn[0].gain_errors["z"]) + drawn[0].offsets["z"]
-    assert abs(healthy.measured["z"][-100:].mean() - told) < 2e-7
+    expected = healthy.states["z"][-100:].mean() * (1 + drawn[0].gain_errors["z"]) + drawn[0].offsets["z"]
+    assert abs(healthy.measured["z"][-100:].mean() - expected) < 2e-7
 
 
 def test_a_lost_sensor_is_noticed_at_once_named_and_latches(rig: Rig) -> None:
