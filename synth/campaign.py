@@ -25,6 +25,7 @@ class FaultLimit:
                notice_s, latch_s         time from the onset to the first fault bit, to the latch; inf for never
                wrong_names               sensors without a fault that a fault bit names
                false_alarms              samples with a fault bit in the healthy runs
+               healthy_impact            largest speed of an impact on a stop in the healthy runs
 
     `target`, `kind`, `condition` and `duration` are patterns of `fnmatch` for the columns of the table. Runs in which
     the fault has no effect count as neither noticed nor late.

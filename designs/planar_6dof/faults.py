@@ -24,6 +24,7 @@ LEVEL, TILTED = ("at rest", "in motion"), "at rest, tilted, off the middle"
 AFTER_JUMP = RATES | {"phi": 0.25}  # rad/s: a sample is contradicted before the prediction bridges
 LIMITS = (
     FaultLimit("false_alarms", 0.0),
+    FaultLimit("healthy_impact", 0.0),
     *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
     *(
         FaultLimit(f"speed_{q}", v, "V_*", kind, on, "permanent")

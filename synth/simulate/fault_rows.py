@@ -205,7 +205,7 @@ _MEASURES: Mapping[str, tuple[Callable[[Row], float], str]] = {
     "impact": (lambda row: row.impact, ""),
     "energy": (lambda row: row.energy, "J"),
 }
-FALSE_ALARMS = "false_alarms"
+FALSE_ALARMS, HEALTHY_IMPACT = "false_alarms", "healthy_impact"
 
 
 def _check(limit: FaultLimit, table: Sequence[Row], healthy: Healthy, units: Mapping[str, str]) -> Check:
@@ -214,6 +214,9 @@ def _check(limit: FaultLimit, table: Sequence[Row], healthy: Healthy, units: Map
     if limit.measure == FALSE_ALARMS:
         alarms = sum(h.alarms for h in healthy if fnmatchcase(h.condition, limit.condition))
         return Check(name, float(alarms), limit.most, "1", "samples with a fault bit in healthy runs")
+    if limit.measure == HEALTHY_IMPACT:
+        impacts = [v for h in healthy if fnmatchcase(h.condition, limit.condition) for v in h.impacts.values()]
+        return Check(name, max(impacts, default=0.0), limit.most, _speed_units(units), "impacts in healthy runs")
     measure, unit = _measure(limit.measure, units)
     matching = _matching(limit, table)
     if not matching:
@@ -240,7 +243,7 @@ def _measure(name: str, units: Mapping[str, str]) -> tuple[Callable[[Row], float
     """Return a measure of a row and its unit."""
     if name in _MEASURES:
         measure, unit = _MEASURES[name]
-        return measure, unit or "/".join(sorted({per_second(u) for u in units.values()}))
+        return measure, unit or _speed_units(units)
     per_position = {
         **{f"excursion_{q}": (partial(_of, "excursion", q), unit) for q, unit in units.items()},
         **{f"impact_{q}": (partial(_of, "impacts", q), per_second(unit)) for q, unit in units.items()},
@@ -249,8 +252,12 @@ def _measure(name: str, units: Mapping[str, str]) -> tuple[Callable[[Row], float
     }
     if name in per_position:
         return per_position[name]
-    known = [*_MEASURES, FALSE_ALARMS, *per_position]
+    known = [*_MEASURES, FALSE_ALARMS, HEALTHY_IMPACT, *per_position]
     raise SignalError(f"a fault limit has the measure '{name}': use one of {', '.join(known)}")
+
+
+def _speed_units(units: Mapping[str, str]) -> str:
+    return "/".join(sorted({per_second(u) for u in units.values()}))
 
 
 def _of(field: str, position: str, row: Row) -> float:

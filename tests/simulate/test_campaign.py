@@ -237,6 +237,7 @@ LIMITS = (
     FaultLimit("impact_z", 0.05, condition="at rest"),
     FaultLimit("excursion_x", 1e-3, target="z", kind="offset"),
     FaultLimit("false_alarms", 0.0),
+    FaultLimit("healthy_impact", 0.0),
 )
 
 
@@ -251,6 +252,12 @@ def failures(result: Campaign) -> list[str]:
 def test_limits_become_checks(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
     result = campaign_of(limited(rig), runs, control)
     assert len(result.checks) == len(LIMITS) + 2 and failures(result) == []
+
+
+def test_a_healthy_machine_that_hits_its_stop_is_caught(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
+    (healthy, faulty), *others = runs
+    hits = replace(healthy, impacts={"z": 0.3, "x": 0.0})
+    assert failures(campaign_of(limited(rig), [(hits, faulty), *others], control)) == ["healthy_impact: every fault"]
 
 
 def test_a_planted_detector_that_never_latches_is_caught(rig: Rig, unlatched: Runs, control: list[FaultRun]) -> None:
