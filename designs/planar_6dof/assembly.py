@@ -29,10 +29,11 @@ CONTRADICTION = (
     "even if they agree again, so the latch follows."
 )
 CALIBRATED = (
-    f"Calibrate the sensitivity of each Hall channel to {100 * interface.HALL_GAIN_ERROR:g} % and its offset to "
-    f"{1e3 * interface.HALL_OFFSET:g} mV: what a single channel is off by turns the platen. With 1 % and 5 mV in all "
-    "channels a simulated stage hit its yaw stop in 17 of 48 runs under the LQG law and in 6 of 48 under the lead-lag "
-    "law, some of them without a fault bit. What all channels share may be off by 10 %."
+    "Calibrate the sensitivity of each Hall channel to 0.2 % and its offset to 2 mV: what a single channel is off by "
+    "turns the platen, by up to 6 mrad at the worst place of a pitch. With 0.5 % and 5 mV it turns by up to 15 mrad "
+    "there, and beyond 20 mrad while it starts. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop "
+    "in 17 of 48 runs under the LQG law and in 6 of 48 under the lead-lag law. None of this sets a fault bit for "
+    "certain. What all channels share may be off by 10 %."
 )
 BEGINS = (
     "Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are "

@@ -54,17 +54,23 @@ typedef struct {
 } hall_position_input_t;
 
 typedef struct {
-    float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X of the magnet matrix */
-    float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y of the magnet matrix */
+    /* m, -0.508 .. 0.508: position of the body's origin along X of the magnet matrix */
+    float X;
+    /* m, -0.508 .. 0.508: position of the body's origin along Y of the magnet matrix */
+    float Y;
     float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the body relative to the magnet matrix */
     float deviation_X;                  /* m, 0 .. 10000: standard deviation of X from the voltages' noise */
     float deviation_Y;                  /* m, 0 .. 10000: standard deviation of Y from the voltages' noise */
     float deviation_yaw;                /* rad, 0 .. 1: standard deviation of yaw from the voltages' noise */
     float residual;                     /* V, 0 .. 1000: rms of the voltage residuals, by degrees of freedom */
     float converged;                    /* 1, 0 .. 1: the last correction is small, and no correction raised the cost */
-    float damped;                       /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
-    float valid;                        /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, inputs accepted */
-    float lock_lost;                    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
+    /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
+    float damped;
+    /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate,
+     * inputs accepted */
+    float valid;
+    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
+    float lock_lost;
 } hall_position_output_t;
 
 typedef struct {
@@ -75,10 +81,13 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
-    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
+    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
+    float estimator_phase_x;
+    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
+    float estimator_phase_y;
     float estimator_yaw;                /* rad, -3.14159 .. 3.14159: yaw of the last sample */
-    float estimator_yaw_last_good;      /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
+    /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
+    float estimator_yaw_last_good;
     float estimator_start_x;            /* rad, -3.14159 .. 3.14159: phase along x at which the last search started */
     float estimator_start_y;            /* rad, -3.14159 .. 3.14159: phase along y at which the last search started */
     float estimator_pitch_x;            /* 1, -8 .. 8: number of whole pitches along x, from the middle one */
@@ -88,7 +97,7 @@ typedef struct {
     float estimator_motion_yaw;         /* rad, -0.101003 .. 0.101003: predicted change of yaw per sample */
     uint32_t estimator_residual_faults; /* 1, 0 .. 5: consecutive samples with a residual fault */
     uint32_t estimator_searching;       /* 1, 0 .. 1: position lock is being searched */
-    uint32_t estimator_ambiguity_resolved;/* 1, 0 .. 1: no other position has the same voltages */
+    uint32_t estimator_ambiguity_resolved; /* 1, 0 .. 1: no other position has the same voltages */
     uint32_t estimator_acquired;        /* 1, 0 .. 1: position lock has been acquired since init */
     uint32_t estimator_lock_lost;       /* 1, 0 .. 1: position lock has been lost since it was acquired */
 } hall_position_state_t;

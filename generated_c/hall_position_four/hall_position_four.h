@@ -61,20 +61,29 @@ typedef struct {
     float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
     float deviation_X;                  /* m, 0 .. 0.00202127: standard deviation of X, limited */
     float deviation_Y;                  /* m, 0 .. 0.00202127: standard deviation of Y, limited */
-    float protection_X;                 /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
-    float protection_Y;                 /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
+    /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared
+     * risk */
+    float protection_X;
+    /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared
+     * risk */
+    float protection_Y;
     float yaw;                          /* rad, -0.20944 .. 0.20944 */
     float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
     float deviation_yaw;                /* rad, 0 .. 0.1: standard deviation of yaw, limited */
     float deviation_amplitude;          /* 1, 0 .. 0.2: standard deviation of amplitude, limited */
-    float protection_yaw;               /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
+    /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared
+     * risk */
+    float protection_yaw;
     float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
     float converged;                    /* 1, 0 .. 1: the last correction is small */
-    float weak;                         /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
+    /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
+    float weak;
     float excluded;                     /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
-    float tracking;                     /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
+    /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
+    float tracking;
     float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
-    float valid;                        /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
+    /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
+    float valid;
 } hall_position_four_output_t;
 
 typedef struct {
@@ -97,10 +106,14 @@ typedef struct {
     float screen_last_V_cy;             /* V, -5 .. 5: of the last sample */
     float screen_last_V_dx;             /* V, -5 .. 5: of the last sample */
     float screen_last_V_dy;             /* V, -5 .. 5: of the last sample */
-    uint32_t screen_repeats_1;          /* 1, 0 .. 6: samples in a row in which a channel of group 1 has the same code */
-    uint32_t screen_repeats_2;          /* 1, 0 .. 6: samples in a row in which a channel of group 2 has the same code */
-    uint32_t screen_repeats_3;          /* 1, 0 .. 6: samples in a row in which a channel of group 3 has the same code */
-    uint32_t screen_repeats_4;          /* 1, 0 .. 6: samples in a row in which a channel of group 4 has the same code */
+    /* 1, 0 .. 6: samples in a row in which a channel of group 1 has the same code */
+    uint32_t screen_repeats_1;
+    /* 1, 0 .. 6: samples in a row in which a channel of group 2 has the same code */
+    uint32_t screen_repeats_2;
+    /* 1, 0 .. 6: samples in a row in which a channel of group 3 has the same code */
+    uint32_t screen_repeats_3;
+    /* 1, 0 .. 6: samples in a row in which a channel of group 4 has the same code */
+    uint32_t screen_repeats_4;
     float estimator_phase_x;            /* rad, -3.14159 .. 3.14159 */
     float estimator_phase_y;            /* rad, -3.14159 .. 3.14159 */
     float estimator_yaw;                /* rad, -0.20944 .. 0.20944 */
@@ -116,7 +129,7 @@ typedef struct {
     float estimator_candidate_phase_x;  /* rad, -3.14159 .. 3.14159: phase_x of the first solution of this sweep */
     float estimator_candidate_phase_y;  /* rad, -3.14159 .. 3.14159: phase_y of the first solution of this sweep */
     float estimator_candidate_yaw;      /* rad, -0.20944 .. 0.20944: yaw of the first solution of this sweep */
-    float estimator_candidate_amplitude;/* 1, 0.75 .. 1.25: amplitude of the first solution of this sweep */
+    float estimator_candidate_amplitude; /* 1, 0.75 .. 1.25: amplitude of the first solution of this sweep */
     float estimator_begin_phase_x;      /* rad, -3.14159 .. 3.14159: phase_x of this start */
     float estimator_begin_phase_y;      /* rad, -3.14159 .. 3.14159: phase_y of this start */
     float estimator_begin_yaw;          /* rad, -0.20944 .. 0.20944: yaw of this start */
@@ -153,7 +166,8 @@ void hall_position_four_init(hall_position_four_state_t *state);
  *   bit  7  V_dy: not finite or outside its range
  *   bit 31  latched until init
  */
-uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out);
+uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in,
+    hall_position_four_output_t *out);
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
@@ -165,9 +179,14 @@ typedef struct {
     float phase_y;                      /* rad */
     float deviation_phase_x;            /* rad: standard deviation of phase_x, limited */
     float deviation_phase_y;            /* rad: standard deviation of phase_y, limited */
-    float phases_valid;                 /* 1: converged, complete, not weak, and passes the integrity monitor if there is one */
-    float protection_phase_x;           /* rad: protection level of phase_x: a fault in one group of channels moves it by more only with the declared risk */
-    float protection_phase_y;           /* rad: protection level of phase_y: a fault in one group of channels moves it by more only with the declared risk */
+    /* 1: converged, complete, not weak, and passes the integrity monitor if there is one */
+    float phases_valid;
+    /* rad: protection level of phase_x: a fault in one group of channels moves it by more only with the declared
+     * risk */
+    float protection_phase_x;
+    /* rad: protection level of phase_y: a fault in one group of channels moves it by more only with the declared
+     * risk */
+    float protection_phase_y;
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */

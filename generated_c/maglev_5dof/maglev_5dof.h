@@ -268,7 +268,8 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.04998 .. 0.04998: last good value */
     float guard_last_phi_ref;           /* rad, -0.00294962 .. 0.00294962: last good value */
     float guard_last_theta_ref;         /* rad, -0.0139496 .. 0.0139496: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
+    /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
+    uint32_t guard_left;
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     maglev_5dof_monitor_state_t x_monitor;
@@ -285,7 +286,7 @@ typedef struct {
     float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
+    uint32_t redundancy_contradictions_0; /* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
     uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
@@ -299,7 +300,8 @@ typedef struct {
     maglev_5dof_regulator_state_t regulator_phi;
     maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
-    float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float handover_transfer;
     float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
     float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
     float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
@@ -326,10 +328,12 @@ typedef struct {
     float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
     uint32_t probe_x_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
     uint32_t probe_x_attempt;           /* 1, 0 .. 5: pairs without an answer */
-    float probe_x_towards;              /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
+    /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
+    float probe_x_towards;
     uint32_t probe_z_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
     uint32_t probe_z_attempt;           /* 1, 0 .. 5: pairs without an answer */
-    float probe_z_towards;              /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
+    /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
+    float probe_z_towards;
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */

@@ -95,9 +95,12 @@ typedef struct {
     float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
     float advance_last_x;               /* m, -0.1 .. 0.1: one sample ago */
     float advance_last_z;               /* m, -0.1 .. 0.1: one sample ago */
-    uint32_t advance_left_x;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    uint32_t advance_left_z;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    float commutation_transfer;         /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t advance_left_x;
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t advance_left_z;
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float commutation_transfer;
     uint32_t commutation_unknown;       /* 1, 0 .. 105: samples with both positions lost, less those with one */
 } maglev_5dof_phase_state_t;
 
@@ -130,7 +133,8 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit 10  x: lost; motors 2 and 4 hand their direct currents over and fade out
  *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
  */
-uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out);
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips

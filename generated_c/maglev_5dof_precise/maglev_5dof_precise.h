@@ -273,7 +273,8 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.04998 .. 0.04998: last good value */
     float guard_last_phi_ref;           /* rad, -0.00294962 .. 0.00294962: last good value */
     float guard_last_theta_ref;         /* rad, -0.0139496 .. 0.0139496: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
+    /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
+    uint32_t guard_left;
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     maglev_5dof_precise_monitor_state_t x_monitor;
@@ -290,7 +291,7 @@ typedef struct {
     float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
+    uint32_t redundancy_contradictions_0; /* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
     uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
@@ -309,7 +310,8 @@ typedef struct {
     float servo_phi_fast_r;             /* rad, -0.00884887 .. 0.00884887: set-point one sample ago */
     maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
-    float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float handover_transfer;
     float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
     float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
     float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
@@ -387,7 +389,8 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
  *   bit 31  latched until init
  * The bits of a status, 0x40000000, are no faults: mask them before you compare the word with 0.
  */
-uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in, maglev_5dof_precise_output_t *out);
+uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
+    maglev_5dof_precise_output_t *out);
 
 #if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips

@@ -62,9 +62,11 @@
  * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
  * known. Six suspects at once can also mean a dead or reversed phase, a steady force above 1.8 N, or missed calls.
  *
- * Calibrate the sensitivity of each Hall channel to 0.5 % and its offset to 5 mV: what a single channel is off by turns
- * the platen. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop in 17 of 48 runs under the LQG law
- * and in 6 of 48 under the lead-lag law, some of them without a fault bit. What all channels share may be off by 10 %.
+ * Calibrate the sensitivity of each Hall channel to 0.2 % and its offset to 2 mV: what a single channel is off by turns
+ * the platen, by up to 6 mrad at the worst place of a pitch. With 0.5 % and 5 mV it turns by up to 15 mrad there, and
+ * beyond 20 mrad while it starts. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop in 17 of 48 runs
+ * under the LQG law and in 6 of 48 under the lead-lag law. None of this sets a fault bit for certain. What all channels
+ * share may be off by 10 %.
  *
  * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
  * first within 4 samples. Up to then no bit is set, the two samples are not used, and predictions take their place.
@@ -142,15 +144,20 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
+    /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
+    uint32_t guard_left;
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
-    uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    float sensing_first_m_x;            /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_y;            /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_r_1;            /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;            /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    uint32_t sensing_contradiction_left; /* 1, 0 .. 4: samples for which a contradiction is still remembered */
+    uint32_t sensing_contradiction_confirmed; /* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
+    /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_x;
+    /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_m_y;
+    /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_1;
+    /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;
     float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
     float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
@@ -159,7 +166,8 @@ typedef struct {
     float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
     uint32_t sensing_watch_channel;     /* 1, 0 .. 5: index of the watched channel, from 0 */
-    uint32_t sensing_watch_left;        /* 1, 0 .. 15: 1 .. N: codes in a row that are still missing; N + 1 between two watches */
+    /* 1, 0 .. 15: 1 .. N: codes in a row that are still missing; N + 1 between two watches */
+    uint32_t sensing_watch_left;
     uint32_t sensing_frozen;            /* 1, 0 .. 6: number of the channel whose code repeats, from 1; 0: none */
     float sensing_watch_code;           /* V, -5 .. 5: of the watched channel, at first */
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
@@ -170,13 +178,16 @@ typedef struct {
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
     float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
-    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
+    /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
+    float lqg_x_x3;
     float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
     float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
-    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
+    /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
+    float lqg_y_x3;
     float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
     float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
-    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
+    /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
+    float lqg_phi_x3;
     float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */
     float lqg_phi_achieved;             /* A, -2.52 .. 2.52: achieved demand, which acts until the next sample */
     float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
@@ -236,11 +247,13 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 27  status, no fault: the set-point of the position along X is followed late
  *   bit 28  status, no fault: the set-point of the position along Y is followed late
  *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until init
+ *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until
+ *           init
  *   bit 31  latched until init
  * The bits of a status, 0x18000000, are no faults: mask them before you compare the word with 0.
  */
-uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out);
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from synth.block import LATCH_BIT, Block
 from synth.blocks import safety
 from synth.emit.c.layout import Layout
-from synth.emit.c.lines import Line, comment, prose, rows
+from synth.emit.c.lines import Line, comment, member, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -116,7 +116,7 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
             + (f" Bits of `saturated`: {bits}." if bits else "")
         ),
         "typedef struct {",
-        *(f"    {ctype} {name};".ljust(40) + f"/* {prose(about)} */" for ctype, name, about in fields),
+        *(member(ctype, name, about) for ctype, name, about in fields),
         f"}} {block.name}_diagnostics_t;",
         "",
         "/* The step; `diagnostics` may be null. */",

@@ -8,7 +8,7 @@ from synth.blocks import bad_samples, guard_failures, missed_calls
 from synth.blocks import safety as guards
 from synth.emit.c import diagnostics, failure_table, routines
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.lines import prose
+from synth.emit.c.lines import member, prose, rows
 from synth.emit.lower import Program
 from synth.signals import Signal
 
@@ -42,7 +42,7 @@ def header(
             *("", "/* The layout is the same on every target. */", *_size_checks(block, layout), ""),
             *("/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
-            *(f"{step_head(block.name)};", ""),
+            *(*rows(f"{step_head(block.name)};"), ""),
             *diagnostics.declaration(block, layout, program),
             *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
         ]
@@ -99,15 +99,15 @@ def _usage(
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error. "
         f"{UNSEEN}",
     ]
-    rows: list[str] = []
+    said: list[str] = []
     for text in texts:
         if not isinstance(text, str):
-            rows += text
+            said += text
             continue
-        rows += [""] if not text.startswith(_ITEM) else []
+        said += [""] if not text.startswith(_ITEM) else []
         indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
-        rows += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
-    return [f"/* {rows[1]}", *(f" * {row}".rstrip() for row in rows[2:]), " */"]
+        said += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
+    return [f"/* {said[1]}", *(f" * {row}".rstrip() for row in said[2:]), " */"]
 
 
 def _observation(block: Block, program: Program) -> list[str]:
@@ -217,8 +217,9 @@ def _faults(block: Block) -> list[str]:
         return [" * It returns 0: the Block guards no input."]
     status = sum(1 << f.bit for f in block.faults if f.status)
     masked = [f" * The bits of a status, 0x{status:08x}, are no faults: mask them before you compare the word with 0."]
-    rows = [f" *   bit {f.bit:2d}  {_meaning(f)}" for f in sorted(block.faults, key=lambda f: f.bit)]
-    return [" * It returns the fault bits:", *rows, *(masked if status else [])]
+    bits = [f"  bit {f.bit:2d}  {_meaning(f)}" for f in sorted(block.faults, key=lambda f: f.bit)]
+    said = [f" * {row}" for bit in bits for row in wrap(bit, WIDTH, subsequent_indent=" " * 10)]
+    return [" * It returns the fault bits:", *said, *(masked if status else [])]
 
 
 def _meaning(fault: Fault) -> str:
@@ -244,10 +245,5 @@ def _size_checks(block: Block, layout: Layout) -> list[str]:
 
 
 def _struct(struct: Struct, types: Mapping[str, str]) -> str:
-    rows = [
-        routines.state_member(f, types)
-        if f.part
-        else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
-        for f in struct.fields
-    ]
-    return "typedef struct {\n" + "\n".join(dict.fromkeys(rows)) + f"\n}} {struct.type};"
+    members = [routines.state_member(f, types) if f.part else member(f.ctype, f.name, f.comment) for f in struct.fields]
+    return "typedef struct {\n" + "\n".join(dict.fromkeys(members)) + f"\n}} {struct.type};"

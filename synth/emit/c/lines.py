@@ -94,6 +94,13 @@ def comment(text: str, indent: str = "") -> list[str]:
     return [row.replace("\0", " ") for row in lines]
 
 
+def member(ctype: str, name: str, about: str) -> str:
+    """Return a member of a struct with its comment beside it, or above it where they are long."""
+    text, said = f"    {ctype} {name};", prose(about)
+    row = f"{text:39} /* {said} */" if said else text
+    return row if len(row) <= WIDTH else "\n".join([*comment(said, "    "), text])
+
+
 def opening(title: Sequence[str], equations: Sequence[str], notes: Sequence[str] = (), indent: int = 0) -> list[str]:
     """Return the comment that opens a section behind an indentation: lines of its title, notes, and equations."""
     width = WIDTH - indent - len(" *  */")

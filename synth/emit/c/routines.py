@@ -14,7 +14,7 @@ from synth.block import Block, Constant
 from synth.emit.c import printer
 from synth.emit.c.expressions import Text, literal
 from synth.emit.c.layout import Layout, Member
-from synth.emit.c.lines import Line, comment, opening, prose
+from synth.emit.c.lines import Line, comment, member, opening, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
@@ -62,7 +62,7 @@ def _state_row(f: Member, of_type: Sequence[Member]) -> str:
     members = [m for m in of_type if m.path.split(".")[1] == name]
     units = dict.fromkeys(m.unit for m in members)
     about = f.comment if len({(m.unit, m.low, m.high) for m in members}) == 1 else f"{' or '.join(units)}: {f.about}"
-    return f"    {f.ctype} {name};".ljust(40) + f"/* {prose(about)} */"
+    return member(f.ctype, name, about)
 
 
 def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
@@ -101,9 +101,8 @@ def _parameters(
     rows = ["typedef struct {"]
     for name, node in zip(routine.parameters, used[0].numbers, strict=True):
         about = constants.get(node.name)
-        lower = "/* minus the upper end of a limit */" if name.startswith("low") else ""
-        comment = f"/* {about.unit}; {prose(about.source)} */" if about else lower
-        rows.append((f"    {layout.ctype} {name};".ljust(40) + comment).rstrip())
+        lower = "minus the upper end of a limit" if name.startswith("low") else ""
+        rows += member(layout.ctype, name, f"{about.unit}; {about.source}" if about else lower).splitlines()
     rows.append(f"}} {kind};")
     return [*rows, ""]
 
