@@ -19,7 +19,7 @@ GAINS = dict(zip(planar_stage.HALL, (-1, 1, -1, -1, 1, 1), strict=True))
 OFFSETS = dict(zip(planar_stage.HALL, (-1, -1, 1, 1, 1, 1), strict=True))
 
 
-def turned(package: ModuleType, part: float) -> Trajectory:
+def rest_at_the_worst_place(package: ModuleType, part: float) -> Trajectory:
     """Return a second at rest with this part of the errors that the machines of the campaign have at most."""
     rig = loops.of(package.subject().block)
     rig = replace(
@@ -36,7 +36,7 @@ def turned(package: ModuleType, part: float) -> Trajectory:
 def test_errors_of_the_channels_turn_the_platen_and_set_no_bit(
     package: ModuleType, part: float, low: float, high: float
 ) -> None:
-    run = turned(package, part)
+    run = rest_at_the_worst_place(package, part)
     assert low <= abs(run["phi"][-400:].mean()) <= high and not run.faults.any()
 
 
@@ -44,4 +44,4 @@ def test_the_header_says_so() -> None:
     assert "to 0.2 % and its offset to 2 mV" in assembly.CALIBRATED and "up to 6 mrad" in assembly.CALIBRATED
     assert "With 0.5 % and 5 mV it turns by up to 15 mrad" in assembly.CALIBRATED
     assert (interface.HALL_GAIN_ERROR, interface.HALL_OFFSET) == (5e-3, 5e-3)
-    assert abs(turned(lqg, 1.0)["phi"]).max() > 20e-3
+    assert abs(rest_at_the_worst_place(lqg, 1.0)["phi"]).max() > 20e-3
