@@ -195,7 +195,7 @@ def _require_rest(rig: Rig, condition: Condition, healthy: Trajectory) -> None:
     points, onset = {s.name: s for s in rig.stage.interface.set_points}, condition.onsets[0]
     for name, course in condition.references.items():
         point, position = points[name], rig.positions[name]
-        distance = abs(float(np.mean(healthy[position][onset // 2 : onset])) - float(course[onset]))
+        distance = abs(float(np.mean(healthy[position][onset // 2 : onset + 1])) - float(course[onset]))
         if not distance <= FAR * (point.high - point.low):
             unit = rig.stage.interface.signals[name].unit
             raise SignalError(
