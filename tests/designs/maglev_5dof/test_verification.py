@@ -113,6 +113,10 @@ def test_without_optimisation_the_sound_c_agrees(stage: Plant, random_steps: Ste
     assert not _disagrees(_worst(host.load(emitted.files, emitted.manifest, UNOPTIMISED), random_steps))
 
 
+def test_with_functions_of_libm_the_sound_c_agrees(stage: Plant, random_steps: Steps) -> None:
+    assert not _disagrees(_worst(_compiled(control.with_fault_handling(stage).block), random_steps))
+
+
 def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
     block = control.with_fault_handling(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
