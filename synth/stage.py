@@ -124,6 +124,7 @@ def _composition(
     controlled = [n for n in interface.set_point_of if f"{n}_error" in read - set(driven)]
     actuators = [a.name for a in interface.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
+    unread = [n for n in actuators if f"{n}_before" not in read]
     replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
     i, inputs = interface, guarded_inputs(interface)
     guard = safety.guard(
@@ -134,7 +135,7 @@ def _composition(
         *([errors(time, interface, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, interface, demands)] if demands else []),
-        *([safe_output.block(time, interface.outputs, safe(interface))] if interface.actuators else []),
+        *([safe_output.block(time, interface.outputs, safe(interface), unread)] if interface.actuators else []),
         *behind,
     )
     if interface.missed_calls:

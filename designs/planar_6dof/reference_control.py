@@ -213,10 +213,12 @@ def finish_step(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the next state, frozen once latched except for the guard, and the phase currents.
 
-    The currents are limited: as computed, or on a slew to 0 once latched.
+    The currents are limited: as computed, or on a slew to 0 once latched. They are stored if the next sample may latch.
     """
     latched = after["guard_latched"] > 0
     law = {n: v for n, v in after.items() if not n.startswith("guard_")}
     limited = {n: np.clip(computed[n], -LIMIT, LIMIT) for n in PHASES}
     outputs, last = guard.slew(state, limited, latched, SLEW * float(T))
+    stored = latched | (np.asarray(state["guard_left"]) <= 2)
+    last = {n: np.where(stored, v, state[n]) for n, v in last.items()}
     return after | guard.frozen(state, law, latched) | last, outputs

@@ -408,10 +408,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float row_2_converged_2 = hall_position_limit(-(converged_sum_6 * converged_inverse_4), 8330.405f);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
         (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
-    const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-        (converged_sum_4 * converged_sum_4) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-        (converged_sum_5 * converged_sum_5) + 2.7546635f - (row_1_converged_2 * left_3_1_converged_2) +
-        (row_2_converged_2 * converged_sum_6), 2.7546635f);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
@@ -422,11 +418,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         other_2_converged = 0.0f;
         converged_choice = squares_converged;
     }
-    const float converged_choice_2 = (better_converged) ? (then_3_converged +
-        (((rows_1_3_converged_2 * residuals_1_converged_2) - (converged_sum_4 * residuals_2_converged_2) +
-        (rows_3_3_converged_2 * residuals_3_converged_2) - (converged_sum_5 * residuals_4_converged_2) -
-        (2.7546635f * then_3_converged) - (row_1_converged_2 * gradient_1_converged_2) - (row_2_converged_2 *
-        gradient_2_converged_2)) / converged_denominator_2)) : (0.5f * (then_3_converged + other_3_converged));
+    float converged_choice_2;
+    if (better_converged) {
+        const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
+            (converged_sum_4 * converged_sum_4) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+            (converged_sum_5 * converged_sum_5) + 2.7546635f - (row_1_converged_2 * left_3_1_converged_2) +
+            (row_2_converged_2 * converged_sum_6), 2.7546635f);
+        converged_choice_2 = then_3_converged + (((rows_1_3_converged_2 * residuals_1_converged_2) -
+            (converged_sum_4 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
+            (converged_sum_5 * residuals_4_converged_2) - (2.7546635f * then_3_converged) - (row_1_converged_2 *
+            gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2)) / converged_denominator_2);
+    } else {
+        converged_choice_2 = 0.5f * (then_3_converged + other_3_converged);
+    }
     const float then_3_converged_2 = hall_position_limit(converged_choice_2, 0.10100254f);
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * sine_3_polynomial(then_3_converged_2_squared);
@@ -435,10 +439,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
     const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
     const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
-    const float moves_3_converged = then_3_converged_2 - then_3_converged;
-    const float then_1_converged_2 = hall_position_limit((better_converged) ? (then_1_converged +
-        ((gradient_1_converged_2 * converged_inverse_3) - (row_1_converged_2 * moves_3_converged))) :
-        (0.5f * (then_1_converged + other_1_converged)), 0.5f);
+    float converged_choice_3;
+    float converged_choice_4;
+    if (better_converged) {
+        const float moves_3_converged = then_3_converged_2 - then_3_converged;
+        converged_choice_3 = then_1_converged +
+            ((gradient_1_converged_2 * converged_inverse_3) - (row_1_converged_2 * moves_3_converged));
+        converged_choice_4 = then_2_converged +
+            ((gradient_2_converged_2 * converged_inverse_4) - (row_2_converged_2 * moves_3_converged));
+    } else {
+        converged_choice_3 = 0.5f * (then_1_converged + other_1_converged);
+        converged_choice_4 = 0.5f * (then_2_converged + other_2_converged);
+    }
+    const float then_1_converged_2 = hall_position_limit(converged_choice_3, 0.5f);
     const float converged_product_21 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
     const float converged_product_22 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
     const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_product_21 +
@@ -454,9 +467,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_5 * (estimator_field_3 + converged_product_23)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
         (turns_3_sine_converged_2 * V_ay_held) - converged_product_24;
-    const float then_2_converged_2 = hall_position_limit((better_converged) ? (then_2_converged +
-        ((gradient_2_converged_2 * converged_inverse_4) - (row_2_converged_2 * moves_3_converged))) :
-        (0.5f * (then_2_converged + other_2_converged)), 0.5f);
+    const float then_2_converged_2 = hall_position_limit(converged_choice_4, 0.5f);
     const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_product_21 -
         converged_product_22, 0.97596323f);
     const float cosine_argument_6 = by_ay_converged_2 * by_ay_converged_2;
@@ -536,26 +547,30 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float row_2_converged_3 = hall_position_limit(-(converged_sum_9 * converged_inverse_6), 8330.405f);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
         (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
-    const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-        (converged_sum_7 * converged_sum_7) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-        (converged_sum_8 * converged_sum_8) + 2.7546635f - (row_1_converged_3 * left_3_1_converged_3) +
-        (row_2_converged_3 * converged_sum_9), 2.7546635f);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
-    float converged_choice_3 = cost_converged_2;
+    float converged_choice_5 = cost_converged_2;
     if (!better_converged_2) {
         other_3_converged_2 = other_3_converged;
         other_1_converged_2 = other_1_converged;
         other_2_converged_2 = other_2_converged;
-        converged_choice_3 = converged_choice;
+        converged_choice_5 = converged_choice;
     }
-    const float converged_choice_4 = (better_converged_2) ? (then_3_converged_2 +
-        (((rows_1_3_converged_3 * residuals_1_converged_3) - (converged_sum_7 * residuals_2_converged_3) +
-        (rows_3_3_converged_3 * residuals_3_converged_3) - (converged_sum_8 * residuals_4_converged_3) -
-        (2.7546635f * then_3_converged_2) - (row_1_converged_3 * gradient_1_converged_3) - (row_2_converged_3 *
-        gradient_2_converged_3)) / converged_denominator_3)) : (0.5f * (then_3_converged_2 + other_3_converged_2));
-    const float then_3_converged_3 = hall_position_limit(converged_choice_4, 0.10100254f);
+    float converged_choice_6;
+    if (better_converged_2) {
+        const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
+            (converged_sum_7 * converged_sum_7) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+            (converged_sum_8 * converged_sum_8) + 2.7546635f - (row_1_converged_3 * left_3_1_converged_3) +
+            (row_2_converged_3 * converged_sum_9), 2.7546635f);
+        converged_choice_6 = then_3_converged_2 + (((rows_1_3_converged_3 * residuals_1_converged_3) -
+            (converged_sum_7 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
+            (converged_sum_8 * residuals_4_converged_3) - (2.7546635f * then_3_converged_2) - (row_1_converged_3 *
+            gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3)) / converged_denominator_3);
+    } else {
+        converged_choice_6 = 0.5f * (then_3_converged_2 + other_3_converged_2);
+    }
+    const float then_3_converged_3 = hall_position_limit(converged_choice_6, 0.10100254f);
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * sine_3_polynomial(then_3_converged_3_squared);
     const float half_converged_3 = then_3_converged_3 * tangent_polynomial(then_3_converged_3_squared);
@@ -563,10 +578,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
     const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
     const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
-    const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
-    const float then_1_converged_3 = hall_position_limit((better_converged_2) ? (then_1_converged_2 +
-        ((gradient_1_converged_3 * converged_inverse_5) - (row_1_converged_3 * moves_3_converged_2))) :
-        (0.5f * (then_1_converged_2 + other_1_converged_2)), 0.5f);
+    float converged_choice_7;
+    float converged_choice_8;
+    if (better_converged_2) {
+        const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
+        converged_choice_7 = then_1_converged_2 +
+            ((gradient_1_converged_3 * converged_inverse_5) - (row_1_converged_3 * moves_3_converged_2));
+        converged_choice_8 = then_2_converged_2 +
+            ((gradient_2_converged_3 * converged_inverse_6) - (row_2_converged_3 * moves_3_converged_2));
+    } else {
+        converged_choice_7 = 0.5f * (then_1_converged_2 + other_1_converged_2);
+        converged_choice_8 = 0.5f * (then_2_converged_2 + other_2_converged_2);
+    }
+    const float then_1_converged_3 = hall_position_limit(converged_choice_7, 0.5f);
     const float converged_product_33 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
     const float converged_product_34 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
     const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_product_33 +
@@ -582,9 +606,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_9 * (estimator_field_3 + converged_product_35)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
         (turns_3_sine_converged_3 * V_ay_held) - converged_product_36;
-    const float then_2_converged_3 = hall_position_limit((better_converged_2) ? (then_2_converged_2 +
-        ((gradient_2_converged_3 * converged_inverse_6) - (row_2_converged_3 * moves_3_converged_2))) :
-        (0.5f * (then_2_converged_2 + other_2_converged_2)), 0.5f);
+    const float then_2_converged_3 = hall_position_limit(converged_choice_8, 0.5f);
     const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_product_33 -
         converged_product_34, 0.97596323f);
     const float cosine_argument_10 = by_ay_converged_3 * by_ay_converged_3;
@@ -628,7 +650,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
         residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
         (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_choice_3) + 1e-08f);
+    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_choice_5) + 1e-08f);
     const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
         (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
         (converged_square_9 * (estimator_field_3_scaled + (5.0f * converged_product_35))));
@@ -665,26 +687,30 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float row_2_converged_4 = hall_position_limit(-(converged_sum_12 * converged_inverse_8), 8330.405f);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
         (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
-    const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-        (converged_sum_10 * converged_sum_10) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-        (converged_sum_11 * converged_sum_11) + 2.7546635f - (row_1_converged_4 * left_3_1_converged_4) +
-        (row_2_converged_4 * converged_sum_12), 2.7546635f);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
-    float converged_choice_5 = cost_converged_3;
+    float converged_choice_9 = cost_converged_3;
     if (!better_converged_3) {
         other_3_converged_3 = other_3_converged_2;
         other_1_converged_3 = other_1_converged_2;
         other_2_converged_3 = other_2_converged_2;
-        converged_choice_5 = converged_choice_3;
+        converged_choice_9 = converged_choice_5;
     }
-    const float converged_choice_6 = (better_converged_3) ? (then_3_converged_3 +
-        (((rows_1_3_converged_4 * residuals_1_converged_4) - (converged_sum_10 * residuals_2_converged_4) +
-        (rows_3_3_converged_4 * residuals_3_converged_4) - (converged_sum_11 * residuals_4_converged_4) -
-        (2.7546635f * then_3_converged_3) - (row_1_converged_4 * gradient_1_converged_4) - (row_2_converged_4 *
-        gradient_2_converged_4)) / converged_denominator_4)) : (0.5f * (then_3_converged_3 + other_3_converged_3));
-    const float then_3_converged_4 = hall_position_limit(converged_choice_6, 0.10100254f);
+    float converged_choice_10;
+    if (better_converged_3) {
+        const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
+            (converged_sum_10 * converged_sum_10) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+            (converged_sum_11 * converged_sum_11) + 2.7546635f - (row_1_converged_4 * left_3_1_converged_4) +
+            (row_2_converged_4 * converged_sum_12), 2.7546635f);
+        converged_choice_10 = then_3_converged_3 + (((rows_1_3_converged_4 * residuals_1_converged_4) -
+            (converged_sum_10 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
+            (converged_sum_11 * residuals_4_converged_4) - (2.7546635f * then_3_converged_3) - (row_1_converged_4 *
+            gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) / converged_denominator_4);
+    } else {
+        converged_choice_10 = 0.5f * (then_3_converged_3 + other_3_converged_3);
+    }
+    const float then_3_converged_4 = hall_position_limit(converged_choice_10, 0.10100254f);
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * sine_3_polynomial(then_3_converged_4_squared);
     const float half_converged_4 = then_3_converged_4 * tangent_polynomial(then_3_converged_4_squared);
@@ -692,10 +718,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
     const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
     const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
-    const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
-    const float then_1_converged_4 = hall_position_limit((better_converged_3) ? (then_1_converged_3 +
-        ((gradient_1_converged_4 * converged_inverse_7) - (row_1_converged_4 * moves_3_converged_3))) :
-        (0.5f * (then_1_converged_3 + other_1_converged_3)), 0.5f);
+    float converged_choice_11;
+    float converged_choice_12;
+    if (better_converged_3) {
+        const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
+        converged_choice_11 = then_1_converged_3 +
+            ((gradient_1_converged_4 * converged_inverse_7) - (row_1_converged_4 * moves_3_converged_3));
+        converged_choice_12 = then_2_converged_3 +
+            ((gradient_2_converged_4 * converged_inverse_8) - (row_2_converged_4 * moves_3_converged_3));
+    } else {
+        converged_choice_11 = 0.5f * (then_1_converged_3 + other_1_converged_3);
+        converged_choice_12 = 0.5f * (then_2_converged_3 + other_2_converged_3);
+    }
+    const float then_1_converged_4 = hall_position_limit(converged_choice_11, 0.5f);
     const float converged_product_45 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
     const float converged_product_46 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
     const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_product_45 +
@@ -711,9 +746,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_13 * (estimator_field_3 + converged_product_47)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
         (turns_3_sine_converged_4 * V_ay_held) - converged_product_48;
-    const float then_2_converged_4 = hall_position_limit((better_converged_3) ? (then_2_converged_3 +
-        ((gradient_2_converged_4 * converged_inverse_8) - (row_2_converged_4 * moves_3_converged_3))) :
-        (0.5f * (then_2_converged_3 + other_2_converged_3)), 0.5f);
+    const float then_2_converged_4 = hall_position_limit(converged_choice_12, 0.5f);
     const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_product_45 -
         converged_product_46, 0.97596323f);
     const float cosine_argument_14 = by_ay_converged_4 * by_ay_converged_4;
@@ -764,7 +797,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_searching = state->estimator_searching;
     const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
         (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_choice_5) + 1e-08f);
+        ((1.000002f * converged_choice_9) + 1e-08f);
     const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
         (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
         (converged_square_13 * (estimator_field_3_scaled + (5.0f * converged_product_47))));

@@ -1243,17 +1243,29 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
     const float steps_3_phase_x_2 = phase_x_product_22 - (terms_1_phase_x_8 * steps_4_phase_x_2);
-    const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
-        (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-        (moves_1_4_phase_x_2 * gradient_4_phase_x), 1845.4835f);
-    const float phase_x_product_23 = gains_1_phase_x_2 * projections_1;
-    const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
-        (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-        (moves_2_4_phase_x * gradient_4_phase_x), 1845.4835f);
-    const float phase_x_product_24 = gains_2_phase_x_2 * projections_2;
+    float added_1_phase_x_2 = 0.0f;
+    float added_2_phase_y = 0.0f;
+    float added_3_yaw = 0.0f;
+    float added_4_amplitude = 0.0f;
+    float added_chi_square = 0.0f;
+    if (!none_phase_x) {
+        const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
+            (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
+            (moves_1_4_phase_x_2 * gradient_4_phase_x), 1845.4835f);
+        const float phase_x_product_23 = gains_1_phase_x_2 * projections_1;
+        const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
+            (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
+            (moves_2_4_phase_x * gradient_4_phase_x), 1845.4835f);
+        const float phase_x_product_24 = gains_2_phase_x_2 * projections_2;
+        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_23) + (moves_2_1_phase_x_2 * phase_x_product_24);
+        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_23) + (moves_2_2_phase_x_2 * phase_x_product_24);
+        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_23) + (moves_2_3_phase_x * phase_x_product_24);
+        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_23) + (moves_2_4_phase_x * phase_x_product_24);
+        added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
+            (gains_2_phase_x_2 * (projections_2 * projections_2));
+    }
     const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_21 -
-        (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
-        ((moves_1_1_phase_x_2 * phase_x_product_23) + (moves_2_1_phase_x_2 * phase_x_product_24)))), 0.5f);
+        (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + added_1_phase_x_2), 0.5f);
     const float starts_1_plus_moved_1 = starts_1 + moved_1;
     float phase_x_choice_3 = starts_1_plus_moved_1;
     if (pi < starts_1_plus_moved_1) {
@@ -1266,8 +1278,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x = hall_position_four_limit(phase_x_unlimited, pi);
     const float phase_y_product = gradient_2_phase_x_2 * terms_1_phase_x_3;
     const float moved_2 = hall_position_four_limit(best_2 + (phase_y_product - (terms_1_phase_x_4 * steps_3_phase_x_2) -
-        (terms_1_phase_x_7 * steps_4_phase_x_2) + ((none_phase_x) ? 0.0f :
-        ((moves_1_2_phase_x * phase_x_product_23) + (moves_2_2_phase_x_2 * phase_x_product_24)))), 0.5f);
+        (terms_1_phase_x_7 * steps_4_phase_x_2) + added_2_phase_y), 0.5f);
     const float starts_2_plus_moved_2 = starts_2 + moved_2;
     float phase_y_choice = starts_2_plus_moved_2;
     if (pi < starts_2_plus_moved_2) {
@@ -1278,13 +1289,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_y_unlimited = phase_y_choice + two_pi;
     }
     const float phase_y = hall_position_four_limit(phase_y_unlimited, pi);
-    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + ((none_phase_x) ? 0.0f :
-        ((moves_1_3_phase_x_2 * phase_x_product_23) + (moves_2_3_phase_x * phase_x_product_24)))), 0.1f);
+    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), 0.1f);
     const float yaw = hall_position_four_limit(starts_3 + moved_3, 0.20943952f);
-    const float amplitude_unlimited = hall_position_four_min(estimator_amplitude +
-        hall_position_four_limit(best_4 + (steps_4_phase_x_2 + ((none_phase_x) ? 0.0f :
-        ((moves_1_4_phase_x_2 * phase_x_product_23) + (moves_2_4_phase_x * phase_x_product_24)))), 0.125f), 1.25f);
-    const float amplitude = hall_position_four_max(amplitude_unlimited, 0.75f);
+    const float amplitude = hall_position_four_max(hall_position_four_min(estimator_amplitude +
+        hall_position_four_limit(best_4 + (steps_4_phase_x_2 + added_4_amplitude), 0.125f), 1.25f), 0.75f);
     const float deviation_phase_x_sum = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
@@ -1300,10 +1308,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float deviation_yaw = hall_position_four_min(0.05500909f * sqrtf(variances_3), 0.1f);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_four_min(0.05500909f * sqrtf(variances_4), 0.2f);
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_21) + (gradient_2_phase_x_2 *
-        phase_y_product) + (forward_3_phase_x_2 * phase_x_product_22) + (forward_4_phase_x_6 * steps_4_phase_x_2) +
-        ((none_phase_x) ? 0.0f : ((gains_1_phase_x_2 * (projections_1 * projections_1)) +
-        (gains_2_phase_x_2 * (projections_2 * projections_2))));
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_21) + (gradient_2_phase_x_2 * phase_y_product)
+        + (forward_3_phase_x_2 * phase_x_product_22) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
     const float cost_chi_square = hall_position_four_max(chi_square_choice + terms_3_chi_square + terms_4_chi_square +
         terms_5_chi_square + terms_6_chi_square + terms_7_chi_square + terms_8_chi_square +
         (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);

@@ -1171,14 +1171,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
             const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
-            state->landing_r_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(ramp_y +
-                (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f) : y_estimate_min_ramp_end;
+            if (landing_landing != 0u) {
+                state->landing_r_y = maglev_5dof_max(maglev_5dof_min(ramp_y +
+                    (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f);
+                state->landing_r_x = maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f);
+                state->landing_r_z = maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f);
+            } else {
+                state->landing_r_y = y_estimate_min_ramp_end;
+                state->landing_r_x = observer_x.estimate;
+                state->landing_r_z = observer_z.estimate;
+            }
             state->landing_dr_y = ramp_rate_next_y;
-            state->landing_r_x = (landing_landing != 0u) ?
-                maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f) : observer_x.estimate;
             state->landing_dr_x = ramp_rate_next_x;
-            state->landing_r_z = (landing_landing != 0u) ?
-                maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f) : observer_z.estimate;
             state->landing_dr_z = ramp_rate_next_z;
             w_phi = -spring_phi * phi;
             w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +

@@ -1322,15 +1322,20 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
                 (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
             const float ramp_rate_next_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
-            const float landing_r_y_if_landing = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
-                (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -bound);
-            state->landing_r_y = (landing_landing != 0u) ? landing_r_y_if_landing : y_estimate_min_ramp_end;
+            if (landing_landing != 0u) {
+                state->landing_r_y = maglev_5dof_precise_max(maglev_5dof_precise_min(ramp_y +
+                    (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -bound);
+                state->landing_r_x = maglev_5dof_precise_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)),
+                    bound);
+                state->landing_r_z = maglev_5dof_precise_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)),
+                    bound);
+            } else {
+                state->landing_r_y = y_estimate_min_ramp_end;
+                state->landing_r_x = observer_x.estimate;
+                state->landing_r_z = observer_z.estimate;
+            }
             state->landing_dr_y = ramp_rate_next_y;
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_precise_limit(ramp_x +
-                (half_T * (ramp_rate_x + ramp_rate_next_x)), bound) : observer_x.estimate;
             state->landing_dr_x = ramp_rate_next_x;
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_precise_limit(ramp_z +
-                (half_T * (ramp_rate_z + ramp_rate_next_z)), bound) : observer_z.estimate;
             state->landing_dr_z = ramp_rate_next_z;
             w_phi = -spring_phi * phi;
             w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +

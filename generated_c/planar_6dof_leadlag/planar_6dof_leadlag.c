@@ -365,6 +365,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         faults |= 0x40000000u;
     }
     if (latched != 0u) {
+        state->guard_latched = 1u;
+        faults |= 0x80000000u;
+
         /* safe_output: slew to the safe output once latched */
         static const float slew_step = 0.126f;                  /* A; 126 A/s times 0.001 s */
         state->safe_output_last_i_AA = planar_6dof_leadlag_slew(state->safe_output_last_i_AA, 0.0f, slew_step);
@@ -385,10 +388,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_step);
         out->i_CC = state->safe_output_last_i_CC;
-        state->guard_latched = 1u;
-        faults |= 0x80000000u;
     } else {
         const bool brakes = guard_left < latch_certain_from;
+        const bool may_latch = guard_left <= 2u;
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -1065,16 +1067,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_BC = i_BC_computed;
         out->i_CA = i_CA_computed;
         out->i_CB = i_CB_computed;
-        state->safe_output_last_i_AA = i_AA_computed;
-        state->safe_output_last_i_AB = i_AB_computed;
-        state->safe_output_last_i_AC = i_AC_computed;
-        state->safe_output_last_i_BA = i_BA_computed;
-        state->safe_output_last_i_BB = i_BB_computed;
-        state->safe_output_last_i_BC = i_BC_computed;
-        state->safe_output_last_i_CA = i_CA_computed;
-        state->safe_output_last_i_CB = i_CB_computed;
-        state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
+        if (may_latch) {
+            /* next states of the sections above */
+            state->safe_output_last_i_AA = i_AA_computed;
+            state->safe_output_last_i_AB = i_AB_computed;
+            state->safe_output_last_i_AC = i_AC_computed;
+            state->safe_output_last_i_BA = i_BA_computed;
+            state->safe_output_last_i_BB = i_BB_computed;
+            state->safe_output_last_i_BC = i_BC_computed;
+            state->safe_output_last_i_CA = i_CA_computed;
+            state->safe_output_last_i_CB = i_CB_computed;
+            state->safe_output_last_i_CC = i_CC_computed;
+        }
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->z = z;

@@ -106,6 +106,62 @@ static inline float sine_polynomial(float t)
     return 1.5822228f + (t * -0.9236455f);
 }
 
+typedef struct {
+    float error_gain;                   /* A/m; (49): k1 + k3 T */
+    float largest_error;                /* m; a larger error counts as this */
+    float L;                            /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
+    float achieved_gain;                /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
+} planar_6dof_lqg_lqg_output_parameters_t;
+
+typedef struct {
+    bool is_close_raw;
+    float now;
+    float estimated;
+    float law;
+} planar_6dof_lqg_lqg_output_t;
+
+/* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49)
+ * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral only
+ * decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back.
+ *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_output_t planar_6dof_lqg_lqg_output(const planar_6dof_lqg_lqg_state_t *state,
+    const planar_6dof_lqg_lqg_output_parameters_t *parameters, float ref_held, float raw, uint32_t ready)
+{
+    const float ref_held_minus_raw = ref_held - raw;
+    const bool is_close_raw = fabsf(ref_held_minus_raw) <= parameters->largest_error;
+    const float seen = parameters->L * raw;
+    const float now = (ready != 0u) ? state->x3 : -seen;
+    const float estimated = now + seen + (parameters->achieved_gain * state->achieved);
+    const float law_product = parameters->error_gain * ((is_close_raw) ? ref_held_minus_raw :
+        ((ref_held_minus_raw < 0.0f) ? -parameters->largest_error : parameters->largest_error));
+    return (planar_6dof_lqg_lqg_output_t){.is_close_raw = is_close_raw, .now = now, .estimated = estimated,
+        .law = law_product + (state->integral - estimated)};
+}
+
+typedef struct {
+    float G;                            /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
+    float H;                            /* 1; (33): (k1 T + k2) (B2 - L B1) */
+    float integral_decay;               /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+    float integral_input;               /* 1; (49): k3 T / (k1 + k3 T) */
+} planar_6dof_lqg_lqg_update_parameters_t;
+
+/* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49) */
+PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_lqg_update(planar_6dof_lqg_lqg_state_t *state,
+    const planar_6dof_lqg_lqg_update_parameters_t *parameters, float now, float raw, bool is_close_raw, float achieved,
+    float estimated)
+{
+    static const float F = 0.7f;                                /* 1; (35): A22 - L A12 */
+
+    state->x3 = (F * now) + (parameters->G * raw) + (parameters->H * state->achieved);
+    const float decayed = parameters->integral_decay * state->integral;
+    if (is_close_raw) {
+        state->integral = decayed + (parameters->integral_input * (achieved + estimated));
+    } else {
+        state->integral = decayed;
+    }
+    state->achieved = achieved;
+}
+
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -137,8 +193,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     /* 1; of the 29, left in the sample that first sets bit 30; fewer are left in those that brake */
     static const uint32_t latch_certain_from = 25u;
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
-    static const float lqg_y_largest_error = 0.004f;            /* m; a larger error counts as this */
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -337,6 +391,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
     uint32_t fault_word;
     if (latched != 0u) {
+        state->guard_latched = 1u;
+        fault_word = faults | 0x80000000u;
+
         /* safe_output: slew to the safe output once latched */
         static const float slew_step = 0.1575f;                 /* A; 126 A/s times 0.00125 s */
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_step);
@@ -357,8 +414,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CB = state->safe_output_last_i_CB;
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_step);
         out->i_CC = state->safe_output_last_i_CC;
-        state->guard_latched = 1u;
-        fault_word = faults | 0x80000000u;
     } else {
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -420,12 +475,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* 1/V^2; 1 / (4 sensing_power_0): the whole error of the scale */
         static const float sensing_first_scale_gain = 0.032194078f;
         static const float sensing_scale_gain = 9.658223e-05f;  /* 1/V^2; 0.003 / (4 sensing_power_0) */
-        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
-        static const float reckoning_x_half_step = 9.867259e-06f;
-        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
-        static const float reckoning_y_half_step = 9.867259e-06f;
-        /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
-        static const float reckoning_phi_half_step = 0.00017442106f;
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
         const uint32_t sensing_watch_left = state->sensing_watch_left;
@@ -627,36 +676,34 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
         state->sensing_phi_raw = phi_raw;
         const bool brakes = guard_left < latch_certain_from;
+        const bool may_latch = guard_left <= 2u;
+
+        /* reckoning: alpha-beta filter, dead reckoning */
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_x_half_step = 9.867259e-06f;
+        /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
+        static const float reckoning_y_half_step = 9.867259e-06f;
+        /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
+        static const float reckoning_phi_half_step = 0.00017442106f;
+        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float innovation_phi = phi_raw - reckoning_phi_position;
-        const float lqg_x_achieved = state->lqg_x_achieved;
-        const float a_x = reckoning_x_half_step * lqg_x_achieved;
-        const float lqg_y_achieved = state->lqg_y_achieved;
-        const float a_y = reckoning_y_half_step * lqg_y_achieved;
+        const float a_x = reckoning_x_half_step * state->lqg_x.achieved;
+        const float a_y = reckoning_y_half_step * state->lqg_y.achieved;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
+        const float seen = lqg_phi_L * phi_raw;
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral
-         * only decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point
-         * turns back.
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
-        static const float lqg_x_integral_decay = 0.9430741f;   /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-        static const float lqg_x_L = 5126.1787f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-        const float seen = lqg_x_L * x_raw;
-        const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool is_close_x_raw = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
-        const float lqg_x_integral = state->lqg_x_integral;
-        const float decayed = lqg_x_integral_decay * lqg_x_integral;
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     as lqg_x, with y in place of x */
-        static const float lqg_y_integral_decay = 0.953085f;    /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-        static const float lqg_y_L = 3558.6274f;                /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
-        const float seen_2 = lqg_y_L * y_raw;
-        const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool is_close_y_raw = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
-        const float lqg_y_integral = state->lqg_y_integral;
-        const float decayed_2 = lqg_y_integral_decay * lqg_y_integral;
+        /* reckoning, lqg_phi, sensing */
+        float corrected_phi = reckoning_phi_position;
+        float now;
+        if (guard_ready != 0u) {
+            now = state->lqg_phi_x3;
+            state->sensing_innovation_phi = innovation_phi;
+        } else {
+            state->sensing_innovation_phi = 0.0f;
+            corrected_phi = phi_raw;
+            now = -seen;
+        }
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
@@ -664,36 +711,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
-        static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
-        const float seen_3 = lqg_phi_L * phi_raw;
+        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 223.259 rad/s^2 per A */
+        static const float lqg_phi_achieved_gain = 0.87617064f;
+        static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
+        static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
+        static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
+        state->lqg_phi_x3 = (lqg_phi_F * now) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float estimated = now + seen + (lqg_phi_achieved_gain * lqg_phi_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
 
-        /* reckoning, lqg_x, lqg_y, lqg_phi, sensing */
-        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
-        static const float lqg_x_achieved_gain = 0.319009f;
-        static const float lqg_x_F = 0.7f;                      /* 1; (35): A22 - L A12 */
-        static const float lqg_x_G = -1537.8536f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_x_H = 0.28662756f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        float corrected_phi = reckoning_phi_position;
-        float now;
-        float now_2;
-        float now_3;
-        if (guard_ready != 0u) {
-            now = state->lqg_x_x3;
-            now_2 = state->lqg_y_x3;
-            now_3 = state->lqg_phi_x3;
-            state->sensing_innovation_phi = innovation_phi;
-        } else {
-            state->sensing_innovation_phi = 0.0f;
-            corrected_phi = phi_raw;
-            now = -seen;
-            now_2 = -seen_2;
-            now_3 = -seen_3;
-        }
-        state->lqg_x_x3 = (lqg_x_F * now) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-        const float estimated = now + seen + (lqg_x_achieved_gain * lqg_x_achieved);
-
-        /* reckoning: alpha-beta filter, dead reckoning
+        /* reckoning: alpha-beta filter, dead reckoning (continued)
          *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
          *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
          *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
@@ -711,16 +738,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
         static const float reckoning_phi_rate_gain = 0.000225f; /* 1; (1 - r)^2, r = 0.985 */
         static const float reckoning_phi_mean_gain = 0.0025f;   /* 1; 1 - r_m, r_m = 0.9975 */
-        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 12.6301 m/s^2 per A */
-        static const float lqg_y_achieved_gain = 0.22358753f;
-        static const float lqg_y_F = 0.7f;                      /* 1; (35): A22 - L A12 */
-        static const float lqg_y_G = -1067.5883f;               /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_y_H = 0.19897877f;               /* 1; (33): (k1 T + k2) (B2 - L B1) */
-        /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 223.259 rad/s^2 per A */
-        static const float lqg_phi_achieved_gain = 0.87617064f;
-        static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
-        static const float lqg_phi_G = -27.596594f;             /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
-        static const float lqg_phi_H = 0.9145512f;              /* 1; (33): (k1 T + k2) (B2 - L B1) */
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
@@ -760,10 +777,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->reckoning_phi_position = phi_next;
         const float advance_phi = middle_phi + a_phi;
         state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
-        state->lqg_y_x3 = (lqg_y_F * now_2) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-        const float estimated_2 = now_2 + seen_2 + (lqg_y_achieved_gain * lqg_y_achieved);
-        state->lqg_phi_x3 = (lqg_phi_F * now_3) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-        const float estimated_3 = now_3 + seen_3 + (lqg_phi_achieved_gain * lqg_phi_achieved);
 
         /* loop_z: lead-lag, (23)
          *     law_z = gain * (z_ref_held - z) + lead + integral */
@@ -789,14 +802,22 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_psi_lead = loop_psi_lead_input * error_3;
         const float loop_psi_integral = state->loop_psi_integral;
 
+        /* functions above: lqg_output */
+        static const planar_6dof_lqg_lqg_output_parameters_t lqg_x_lqg_output = {.error_gain = 1955.8091f,
+            .largest_error = 0.0015f, .L = 5126.1787f, .achieved_gain = 0.319009f};
+        static const planar_6dof_lqg_lqg_output_parameters_t lqg_y_lqg_output = {.error_gain = 1117.0514f,
+            .largest_error = 0.004f, .L = 3558.6274f, .achieved_gain = 0.22358753f};
+        const planar_6dof_lqg_lqg_output_t lqg_x_output = planar_6dof_lqg_lqg_output(&state->lqg_x, &lqg_x_lqg_output,
+            x_ref_held, x_raw, guard_ready);
+        const planar_6dof_lqg_lqg_output_t lqg_y_output = planar_6dof_lqg_lqg_output(&state->lqg_y, &lqg_y_lqg_output,
+            y_ref_held, y_raw, guard_ready);
+
         /* start: no demand before the first complete sample
          *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
          *         d_z */
         /* 1; (1 - r^2) + (n + 1/2) (1 - r)^2, r = 0.985, n = 28 samples without measurement: a steady innovation is a
          * rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.0361875f;
-        static const float lqg_x_error_gain = 1955.8091f;       /* A/m; (49): k1 + k3 T */
-        static const float lqg_y_error_gain = 1117.0514f;       /* A/m; (49): k1 + k3 T */
         static const float lqg_phi_error_gain = 550.31274f;     /* A/rad; (49): k1 + k3 T */
         static const float loop_z_gain = 4023.7034f;            /* A/m; (23): gain on the error */
         static const float loop_theta_gain = 427.24356f;        /* A/rad; (24): gain on the error */
@@ -809,13 +830,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float d_z = 0.0f;
         float rear_current = 0.0f;
         if ((guard_ready != 0u) || complete) {
-            const float law_x = (lqg_x_error_gain * ((is_close_x_raw) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw <
-                0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - estimated);
-            begun_x = law_x;
-            const float law_y = (lqg_y_error_gain * ((is_close_y_raw) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw <
-                0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - estimated_2);
-            begun_y = law_y;
-            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - estimated_3);
+            begun_x = lqg_x_output.law;
+            begun_y = lqg_y_output.law;
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - estimated);
             begun_phi = law_phi;
             const float law_z = (loop_z_gain * error) + loop_z_lead + loop_z_integral;
             d_z = law_z;
@@ -826,8 +843,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             d_psi = law_psi;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {
-                diagnostics->law_x = law_x;
-                diagnostics->law_y = law_y;
+                diagnostics->law_x = lqg_x_output.law;
+                diagnostics->law_y = lqg_y_output.law;
                 diagnostics->law_phi = law_phi;
                 diagnostics->law_z = law_z;
                 diagnostics->law_theta = law_theta;
@@ -864,8 +881,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         } else {
-            is_late_x_raw = !is_close_x_raw;
-            is_late_y_raw = !is_close_y_raw;
+            is_late_x_raw = !lqg_x_output.is_close_raw;
+            is_late_y_raw = !lqg_y_output.is_close_raw;
         }
 
         /* guard: range acceptance, hold, latch (continued) */
@@ -899,8 +916,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
         /* A; largest direct current of a motor: both together stay below 1.26 A */
         static const float direct_limit = 0.54913455f;
-        static const float lqg_x_integral_input = 0.056925878f; /* 1; (49): k3 T / (k1 + k3 T) */
-        static const float lqg_y_integral_input = 0.046914965f; /* 1; (49): k3 T / (k1 + k3 T) */
         static const float lqg_phi_integral_decay = 0.9013263f; /* 1; (49): 1 - k3 T / (k1 + k3 T) */
         static const float lqg_phi_integral_input = 0.098673716f; /* 1; (49): k3 T / (k1 + k3 T) */
         /* 1; (23): zero of the integral action in the z-domain */
@@ -918,6 +933,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float loop_z_integral_input_times_allocation_z_share = 0.004140787f;
         /* 1; (25): 1 - integral_decay; times allocation_psi_share */
         static const float loop_psi_integral_input_times_allocation_psi_share = 0.0062111802f;
+        static const planar_6dof_lqg_lqg_update_parameters_t lqg_x_lqg_update = {.G = -1537.8536f, .H = 0.28662756f,
+            .integral_decay = 0.9430741f, .integral_input = 0.056925878f};
+        static const planar_6dof_lqg_lqg_update_parameters_t lqg_y_lqg_update = {.G = -1067.5883f, .H = 0.19897877f,
+            .integral_decay = 0.953085f, .integral_input = 0.046914965f};
         const float cos_phi_raw_argument = phi_raw * phi_raw;
         const float cos_2 = cos_phi_raw_polynomial(cos_phi_raw_argument);
         const float sin_2 = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
@@ -944,15 +963,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             (loop_z_integral_input_times_allocation_z_share * (lifts + i_CD));
         state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) +
             (loop_psi_integral_input_times_allocation_psi_share * (i_AD - i_BD));
+        planar_6dof_lqg_lqg_update(&state->lqg_x, &lqg_x_lqg_update, lqg_x_output.now, x_raw, lqg_x_output.is_close_raw,
+            achieved_x, lqg_x_output.estimated);
+        planar_6dof_lqg_lqg_update(&state->lqg_y, &lqg_y_lqg_update, lqg_y_output.now, y_raw, lqg_y_output.is_close_raw,
+            achieved_y, lqg_y_output.estimated);
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) +
-            (lqg_phi_integral_input * (achieved_phi + estimated_3));
+            (lqg_phi_integral_input * (achieved_phi + estimated));
         state->lqg_phi_achieved = achieved_phi;
-        state->lqg_x_integral = (is_close_x_raw) ? (decayed + (lqg_x_integral_input * (achieved_x + estimated))) :
-            decayed;
-        state->lqg_x_achieved = achieved_x;
-        state->lqg_y_integral = (is_close_y_raw) ? (decayed_2 + (lqg_y_integral_input * (achieved_y + estimated_2))) :
-            decayed_2;
-        state->lqg_y_achieved = achieved_y;
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi_raw)
@@ -1021,16 +1038,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_BC = i_BC_computed;
         out->i_CA = i_CA_computed;
         out->i_CB = i_CB_computed;
-        state->safe_output_last_i_AA = i_AA_computed;
-        state->safe_output_last_i_AB = i_AB_computed;
-        state->safe_output_last_i_AC = i_AC_computed;
-        state->safe_output_last_i_BA = i_BA_computed;
-        state->safe_output_last_i_BB = i_BB_computed;
-        state->safe_output_last_i_BC = i_BC_computed;
-        state->safe_output_last_i_CA = i_CA_computed;
-        state->safe_output_last_i_CB = i_CB_computed;
-        state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
+        if (may_latch) {
+            /* next states of the sections above */
+            state->safe_output_last_i_AA = i_AA_computed;
+            state->safe_output_last_i_AB = i_AB_computed;
+            state->safe_output_last_i_AC = i_AC_computed;
+            state->safe_output_last_i_BA = i_BA_computed;
+            state->safe_output_last_i_BB = i_BB_computed;
+            state->safe_output_last_i_BC = i_BC_computed;
+            state->safe_output_last_i_CA = i_CA_computed;
+            state->safe_output_last_i_CB = i_CB_computed;
+            state->safe_output_last_i_CC = i_CC_computed;
+        }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->z = z;

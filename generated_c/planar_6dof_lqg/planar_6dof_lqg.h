@@ -105,6 +105,12 @@ extern "C" {
 #endif
 
 typedef struct {
+    float x3;                           /* A: estimated rate less L times the position, as a demand */
+    float integral;                     /* A: integral of the error */
+    float achieved;                     /* A: achieved demand, which acts until the next sample */
+} planar_6dof_lqg_lqg_state_t;
+
+typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
     float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
     float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
@@ -178,14 +184,8 @@ typedef struct {
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
     float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
-    /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
-    float lqg_x_x3;
-    float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
-    float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
-    /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
-    float lqg_y_x3;
-    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
-    float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
+    planar_6dof_lqg_lqg_state_t lqg_x;
+    planar_6dof_lqg_lqg_state_t lqg_y;
     /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
     float lqg_phi_x3;
     float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */

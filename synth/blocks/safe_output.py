@@ -3,12 +3,15 @@
     latched    y+ = max(min(s, y + r T), y - r T)    s: safe value, r: slew rate
     else       y+ = the computed value, limited to the range of the output
 
+The output y of the previous sample is a state. Where a machine brakes before each latch and no law reads this output,
+y is stored only in samples after which it may latch, and once it has latched.
+
 What lets a body down in flight may drive it sideways on the stop on which it has landed. While ``rests`` is 1, outputs
 in ``landed_output`` of the `Safety` have its value s.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
 from typing import TypeVar
@@ -26,11 +29,12 @@ K = TypeVar("K")
 
 
 @arguments.checked
-def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
+def block(time: Discrete, outputs: Sequence[Signal], safety: Safety, unread: Collection[str] = ()) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
     The computed value is limited to the output's range; the slew from there to the safe output stays inside the range.
-    ``<name>_before`` is the output of the previous sample. With a ``landed_output`` it reads ``rests`` of `landing`.
+    With a ``landed_output`` it reads ``rests`` of `landing`. ``<name>_before`` is the output of the previous sample.
+    With `braking` there is none of the outputs `unread`, for which it reads ``may_latch`` of the guard.
 
     Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe value lies outside its
     range.
@@ -38,6 +42,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     _check(outputs, safety)
     values, landed = safety.safe_output, safety.landed_output
     changed = [s for s in outputs if landed.get(s.name, values[s.name]) != values[s.name]]
+    seldom = [s.name for s in outputs if safety.braking and s.name in unread]  # stored
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         target = {s.name: ca.SX(values[s.name]) for s in outputs}
@@ -47,24 +52,26 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
             of_group = ca.if_else(u[guarding.RESTS], landed[s.name], values[s.name])
             target |= dict.fromkeys(signal_names(group), of_group)
             named.append((replace(s, name=f"target_{_together(group)}", about="once latched"), of_group))
-        value = {}
+        value, next = {}, {}
         for s in outputs:
             step, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
             slewed = ca.fmax(ca.fmin(target[s.name], last + step), last - step)
             computed = clip(u[f"{s.name}_computed"], s)
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
-        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
-        return Step(
-            value | before, {f"last_{n}": v for n, v in value.items()}, named, numbers=_numbers(time, outputs, safety)
-        )
+            stored = ca.if_else(u[guarding.MAY_LATCH.name], computed, last) if s.name in seldom else computed
+            next[f"last_{s.name}"] = ca.if_else(u["latched"], slewed, stored)
+        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs if s.name not in seldom}
+        return Step(value | before, next, named, numbers=_numbers(time, outputs, safety))
 
     last = "last output"
     read = [Signal("latched", "1", 0, 1, "latched until init")]
     read += [Signal(guarding.RESTS, "1", 0, 1, "lies on the stop")] if changed else []
+    read += [guarding.MAY_LATCH] if seldom else []
     read += [replace(s, name=f"{s.name}_computed") for s in outputs]
+    before = [s for s in outputs if s.name not in seldom]
     made = build(
         guarding.SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",
-        outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in outputs)],
+        outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in before)],
         states=[State(replace(s, name=f"last_{s.name}", about=last), safety.safe_output[s.name]) for s in outputs],
     )  # fmt: skip
     safe, rates = ({s.name: of[s.name] for s in outputs} for of in (values, safety.slew_per_s))

@@ -13,7 +13,7 @@ never causes a latch.
 
 A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on its output
 ``latch_certain`` is 1, and each later sample counts as bad. From the next one on ``brakes`` is 1; a law that reads it
-brings the machine to rest before the outputs go to their safe values.
+brings the machine to rest before the outputs go to their safe values. In the last of these samples ``may_latch`` is 1.
 
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
@@ -36,13 +36,14 @@ from synth.timing import Discrete
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
-    *("BRAKES", "GuardedInput", "LATCH_CERTAIN", "Safety", "SOUND", "SUSPECTED", "frozen", "guard"),
+    *("BRAKES", "GuardedInput", "LATCH_CERTAIN", "MAY_LATCH", "Safety", "SOUND", "SUSPECTED", "frozen", "guard"),
     "without_latch",
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 LATCH_CERTAIN = Signal("latch_certain", "1", 0, 1, "too many bad samples in a row: a latch follows")
 BRAKES = Signal("brakes", "1", 0, 1, "the latch was certain in the sample before: the law brakes")
+MAY_LATCH = Signal("may_latch", "1", 0, 1, "the next sample may latch: the safe output then starts from this one")
 BIT_TEXT = (
     "a latch is certain: after the first sample with this bit it brakes for {} samples, then latches; set until init"
 )
@@ -136,6 +137,7 @@ def guard(
                 every = ca.if_else(x["left"] <= braking, 0, every)
                 output[LATCH_CERTAIN.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
                 output[BRAKES.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
+                output[MAY_LATCH.name] = x["left"] <= 2
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
@@ -155,7 +157,7 @@ def guard(
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
     outputs += [JUDGING] if redundant and measured else []
-    outputs += [LATCH_CERTAIN, BRAKES] if braking else []
+    outputs += [LATCH_CERTAIN, BRAKES, MAY_LATCH] if braking else []
     read = [g.signal for g in inputs]
     read += [_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []
     read += suspects

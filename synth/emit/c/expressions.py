@@ -131,7 +131,8 @@ class Expressions:
         if op == "argument":
             return Text(node.name)
         if op == "parameter":
-            return Text(node.name if self.p.by_value else f"parameters->{node.name}")
+            parameter = node.name if self.p.by_value else f"parameters->{node.name}"
+            return Text(f"-{parameter}", 7) if node.value < 0 else Text(parameter)
         if op == "not":
             return self.negation(args[0])
         if op in ("and", "or"):

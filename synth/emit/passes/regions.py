@@ -4,7 +4,7 @@ A node is *sunk* into a side of a condition if every use of it is on that side. 
 users are decided before the node itself. A choice that only leaves a state unchanged does not use the state's load.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
@@ -69,8 +69,9 @@ class Regions:
         for k in sorted(self.members):
             if self.p.nodes[k].op == "choose":
                 by_condition.setdefault(self.p.nodes[k].args[0], []).append(k)
-        for condition, group in sorted(by_condition.items(), key=lambda item: -item[1][-1]):
-            choices = self._independent([c for c in group if c not in self.written_of])
+        layers = [(condition, layer) for condition, group in by_condition.items() for layer in self._layers(group)]
+        for condition, layer in sorted(layers, key=lambda item: -item[1][-1]):
+            choices = [c for c in layer if c not in self.written_of]
             region = Region(condition, choices, self._whole_sides(choices, by_condition))
             if self._is_circular(region):
                 acyclic: list[int] = []
@@ -115,6 +116,13 @@ class Regions:
             if not split - excluded:
                 return sides
             excluded |= split
+
+    def _layers(self, choices: list[int]) -> Iterator[list[int]]:
+        """Yield the choices that do not depend on one another, then those that depend on these only, and so on."""
+        while choices:
+            layer = self._independent(choices)
+            yield layer
+            choices = [c for c in choices if c not in layer]
 
     def _independent(self, choices: list[int]) -> list[int]:
         """Return the choices that do not depend on one of the earlier ones."""

@@ -90,9 +90,18 @@ def routine(p: Program, group: Group, taken: Names, constants: Mapping[str, floa
 
 
 def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[int]:
-    """Return the places of the numbers that are not the same in every Part of a group."""
-    columns = zip(*(form.numbers for _, form in group), strict=True)
-    return [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
+    """Return the places of the numbers that are not the same in every Part of a group, nor minus such a number."""
+    columns, negatives = zip(*(form.numbers for _, form in group), strict=True), _negatives(p, group)
+    several = [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
+    return [k for k in several if k not in negatives]
+
+
+def _negatives(p: Program, group: Group) -> dict[int, int]:
+    """Return by place of a number the place of that which it negates in every Part of a group."""
+    columns = zip(*([p.nodes[n] for n in form.numbers] for _, form in group), strict=True)
+    signed = [(tuple(n.name for n in column), {n.value < 0 for n in column}) for column in columns]
+    positive = {names: k for k, (names, signs) in enumerate(signed) if all(names) and signs == {False}}
+    return {k: positive[names] for k, (names, signs) in enumerate(signed) if signs == {True} and names in positive}
 
 
 def name(p: Program, k: int) -> str:
@@ -120,6 +129,7 @@ class _Builder:
             self.form.numbers[place]: self.names.free(self._number(place) or self._role(self.form.numbers[place]))
             for place in different(p, group, constants)
         }
+        self.negatives = {self.form.numbers[k]: self.form.numbers[of] for k, of in _negatives(p, group).items()}
         self.nodes: list[Node] = []
         self.index: dict[int, int] = {}
         self.constants: dict[str, str] = {}
@@ -131,7 +141,9 @@ class _Builder:
         made = self._program(next)
         naming = Naming(made, {}, {})
         results = [
-            Argument(self.names.free(self._common(column) or naming.name(at)), self.kind[column[0]])
+            Argument(
+                self.names.free(self._common(column) or self._label(column) or naming.name(at)), self.kind[column[0]]
+            )
             for at, (_, column) in zip(places, self._columns("results"), strict=True)
         ]
         made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
@@ -180,8 +192,8 @@ class _Builder:
             return Node("argument", name=self.arguments[k].name)
         if node.op == "state":
             return replace(node, name=self.part.local[node.name])
-        if k in self.parameters:
-            return Node("parameter", name=self.parameters[k])
+        if self.negatives.get(k, k) in self.parameters:
+            return Node("parameter", name=self.parameters[self.negatives.get(k, k)], value=-float(k in self.negatives))
         if node.op == "constant" or node.name:
             local = next((local for local, name in self.constants.items() if name == node.name), "")
             local = local or self.names.free(self._number(self.form.numbers.index(k)) or node.name)
@@ -190,11 +202,13 @@ class _Builder:
         return node
 
     def _argument(self, column: Sequence[int]) -> Argument:
-        labels = [self.p.labels.get(k, "") for k in column]
-        return Argument(self.names.free(self._common(column) or words.common(labels) or "value"), self.kind[column[0]])
+        return Argument(self.names.free(self._common(column) or self._label(column) or "value"), self.kind[column[0]])
 
     def _common(self, column: Sequence[int]) -> str:
         return words.common([name(self.p, k) for k in column]).removeprefix(f"{self.part_name}_")
+
+    def _label(self, column: Sequence[int]) -> str:
+        return words.common([self.p.labels.get(k, "") for k in column])
 
     def _number(self, place: int) -> str:
         """Return what the Parts call a number, without the Blocks' names."""
