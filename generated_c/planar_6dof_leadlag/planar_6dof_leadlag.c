@@ -181,6 +181,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const uint32_t braking_from = 24u;
     /* 1; of the 29, left in the sample that first sets bit 30; fewer are left in those that brake */
     static const uint32_t latch_certain_from = 25u;
+    static const uint32_t may_latch_from = 2u;                  /* 1; of the 29, left in the sample before the latch */
     /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
     static const uint32_t latch_samples = 29u;
     static const float guard_refused_V_ax = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
@@ -390,7 +391,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = state->safe_output_last_i_CC;
     } else {
         const bool brakes = guard_left < latch_certain_from;
-        const bool may_latch = guard_left <= 2u;
+        const bool may_latch = guard_left <= may_latch_from;
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)

@@ -443,6 +443,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
          *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
         static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
+        static const uint32_t may_latch_from = 2u;              /* 1; of the 29, left in the sample before the latch */
         static const float half_pitch = 0.0254f;                /* m; half of the pitch */
         static const float pitch = 0.0508f;                     /* m; pitch of the matrix */
         static const float innovation_weight = 153119.95f;      /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
@@ -676,7 +677,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float phi_raw = planar_6dof_lqg_limit(raw_yaw, max_yaw);
         state->sensing_phi_raw = phi_raw;
         const bool brakes = guard_left < latch_certain_from;
-        const bool may_latch = guard_left <= 2u;
+        const bool may_latch = guard_left <= may_latch_from;
 
         /* reckoning: alpha-beta filter, dead reckoning */
         /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */

@@ -137,7 +137,7 @@ def guard(
                 every = ca.if_else(x["left"] <= braking, 0, every)
                 output[LATCH_CERTAIN.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
                 output[BRAKES.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
-                output[MAY_LATCH.name] = x["left"] <= 2
+                output[MAY_LATCH.name] = x["left"] <= safety_numbers.MAY_LATCH_FROM
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up

@@ -4,6 +4,8 @@ from synth.block import Constant
 from synth.blocks import bad_samples
 from synth.fault import BRAKING_BIT
 
+MAY_LATCH_FROM = 2  # samples left, of a guard that brakes, before one that may latch
+
 
 def about_left(braking: int) -> str:
     """Return what the count until the latch counts."""
@@ -26,4 +28,7 @@ def latch(bad: int, braking: int, good_samples: int) -> list[Constant]:
         *bad_samples.numbers("latch_samples", total, good_samples, about),
         Constant("latch_certain_from", braking + 1, "1", certain, ("left",)),
         Constant("braking_from", braking, "1", brakes, ("left",)),
+        Constant(
+            "may_latch_from", MAY_LATCH_FROM, "1", f"of the {total}, left in the sample before the latch", ("left",)
+        ),
     ]

@@ -97,7 +97,7 @@ def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[
 
 
 def _negatives(p: Program, group: Group) -> dict[int, int]:
-    """Return by place of a number the place of that which it negates in every Part of a group."""
+    """Return by place of a number the place of another one, of which it is the negative in every Part of a group."""
     columns = zip(*([p.nodes[n] for n in form.numbers] for _, form in group), strict=True)
     signed = [(tuple(n.name for n in column), {n.value < 0 for n in column}) for column in columns]
     positive = {names: k for k, (names, signs) in enumerate(signed) if all(names) and signs == {False}}
