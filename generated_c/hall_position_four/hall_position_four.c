@@ -522,8 +522,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         sin_yaw))
      *     ax_part_doubled = limit(4 * (sin(0.25 * limited_ax) * ax_part_cosine), 2.002); likewise
      *         ay_part_doubled
-     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full,
-     *         bx_part_full, by_part_full, cx_part_full, cy_part_full, dx_part_full, dy_part_full
+     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full
      *     ay_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
@@ -539,6 +538,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *     bx_part_doubled = limit(8 * (sin(0.125 * limited_bx) * bx_part_cosine * (1 - 0.03125 *
      *         bx_part_sine^2)), 2.002); likewise by_part_doubled, cx_part_doubled, cy_part_doubled,
      *         dx_part_doubled, dy_part_doubled
+     *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * sines_2_bx^2), 1.001); likewise by_part_full,
+     *         cx_part_full, cy_part_full, dx_part_full, dy_part_full
      *     by_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if

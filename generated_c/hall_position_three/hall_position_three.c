@@ -421,7 +421,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
      *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
-     *         bx_part_full, by_part_full, cx_part_full, cy_part_full
+     *         bx_part_full, by_part_full
      *     ay_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
@@ -445,6 +445,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *         sin_yaw))
      *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
      *         cy_part_doubled
+     *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
      *     cy_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
      *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
      *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if

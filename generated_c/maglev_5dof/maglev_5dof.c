@@ -138,19 +138,17 @@ typedef struct {
 } maglev_5dof_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
- *         if guard_ready is set, else 0
- *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
- *         T * gained if x_frozen is set, else 0)) if guard_ready is set, else 0
- *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
- *         largest_position)
- *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
- *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
- *         else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
- *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0),
- *         largest_gain), least_gain) */
+ *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
+ *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
+ *         guard_ready is set, else 0
+ *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
+ *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
+ *         if x_frozen is set, else 0)) if guard_ready is set, else 0
+ *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
+ *     v_next = limit(rate_ahead, largest_rate)
+ *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * nu, largest_disturbance))
+ *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
     bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
@@ -490,10 +488,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* guard: range acceptance, hold, latch
-     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
-     *         if left <= good_per_bad, else latched))
-     *     left_next = (left if latch_samples <= left, else left + 1) if (sufficient if ready is set, else
-     *         complete) is set, else (left if left <= good_per_bad, else left - good_per_bad) */
+     *     latched = 1 if landed, else (latched if enough is set, else (1 if left <= good_per_bad, else
+     *         latched))
+     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if left <=
+     *         good_per_bad, else left - good_per_bad) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -586,7 +584,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+         *     y1_expected = observer_y_q - r_phi; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
         const float r_phi = r * observer_phi_q;
         const float y1_expected = observer_y_q - r_phi;
@@ -601,11 +599,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
          *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
-         *         likewise suspect_z, degraded
+         *         likewise suspect_z
          *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
          *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
          *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
          *         determined)
+         *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
@@ -878,12 +877,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
-         *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-         *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
-         *         largest_position), least_position)
-         *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
+         *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+         *     y_estimate = q + alpha * nu if guard_ready is set, else y
+         *     y_rate = v + beta * nu if guard_ready is set, else 0
+         *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
+         *     v_next = limit(rate_ahead, largest_rate) */
         static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
         static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
@@ -895,12 +893,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         y_rate = state->observer_y_v + (observer_y_beta * nu_2);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
-         *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
-         *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-         *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
-         *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-         *         phi_disturbance)), largest_position)
-         *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
+         *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
+         *     phi_rate = v + beta * nu if guard_ready is set, else 0
+         *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+         *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
+         *     v_next = limit(rate_ahead, largest_rate) */
         static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
         static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
@@ -1002,7 +999,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
+         *     e_y = y - y_ref_held; likewise e_phi, e_theta
+         *     e_x = x_held - x_ref_held; likewise e_z */
         const float e_y = y - y_ref_held;
         const float e_x = x_monitor.held - x_ref_held;
         const float e_z = z_monitor.held - z_ref_held;
@@ -1072,11 +1070,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             z_monitor.trusted, z_monitor.held, z_monitor.frozen, state->delay_a_z_last, z_monitor.unchanged);
 
         /* landing: ramps and state feedback (continued)
-         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
-         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
-         *         else 0
-         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
-         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
+         *     damping_theta = 2 * (levelling_pole_w_theta * (observer_theta_v + observer_theta_beta * (theta -
+         *         observer_theta_q))) if guard_ready is set, else 0
+         *     w_theta = -(levelling_pole_w_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
+         *         landing_next is set, else w_theta_tracking
          *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
          *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
          *         acceleration_step_y)
@@ -1088,9 +1085,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
          *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
          *         w_x_tracking; likewise w_z_unprobed
-         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
-         *         else (left if landing_patience <= left, else left + 1)
-         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
+         *         landing_patience <= left, else left + 1)
+         *     landing_next = 1 if waiting and left <= good_per_bad, else landing
          *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
          *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
@@ -1216,13 +1213,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 
         /* probe_x: probe at rest
-         *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if 1 <= sample, else free) if 1 <=
-         *         sample or quiet_samples <= x_unchanged, else 0
-         *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
-         *         0) if pair_samples <= sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or
+         *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if runs, else free) if runs or
          *         quiet_samples <= x_unchanged, else 0
-         *     towards_next = (towards if 1 <= sample, else (-first_push if 0 < e_x, else first_push)) if 1 <=
-         *         sample or quiet_samples <= x_unchanged, else towards */
+         *     attempt_next = ((((attempt if x_unanswered, else one_more) if pair_samples <= x_unchanged, else 0)
+         *         if pair_samples <= sample, else attempt) if runs, else attempt) if runs or quiet_samples <=
+         *         x_unchanged, else 0
+         *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if runs or
+         *         quiet_samples <= x_unchanged, else towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;
@@ -1414,7 +1411,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
 
         /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+         *     w_y_last_next = w_y; likewise w_phi_last_next, w_theta_last_next
+         *     a_x_last_next = a_x; likewise a_z_last_next */
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;

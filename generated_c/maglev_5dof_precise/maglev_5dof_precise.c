@@ -142,19 +142,17 @@ typedef struct {
 } maglev_5dof_precise_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), largest_disturbance) if x_trusted is set, else 0)
- *         if guard_ready is set, else 0
- *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - (beta / gamma * (d - d_at_change) +
- *         T * gained if x_frozen is set, else 0)) if guard_ready is set, else 0
- *     q_next = limit(x_estimate + half_T * (x_rate + x_rate + T * (g * delay_a_x_last + x_disturbance)),
- *         largest_position)
- *     v_next = limit(x_rate + T * (g * delay_a_x_last + x_disturbance), largest_rate)
- *     gained_next = gained_decay * gained + x_disturbance - d_at_change if x_trusted and 1 <= x_unchanged,
- *         else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * (x_held - q),
- *         largest_disturbance)) if x_trusted is set, else 0) if guard_ready is set, else 0),
- *         largest_gain), least_gain) */
+ *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
+ *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
+ *         guard_ready is set, else 0
+ *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
+ *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
+ *         if x_frozen is set, else 0)) if guard_ready is set, else 0
+ *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
+ *     v_next = limit(rate_ahead, largest_rate)
+ *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
+ *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * nu, largest_disturbance))
+ *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
     uint32_t frozen, float a_before, uint32_t unchanged)
@@ -417,13 +415,11 @@ typedef struct {
 } maglev_5dof_precise_observer_fast_t;
 
 /* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma
- *     x_fast_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_fast_rate = v + beta * (x_held - q) if guard_ready is set, else 0
- *     x_fast_disturbance = limit(d + gamma * (x_held - q), largest_disturbance) if guard_ready is set,
- *         else 0
- *     x_fast_ahead = limit(x_fast_estimate + half_T * (x_fast_rate + x_fast_rate + T * (delay_a_x_last +
- *         x_fast_disturbance)), largest_position)
- *     x_fast_rate_ahead = limit(x_fast_rate + T * (delay_a_x_last + x_fast_disturbance), largest_rate) */
+ *     x_fast_estimate = q + alpha * nu if guard_ready is set, else x_held
+ *     x_fast_rate = v + beta * nu if guard_ready is set, else 0
+ *     x_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+ *     x_fast_ahead = limit(x_fast_estimate + half_T * (x_fast_rate + rate_ahead), largest_position)
+ *     x_fast_rate_ahead = limit(rate_ahead, largest_rate) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_fast_state_t *state,
     const maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float nu, float value,
@@ -523,10 +519,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* guard: range acceptance, hold, latch
-     *     latched = 1 if landed, else (latched if (sufficient if ready is set, else complete) is set, else (1
-     *         if left <= good_per_bad, else latched))
-     *     left_next = (left if latch_samples <= left, else left + 1) if (sufficient if ready is set, else
-     *         complete) is set, else (left if left <= good_per_bad, else left - good_per_bad) */
+     *     latched = 1 if landed, else (latched if enough is set, else (1 if left <= good_per_bad, else
+     *         latched))
+     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if left <=
+     *         good_per_bad, else left - good_per_bad) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -623,7 +619,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+         *     y1_expected = observer_y_q - r_phi; likewise y4_expected */
         const float r_phi = r * observer_phi_q;
         const float y1_expected = observer_y_q - r_phi;
         const float r_theta = r * observer_theta_q;
@@ -637,11 +633,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
          *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
-         *         likewise suspect_z, degraded
+         *         likewise suspect_z
          *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
          *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
          *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
          *         determined)
+         *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
@@ -943,12 +940,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
-         *     y_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-         *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     q_next = max(min(y_estimate + half_T * (y_rate + y_rate + T * (delay_w_y_last + y_disturbance)),
-         *         largest_position), least_position)
-         *     v_next = limit(y_rate + T * (delay_w_y_last + y_disturbance), largest_rate) */
+         *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+         *     y_estimate = q + alpha * nu if guard_ready is set, else y
+         *     y_rate = v + beta * nu if guard_ready is set, else 0
+         *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
+         *     v_next = limit(rate_ahead, largest_rate) */
         static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
         static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
@@ -960,12 +956,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         y_rate = state->observer_y_v + (observer_y_beta * nu_4);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
-         *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
-         *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
-         *     phi_disturbance = limit(d + gamma * (phi - q), largest_disturbance) if guard_ready is set, else 0
-         *     q_next = limit(phi_estimate + half_T * (phi_rate + phi_rate + T * (delay_w_phi_last +
-         *         phi_disturbance)), largest_position)
-         *     v_next = limit(phi_rate + T * (delay_w_phi_last + phi_disturbance), largest_rate) */
+         *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
+         *     phi_rate = v + beta * nu if guard_ready is set, else 0
+         *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+         *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
+         *     v_next = limit(rate_ahead, largest_rate) */
         static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
         static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
         static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
@@ -1064,7 +1059,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const bool free = regular && (observer_y_q < lifted);
 
         /* errors: tracking errors, F(14)
-         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
+         *     e_y = y - y_ref_held; likewise e_phi, e_theta
+         *     e_x = x_held - x_ref_held; likewise e_z */
         const float e_y = y - y_ref_held;
         const float e_x = x_monitor.held - x_ref_held;
         const float e_z = z_monitor.held - z_ref_held;
@@ -1072,7 +1068,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float e_theta = theta - theta_ref_held;
 
         /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+         *     w_y_last_next = w_y; likewise w_phi_last_next, w_theta_last_next
+         *     a_x_last_next = a_x; likewise a_z_last_next */
         static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast =
             {.alpha = 0.6988058f, .beta = 272.3178f, .low = -0.02f, .largest_position = 0.02f, .low_2 = -4.0f,
             .largest_rate = 4.0f};
@@ -1108,12 +1105,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->observer_y_v = maglev_5dof_precise_limit(rate_ahead_3, observer_y_largest_rate);
 
         /* observer_y_fast: predictive observer, alpha-beta-gamma (continued)
-         *     y_fast_estimate = q + alpha * (y - q) if guard_ready is set, else y
-         *     y_fast_rate = v + beta * (y - q) if guard_ready is set, else 0
-         *     y_fast_disturbance = limit(d + gamma * (y - q), largest_disturbance) if guard_ready is set, else 0
-         *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + y_fast_rate + T * (delay_w_y_last +
-         *         y_fast_disturbance)), largest_position), least_position)
-         *     y_fast_rate_ahead = limit(y_fast_rate + T * (delay_w_y_last + y_fast_disturbance), largest_rate) */
+         *     y_fast_estimate = q + alpha * nu if guard_ready is set, else y
+         *     y_fast_rate = v + beta * nu if guard_ready is set, else 0
+         *     y_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+         *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + rate_ahead), largest_position),
+         *         least_position)
+         *     y_fast_rate_ahead = limit(rate_ahead, largest_rate) */
         static const float observer_y_fast_largest_position = 0.0345f; /* m; bound of the prediction */
         static const float observer_y_fast_largest_rate = 4.0f; /* m/s; bound of the predicted rate */
         const float rate_ahead_4 = y_fast_rate + (T * (delay_w_y_last + y_fast_disturbance));
@@ -1204,12 +1201,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             z_monitor.trusted, z_monitor.held, z_monitor.frozen, delay_a_z_last, z_monitor.unchanged);
 
         /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 -
-         *         (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + limit(e_phi, largest))^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1)
-         *         + limit(e_phi, largest))^2 <= 16, else p1
-         *     q1_next = q1 - (p1 + c1 * q1) + limit(e_phi, largest) if (sum + limit(e_phi, largest))^2 + (p1 + c1
-         *         * q1)^2 + (q1 - (p1 + c1 * q1) + limit(e_phi, largest))^2 <= 16, else q1 */
+         *     sum_next = sum + e if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16, else sum
+         *     p1_next = p1 + c1 * q1 if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16, else
+         *         p1
+         *     q1_next = q1 - (p1 + c1 * q1) + e if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <=
+         *         16, else q1 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
@@ -1233,11 +1229,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->servo_phi_fast_r = phi_ref_held;
 
         /* landing: ramps and state feedback (continued)
-         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
-         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
-         *         else 0
-         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
-         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
+         *     damping_theta = 2 * (levelling_pole_w_theta * (observer_theta_v + observer_theta_beta * (theta -
+         *         observer_theta_q))) if guard_ready is set, else 0
+         *     w_theta = -(levelling_pole_w_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
+         *         landing_next is set, else w_theta_tracking
          *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
          *         likewise ramp_rate_next_z
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
@@ -1249,9 +1244,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
          *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
          *         w_y_tracking
-         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
-         *         else (left if landing_patience <= left, else left + 1)
-         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
+         *         landing_patience <= left, else left + 1)
+         *     landing_next = 1 if waiting and left <= good_per_bad, else landing
          *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
          *         landing is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
@@ -1403,14 +1398,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 
         /* probe_x: probe at rest
-         *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if first_push_end <=
-         *         sample, else free) if first_push_end <= sample or quiet_samples <= x_unchanged, else 0
+         *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if runs, else free) if
+         *         runs or quiet_samples <= x_unchanged, else 0
          *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
-         *         0) if pair_samples <= sample, else attempt) if first_push_end <= sample, else attempt) if
-         *         first_push_end <= sample or quiet_samples <= x_unchanged, else 0
-         *     towards_next = ((-towards if pair_samples <= sample, else towards) if first_push_end <= sample, else
-         *         (towards if 1 <= attempt, else (-first_push if 0 < e_x, else first_push))) if first_push_end <=
-         *         sample or quiet_samples <= x_unchanged, else towards */
+         *         0) if pair_samples <= sample, else attempt) if runs, else attempt) if runs or quiet_samples <=
+         *         x_unchanged, else 0
+         *     towards_next = ((-towards if pair_samples <= sample, else towards) if runs, else (towards if 1 <=
+         *         attempt, else (-first_push if 0 < e_x, else first_push))) if runs or quiet_samples <=
+         *         x_unchanged, else towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs = first_push_end <= probe_x_sample;
         float w_x = w_x_unprobed;

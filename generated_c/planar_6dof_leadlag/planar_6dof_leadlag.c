@@ -113,8 +113,8 @@ typedef struct {
 
 /* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
  * (24); lead-lag, (25)
- *     law_x = gain * (x_ref_held - x) + lead + integral
- *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
+ *     law_x = gain * error + lead + integral
+ *     lead_next = lead_input * error + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
     planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
@@ -394,8 +394,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool may_latch = guard_left <= may_latch_from;
 
         /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+         *     z = 0.5 * (front_distance + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - front_distance) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_distance = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_distance + d3_held);
@@ -656,16 +656,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->sensing_phi_raw = phi_raw;
 
         /* filter_x: Kalman filter, (6)-(16)
-         *     prediction_p = limit(p + k_p * (x_raw - p) + s + k_s * (x_raw - p) + h + k_h * (x_raw - p), 0.2)
-         *     prediction_s = limit(s + k_s * (x_raw - p) + h + k_h * (x_raw - p) + h + k_h * (x_raw - p),
-         *         0.00400004)
-         *     prediction_h = limit(h + k_h * (x_raw - p), 0.00400004)
-         *     x = p + k_p * (x_raw - p) if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h +
-         *         k_h * (x_raw - p)| <= fastest, else x_raw
-         *     p_next = prediction_p if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h + k_h
-         *         * (x_raw - p)| <= fastest, else x_raw
-         *     s_next = prediction_s if guard_ready and |s + k_s * (x_raw - p) + h + k_h * (x_raw - p)| + |h + k_h
-         *         * (x_raw - p)| <= fastest, else 0; likewise h_next */
+         *     prediction_p = limit(now + s + k_s * e + a, 0.2)
+         *     prediction_s = limit(s + k_s * e + a + a, 0.00400004)
+         *     prediction_h = limit(a, 0.00400004)
+         *     x = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
+         *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
+         *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
         static const float filter_x_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
         /* 1; (16), steady: gain on the position, in units of position */
         static const float filter_x_k_p = 0.110377386f;
@@ -729,17 +725,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_phi: Kalman filter, (6)-(16)
-         *     prediction_p = limit(p + k_p * (phi_raw - p) + s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p),
-         *         0.05)
-         *     prediction_s = limit(s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p) + h + k_h * (phi_raw - p),
-         *         0.00700007)
-         *     prediction_h = limit(h + k_h * (phi_raw - p), 0.00700007)
-         *     phi = p + k_p * (phi_raw - p) if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)|
-         *         + |h + k_h * (phi_raw - p)| <= fastest, else phi_raw
-         *     p_next = prediction_p if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)| + |h +
-         *         k_h * (phi_raw - p)| <= fastest, else phi_raw
-         *     s_next = prediction_s if guard_ready and |s + k_s * (phi_raw - p) + h + k_h * (phi_raw - p)| + |h +
-         *         k_h * (phi_raw - p)| <= fastest, else 0; likewise h_next */
+         *     prediction_p = limit(now + s + k_s * e + a, 0.05)
+         *     prediction_s = limit(s + k_s * e + a + a, 0.00700007)
+         *     prediction_h = limit(a, 0.00700007)
+         *     phi = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else phi_raw
+         *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else phi_raw
+         *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
         static const float filter_phi_fastest = 0.007f; /* rad; T times the speed beyond which the filter restarts */
         /* 1; (16), steady: gain on the position, in units of position */
         static const float filter_phi_k_p = 0.30911008f;
@@ -771,13 +762,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* reckoning: alpha-beta filter, dead reckoning
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * delay_x + x_half_step * delay_x; likewise y_advance
-         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + phi_half_step * delay_phi + phi_half_step * delay_phi + phi_bias_gain * phi_mean
-         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
-         *         measured, else phi_rate) + phi_half_step * delay_phi + phi_half_step * delay_phi,
-         *         phi_rate_limit) */
+         *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
+         *         likewise middle_y
+         *     middle_phi = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + a_phi
+         *     x_advance = middle_x + a_x; likewise y_advance
+         *     phi_advance = advance_phi + phi_bias_gain * phi_mean
+         *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
         static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
         static const float rate_limit = 0.002f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
         static const float phi_rate_limit = 0.04f; /* rad; 40 rad/s times T: largest rate that is predicted */
@@ -929,18 +920,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
          * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
          * of d_z in i_CD. The 2 of d_theta there stands for both motors at the front.
-         *     i_AQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
-         *         quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
-         *     i_BQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
-         *         quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
+         *     y_current = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |yaw_current|)
+         *     i_AQ = y_current - yaw_current
+         *     i_BQ = y_current + yaw_current
          *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
          *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
-         *     achieved_x = cos(phi) * i_CQ - sin(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
-         *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_y = sin(phi) * i_CQ + cos(phi) * (two * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
-         *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
+         *     achieved_x = cos(phi) * i_CQ - sin(phi) * y_currents
+         *     achieved_y = sin(phi) * i_CQ + cos(phi) * y_currents
+         *     achieved_theta = rear_share * i_CD - front_share * lifts */
         static const float quadrature_limit = 1.134f; /* A; largest quadrature current of a motor, 0.9 of 1.26 A */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
         /* A; largest direct current of a motor: both together stay below 1.26 A */

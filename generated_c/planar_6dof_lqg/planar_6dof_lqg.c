@@ -123,7 +123,7 @@ typedef struct {
 /* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49)
  * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral only
  * decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back.
- *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+ *     x3_next = F * now + G * x_raw + H * achieved */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_output_t planar_6dof_lqg_lqg_output(const planar_6dof_lqg_lqg_state_t *state,
     const planar_6dof_lqg_lqg_output_parameters_t *parameters, float ref_held, float raw, uint32_t ready)
 {
@@ -416,8 +416,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = state->safe_output_last_i_CC;
     } else {
         /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+         *     z = 0.5 * (front_distance + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - front_distance) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_distance = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_distance + d3_held);
@@ -707,11 +707,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
-         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
-         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - estimated
+         *     x3_next = F * now + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + estimated) */
         /* 1; (49): T (k1 T / 2 + k2) times the acceleration of 223.259 rad/s^2 per A */
         static const float lqg_phi_achieved_gain = 0.87617064f;
         static const float lqg_phi_F = 0.9f;                    /* 1; (35): A22 - L A12 */
@@ -722,14 +720,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float lqg_phi_integral = state->lqg_phi_integral;
 
         /* reckoning: alpha-beta filter, dead reckoning (continued)
-         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
-         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance
-         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved + phi_bias_gain
-         *         * phi_mean
-         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
-         *         measured, else phi_rate) + phi_half_step * lqg_phi_achieved + phi_half_step * lqg_phi_achieved,
-         *         phi_limit) */
+         *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
+         *         likewise middle_y
+         *     middle_phi = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + a_phi
+         *     x_advance = middle_x + a_x; likewise y_advance
+         *     phi_advance = advance_phi + phi_bias_gain * phi_mean
+         *     phi_rate_next = limit(advance_phi, phi_limit) */
         static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
         static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
         static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
@@ -780,7 +777,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
 
         /* loop_z: lead-lag, (23)
-         *     law_z = gain * (z_ref_held - z) + lead + integral */
+         *     law_z = gain * error + lead + integral */
         static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
         const float error = z_ref_held - z;
         const float loop_z_lead = state->loop_z_lead;
@@ -901,18 +898,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
          * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
          * of d_z in i_CD. The 2 of d_theta there stands for both motors at the front.
-         *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
-         *         i_CQ, quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
-         *     i_BQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
-         *         i_CQ, quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
+         *     y_current = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |yaw_current|)
+         *     i_AQ = y_current - yaw_current
+         *     i_BQ = y_current + yaw_current
          *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
          *         half_quadrature_limit))
          *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
-         *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
-         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * (two * limit(0.5 * (cos(phi_raw) * d_y -
-         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
-         *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
+         *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * y_currents
+         *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * y_currents
+         *     achieved_theta = rear_share * i_CD - front_share * lifts */
         static const float quadrature_limit = 1.134f; /* A; largest quadrature current of a motor, 0.9 of 1.26 A */
         static const float half_quadrature_limit = 0.567f;      /* A; what the yaw leaves to motor C */
         /* A; largest direct current of a motor: both together stay below 1.26 A */

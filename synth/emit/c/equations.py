@@ -3,21 +3,23 @@
     i_d = (w - G) / (a + b)        of a signal, in signals, inputs and states of its Block and in its numbers
     integral_next = ...            of a next state
 
-Signals whose equations differ in names alone are listed with the first one. An equation longer than LONGEST is in those
-variables of the law that are locals in C, unless it is a choice between two of them. A signal whose equation is too
-long even so has none, nor has one that the code repeats as it is; a section without any other shows its first one.
+Signals whose equations differ in corresponding names alone are listed with the first one. Where it is shorter, a
+section's equations are in those variables of its law that they share and that are locals in C. Else an equation longer
+than LONGEST is in variables of the law, unless it is a choice between two of them. A signal whose equation is too long
+even so has none, nor has one that the code repeats as it is; a section without any other shows its first one.
 """
 
 import re
 from collections import ChainMap, Counter
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, takewhile
 from textwrap import wrap
 
 from synth.blocks import safety
 from synth.emit.lower import Node, Program
 from synth.emit.operations import LIBM, LOGICAL
+from synth.emit.passes import owners
 
 LONGEST = 200  # characters of an equation
 LONGEST_OF_VARIABLES = 140  # of one in variables of the law
@@ -30,6 +32,7 @@ HIDDEN = LIBM - {"sqrt", "fabs"}  # functions that polynomials replace
 SILENT = (safety.SAFE_OUTPUT,)  # its function says what it does
 OF_GUARD = ("latched", "left_next", "ready_next")  # the functions of the inputs say what they do
 ATOM = 9
+NAME = re.compile(r"\b[A-Za-z]\w*\b(?!\()")
 _LEAVES = ("input", "state", "literal", "constant")
 
 
@@ -38,6 +41,7 @@ class Equation:
     """A signal or next state, what it equals, and whether the code shows this as it is."""
 
     name: str
+    node: int
     text: str
     is_hidden: bool
     counts: Mapping[str, float] = field(default_factory=dict)
@@ -46,7 +50,7 @@ class Equation:
     def form(self) -> str:
         """The text with its names counted in the order in which they are met, and with the values of whole numbers."""
         places = {name: f"{value:g}" for name, value in self.counts.items()}
-        return re.sub(r"\b[A-Za-z]\w*\b(?!\()", lambda word: places.setdefault(word[0], f"_{len(places)}"), self.text)
+        return NAME.sub(lambda word: places.setdefault(word[0], f"_{len(places)}"), self.text)
 
 
 def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str, ...]]:
@@ -60,11 +64,18 @@ def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str,
         owner = p.owner(name)
         following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
     names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
-    labels = _variables(p, names, variables)
-    texts = {block: _Text(p, block, following[block], names, labels) for block in p.titles if block not in SILENT}
+    labels, owner_of = _variables(p, names, variables), owners.by_node(p)
     for of in (ends, following):
         of[safety.GUARD] = {n: k for n, k in of.get(safety.GUARD, {}).items() if n in OF_GUARD}
-    shown = {block: _shown(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    shown: dict[str, Sequence[str]] = {}
+    for block in (b for b in p.titles if b not in SILENT):
+        text = _Text(p, block, following[block], names, labels)
+        plain = _equations(text, ends[block], following[block])
+        here = {
+            k: name for k, name in p.labels.items() if owner_of[k] == block and name in variables and k not in names
+        }
+        common = _common(p, here, {**ends[block], **following[block]}, names)
+        shown[block] = _shorter(_shown(plain), _shown(_in_variables(text, plain, common)))
     rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
 
@@ -81,6 +92,36 @@ def _like_another(block: str, shown: Mapping[str, Sequence[str]]) -> list[str]:
         if {word.sub(after, text) for text in shown[other]} == set(shown[block]):
             return [f"as {other}, with {after} in place of {before}"]
     return []
+
+
+def _common(
+    p: Program, candidates: Mapping[int, str], ends: Mapping[str, int], names: Mapping[int, str]
+) -> dict[int, str]:
+    """Return those of a Block's variables, each of a name of its own, that its equations read more than once."""
+    reads: Counter[int] = Counter()
+    stack, seen = [*ends.values()], set()
+    while stack:
+        k = stack.pop()
+        if k not in seen:
+            seen.add(k)
+            reads.update({*p.nodes[k].args})
+            stack += [a for a in p.nodes[k].args if a not in names]
+    counts, used = Counter(candidates.values()), {*ends, *names.values()}
+    used |= {_local(n.name, p.owner(n.name)) for n in p.nodes}
+    return {k: name for k, name in candidates.items() if reads[k] > 1 and counts[name] == 1 and name not in used}
+
+
+def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[int, str]) -> list[Equation]:
+    """Return the equations in the variables that they share, after those of the variables which the code hides."""
+    text.names = ChainMap({}, text.names, common)  # type: ignore[arg-type]
+    of_variables = (text.equation(name, k) for k, name in sorted(common.items()))
+    others = [replace(text.equation(e.name, e.node), is_hidden=e.is_hidden) for e in equations]
+    return [*(e for e in of_variables if e.is_hidden), *others]
+
+
+def _shorter(*shown: Sequence[str]) -> Sequence[str]:
+    """Return the shortest of several forms of a section's equations, the first one of those that are as short."""
+    return min(shown, key=lambda texts: len("".join(texts)))
 
 
 def _variables(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[int, str]:
@@ -112,13 +153,24 @@ def _local(name: str, block: str) -> str:
 
 
 def _shown(equations: Sequence[Equation]) -> list[str]:
-    """Return a section's equations, those of one form together."""
-    forms: dict[str, list[Equation]] = {}
-    for e in equations:
-        forms.setdefault(e.form, []).append(e)
-    shown = [group for group in forms.values() if group[0].is_hidden] or list(forms.values())[:1]
-    others = [f"; likewise {', '.join(e.name for e in group[1:])}" if group[1:] else "" for group in shown]
-    return [f"{first.name} = {first.text}{also}" for (first, *_), also in zip(shown, others, strict=True)]
+    """Return a section's equations, those of one form with names that correspond together."""
+    groups: list[list[Equation]] = []
+    first = [e for e in equations if e.form == equations[0].form]
+    for e in [e for e in equations if e.is_hidden] or first:
+        like = (group for group in groups if group[0].form == e.form and _corresponds(group[0].text, e.text))
+        group = next(like, None)
+        if group is None:
+            groups.append([e])
+        else:
+            group.append(e)
+    others = [f"; likewise {', '.join(e.name for e in group[1:])}" if group[1:] else "" for group in groups]
+    return [f"{first.name} = {first.text}{also}" for (first, *_), also in zip(groups, others, strict=True)]
+
+
+def _corresponds(text: str, other: str) -> bool:
+    """Tell whether each name of one text has a word in common with that in its place in the other, or both are one."""
+    pairs = zip(NAME.findall(text), NAME.findall(other), strict=True)
+    return all({*a.split("_")} & {*b.split("_")} or "_" not in a + b for a, b in pairs)
 
 
 def _wrapped(texts: Sequence[str]) -> tuple[str, ...]:
@@ -164,7 +216,7 @@ class _Text:
         replaced = any(f"{function}(" in text for function in HIDDEN)
         length = len(re.sub(r"\w+", lambda word: "9" if word[0] in self.counts else word[0], text))
         fits = self.left > 0 and length <= (LONGEST_HIDDEN if replaced else longest)
-        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST, self.counts)
+        return Equation(name, k, text if fits else "", replaced or self.operations >= FEWEST, self.counts)
 
     def _node(self, k: int, strength: int) -> str:
         """Return the text of an operand, in parentheses where its operator binds less."""

@@ -136,3 +136,44 @@ def test_a_variable_that_is_no_local_stands_in_no_equation(monkeypatch: pytest.M
 
 def test_the_guard_shows_its_latch() -> None:
     assert shown(stage())["left_next"].startswith("latch_samples if complete, else (left if left <= 1")
+
+
+def tracker(measured: Signal) -> Block:
+    """Return a Block whose signals share the variable e of its law."""
+    of = measured.name
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        e = u[of] - x["p"]
+        now, v = x["p"] + 0.5 * e, x["v"] + 0.125 * e
+        return Step({f"{of}_ahead": now + v + 0.25 * (v * e)}, {"p": now + v, "v": 0.5 * v + 0.0625 * (x["p"] * e)})
+
+    states = [State(Signal(name, "m", -2, 2), 0.0) for name in ("p", "v")]
+    outputs = [Signal(f"{of}_ahead", "m", -9, 9)]
+    return build(f"tracker_{of}", TIME, law, inputs=[measured], outputs=outputs, states=states)
+
+
+def test_equations_are_in_the_variables_that_they_share() -> None:
+    """Both Blocks have an e, so that its name alone does not say which one is meant: the section does."""
+    shown_rows = shown(compose("step", [tracker(X), tracker(Y)], inputs=["x", "y"], outputs=["x_ahead", "y_ahead"]))
+    x, p, v = 0.3, -0.2, 0.7
+    e = x - p
+    now, rate = p + 0.5 * e, v + 0.125 * e
+    names = {"x": x, "p": p, "v": v, "e": e, "tracker_x_p": p, "tracker_x_v": v}
+    rows = {n: text for n, text in shown_rows.items() if re.search(r"\be\b", text)}
+    assert rows and not any("x - p" in text for text in rows.values())
+    right = {"x_ahead": now + rate + 0.25 * rate * e, "p_next": now + rate, "v_next": 0.5 * rate + 0.0625 * p * e}
+    assert {n: value(text, names) for n, text in rows.items()} == pytest.approx({n: right[n] for n in rows})
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "alike"),
+    [
+        ("limit(force_x, high)", "limit(force_y, high)", True),
+        ("now if ready, else x", "prediction_p if ready, else x", False),
+        ("decay * integral + part * u", "lead_input * error + pole * lead", False),
+    ],
+)
+def test_equations_stand_together_where_their_names_correspond(text: str, other: str, alike: bool) -> None:
+    first, second = (equations.Equation("a", 0, t, True) for t in (text, other))
+    assert first.form == second.form
+    assert len(equations._shown([first, second])) == (1 if alike else 2)
