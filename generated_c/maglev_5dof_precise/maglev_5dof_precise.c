@@ -336,7 +336,8 @@ typedef struct {
     float largest_error;                /* m; a larger error counts as this in the internal models */
 } maglev_5dof_precise_servo_fast_parameters_t;
 
-/* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models
+/* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models; the numbers are
+ * those of servo_y_fast
  *     r_next = y_ref_held */
 MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
@@ -414,7 +415,8 @@ typedef struct {
     float fast_rate_ahead;
 } maglev_5dof_precise_observer_fast_t;
 
-/* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma
+/* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma;
+ * the numbers are those of observer_x_fast
  *     x_fast_estimate = q + alpha * nu if guard_ready is set, else x_held
  *     x_fast_rate = v + beta * nu if guard_ready is set, else 0
  *     x_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0

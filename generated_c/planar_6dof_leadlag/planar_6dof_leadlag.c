@@ -107,6 +107,50 @@ static inline float sine_polynomial(float t)
 }
 
 typedef struct {
+    float k_p;                          /* 1; (16), steady: gain on the position, in units of position */
+    float k_s;                          /* 1; (16), steady: gain on the velocity, in units of position */
+    float k_h;                          /* 1; (16), steady: gain on the acceleration, in units of position */
+    float largest_prediction_p;         /* certified bound */
+    float largest_prediction_s;         /* certified bound */
+    float fastest;                      /* m; T times the speed beyond which the filter restarts */
+} planar_6dof_leadlag_filter_parameters_t;
+
+/* filter_x, filter_y, filter_phi: Kalman filter, (6)-(16); the numbers are those of filter_x
+ *     prediction_p = limit(now + s + k_s * e + a, 0.2)
+ *     prediction_s = limit(s + k_s * e + a + a, 0.00400004)
+ *     prediction_h = limit(a, 0.00400004)
+ *     x = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
+ *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
+ *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
+PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_filter_state_t *state,
+    const planar_6dof_leadlag_filter_parameters_t *parameters, float raw, uint32_t ready)
+{
+    const float p = state->p;
+    const float e = raw - p;
+    const float a = state->h + (parameters->k_h * e);
+    const float value_sum = state->s + (parameters->k_s * e) + a;
+    float value = raw;
+    if ((ready != 0u) && ((fabsf(value_sum) + fabsf(a)) <= parameters->fastest)) {
+        const float now = p + (parameters->k_p * e);
+        const float prediction_p = now + value_sum;
+        /*@ admit -parameters->largest_prediction_p <= prediction_p <= parameters->largest_prediction_p; */
+        state->p = prediction_p;
+        const float prediction_s = value_sum + a;
+        /*@ admit -parameters->largest_prediction_s <= prediction_s <= parameters->largest_prediction_s; */
+        state->s = prediction_s;
+        const float prediction_h = a;
+        /*@ admit -parameters->largest_prediction_s <= prediction_h <= parameters->largest_prediction_s; */
+        state->h = prediction_h;
+        value = now;
+    } else {
+        state->p = raw;
+        state->s = 0.0f;
+        state->h = 0.0f;
+    }
+    return value;
+}
+
+typedef struct {
     float error;
     float law;
 } planar_6dof_leadlag_loop_output_t;
@@ -655,117 +699,23 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float phi_raw = planar_6dof_leadlag_limit(raw_yaw, max_yaw);
         state->sensing_phi_raw = phi_raw;
 
-        /* filter_x: Kalman filter, (6)-(16)
-         *     prediction_p = limit(now + s + k_s * e + a, 0.2)
-         *     prediction_s = limit(s + k_s * e + a + a, 0.00400004)
-         *     prediction_h = limit(a, 0.00400004)
-         *     x = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
-         *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
-         *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
-        static const float filter_x_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
-        /* 1; (16), steady: gain on the position, in units of position */
-        static const float filter_x_k_p = 0.110377386f;
-        /* 1; (16), steady: gain on the velocity, in units of position */
-        static const float filter_x_k_s = 0.006452916f;
-        /* 1; (16), steady: gain on the acceleration, in units of position */
-        static const float filter_x_k_h = 9.431981e-05f;
-        const float filter_x_p = state->filter_x_p;
-        const float e = x_raw - filter_x_p;
-        const float a = state->filter_x_h + (filter_x_k_h * e);
-        const float prediction_p_sum = state->filter_x_s + (filter_x_k_s * e) + a;
-        float x = x_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum) + fabsf(a)) <= filter_x_fastest)) {
-            const float now = filter_x_p + (filter_x_k_p * e);
-            const float prediction_p = now + prediction_p_sum;
-            /*@ admit -0.2f <= prediction_p <= 0.2f; */
-            const float prediction_s = prediction_p_sum + a;
-            /*@ admit -0.00400004f <= prediction_s <= 0.00400004f; */
-            const float prediction_h = a;
-            /*@ admit -0.00400004f <= prediction_h <= 0.00400004f; */
-            state->filter_x_p = prediction_p;
-            state->filter_x_s = prediction_s;
-            state->filter_x_h = prediction_h;
-            x = now;
-        } else {
-            state->filter_x_p = x_raw;
-            state->filter_x_s = 0.0f;
-            state->filter_x_h = 0.0f;
-        }
-
-        /* filter_y: Kalman filter, (6)-(16)
-         *     as filter_x, with y in place of x */
-        static const float filter_y_fastest = 0.004f; /* m; T times the speed beyond which the filter restarts */
-        /* 1; (16), steady: gain on the position, in units of position */
-        static const float filter_y_k_p = 0.110377386f;
-        /* 1; (16), steady: gain on the velocity, in units of position */
-        static const float filter_y_k_s = 0.006452916f;
-        /* 1; (16), steady: gain on the acceleration, in units of position */
-        static const float filter_y_k_h = 9.431981e-05f;
-        const float filter_y_p = state->filter_y_p;
-        const float e_2 = y_raw - filter_y_p;
-        const float a_2 = state->filter_y_h + (filter_y_k_h * e_2);
-        const float prediction_p_sum_2 = state->filter_y_s + (filter_y_k_s * e_2) + a_2;
-        float y = y_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_2) + fabsf(a_2)) <= filter_y_fastest)) {
-            const float now_2 = filter_y_p + (filter_y_k_p * e_2);
-            const float prediction_p_2 = now_2 + prediction_p_sum_2;
-            /*@ admit -0.2f <= prediction_p_2 <= 0.2f; */
-            const float prediction_s_2 = prediction_p_sum_2 + a_2;
-            /*@ admit -0.00400004f <= prediction_s_2 <= 0.00400004f; */
-            const float prediction_h_2 = a_2;
-            /*@ admit -0.00400004f <= prediction_h_2 <= 0.00400004f; */
-            state->filter_y_p = prediction_p_2;
-            state->filter_y_s = prediction_s_2;
-            state->filter_y_h = prediction_h_2;
-            y = now_2;
-        } else {
-            state->filter_y_p = y_raw;
-            state->filter_y_s = 0.0f;
-            state->filter_y_h = 0.0f;
-        }
-
-        /* filter_phi: Kalman filter, (6)-(16)
-         *     prediction_p = limit(now + s + k_s * e + a, 0.05)
-         *     prediction_s = limit(s + k_s * e + a + a, 0.00700007)
-         *     prediction_h = limit(a, 0.00700007)
-         *     phi = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else phi_raw
-         *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else phi_raw
-         *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
-        static const float filter_phi_fastest = 0.007f; /* rad; T times the speed beyond which the filter restarts */
-        /* 1; (16), steady: gain on the position, in units of position */
-        static const float filter_phi_k_p = 0.30911008f;
-        /* 1; (16), steady: gain on the velocity, in units of position */
-        static const float filter_phi_k_s = 0.05698819f;
-        /* 1; (16), steady: gain on the acceleration, in units of position */
-        static const float filter_phi_k_h = 0.0026284785f;
-        const float filter_phi_p = state->filter_phi_p;
-        const float e_3 = phi_raw - filter_phi_p;
-        const float a_3 = state->filter_phi_h + (filter_phi_k_h * e_3);
-        const float prediction_p_sum_3 = state->filter_phi_s + (filter_phi_k_s * e_3) + a_3;
-        float phi = phi_raw;
-        if ((guard_ready != 0u) && ((fabsf(prediction_p_sum_3) + fabsf(a_3)) <= filter_phi_fastest)) {
-            const float now_3 = filter_phi_p + (filter_phi_k_p * e_3);
-            const float prediction_p_3 = now_3 + prediction_p_sum_3;
-            /*@ admit -0.05f <= prediction_p_3 <= 0.05f; */
-            const float prediction_s_3 = prediction_p_sum_3 + a_3;
-            /*@ admit -0.00700007f <= prediction_s_3 <= 0.00700007f; */
-            const float prediction_h_3 = a_3;
-            /*@ admit -0.00700007f <= prediction_h_3 <= 0.00700007f; */
-            state->filter_phi_p = prediction_p_3;
-            state->filter_phi_s = prediction_s_3;
-            state->filter_phi_h = prediction_h_3;
-            phi = now_3;
-        } else {
-            state->filter_phi_p = phi_raw;
-            state->filter_phi_s = 0.0f;
-            state->filter_phi_h = 0.0f;
-        }
+        /* functions above: filter */
+        static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f,
+            .k_s = 0.006452916f, .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f,
+            .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
+        static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f,
+            .k_s = 0.006452916f, .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f,
+            .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
+        static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f,
+            .k_s = 0.05698819f, .k_h = 0.0026284785f, .largest_prediction_p = 0.05f,
+            .largest_prediction_s = 0.00700007f, .fastest = 0.007f};
+        const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, x_raw, guard_ready);
+        const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, y_raw, guard_ready);
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, phi_raw, guard_ready);
 
         /* reckoning: alpha-beta filter, dead reckoning
          *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
-         *         likewise middle_y
-         *     middle_phi = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + a_phi
+         *         likewise middle_y, middle_phi
          *     x_advance = middle_x + a_x; likewise y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
          *     phi_rate_next = limit(advance_phi, phi_rate_limit) */

@@ -110,6 +110,12 @@ typedef struct {
 } planar_6dof_leadlag_loop_state_t;
 
 typedef struct {
+    float p;                            /* m or rad: predicted position */
+    float s;                            /* m or rad: predicted velocity times T */
+    float h;                            /* m or rad: predicted acceleration times T^2/2 */
+} planar_6dof_leadlag_filter_state_t;
+
+typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
     float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
     float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
@@ -183,15 +189,9 @@ typedef struct {
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.04 .. 0.04: predicted rate times the sample period */
     float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
-    float filter_x_p;                   /* m, -0.2 .. 0.2: predicted position */
-    float filter_x_s;                   /* m, -0.00400004 .. 0.00400004: predicted velocity times T */
-    float filter_x_h;                   /* m, -0.00400004 .. 0.00400004: predicted acceleration times T^2/2 */
-    float filter_y_p;                   /* m, -0.2 .. 0.2: predicted position */
-    float filter_y_s;                   /* m, -0.00400004 .. 0.00400004: predicted velocity times T */
-    float filter_y_h;                   /* m, -0.00400004 .. 0.00400004: predicted acceleration times T^2/2 */
-    float filter_phi_p;                 /* rad, -0.05 .. 0.05: predicted position */
-    float filter_phi_s;                 /* rad, -0.00700007 .. 0.00700007: predicted velocity times T */
-    float filter_phi_h;                 /* rad, -0.00700007 .. 0.00700007: predicted acceleration times T^2/2 */
+    planar_6dof_leadlag_filter_state_t filter_x;
+    planar_6dof_leadlag_filter_state_t filter_y;
+    planar_6dof_leadlag_filter_state_t filter_phi;
     planar_6dof_leadlag_loop_state_t loop_x;
     planar_6dof_leadlag_loop_state_t loop_y;
     planar_6dof_leadlag_loop_state_t loop_phi;

@@ -721,9 +721,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* reckoning: alpha-beta filter, dead reckoning (continued)
          *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
-         *         likewise middle_y
-         *     middle_phi = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
-         *         phi_rate) + a_phi
+         *         likewise middle_y, middle_phi
          *     x_advance = middle_x + a_x; likewise y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
          *     phi_rate_next = limit(advance_phi, phi_limit) */

@@ -64,17 +64,14 @@ def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str,
         owner = p.owner(name)
         following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
     names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
-    labels, owner_of = _variables(p, names, variables), owners.by_node(p)
+    labels, of_blocks = _variables(p, names, variables), _variables_by_block(p, names, variables)
     for of in (ends, following):
         of[safety.GUARD] = {n: k for n, k in of.get(safety.GUARD, {}).items() if n in OF_GUARD}
     shown: dict[str, Sequence[str]] = {}
     for block in (b for b in p.titles if b not in SILENT):
         text = _Text(p, block, following[block], names, labels)
         plain = _equations(text, ends[block], following[block])
-        here = {
-            k: name for k, name in p.labels.items() if owner_of[k] == block and name in variables and k not in names
-        }
-        common = _common(p, here, {**ends[block], **following[block]}, names)
+        common = _common(p, of_blocks[block], {**ends[block], **following[block]}, names)
         shown[block] = _shorter(_shown(plain), _shown(_in_variables(text, plain, common)))
     rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
@@ -106,9 +103,8 @@ def _common(
             seen.add(k)
             reads.update({*p.nodes[k].args})
             stack += [a for a in p.nodes[k].args if a not in names]
-    counts, used = Counter(candidates.values()), {*ends, *names.values()}
-    used |= {_local(n.name, p.owner(n.name)) for n in p.nodes}
-    return {k: name for k, name in candidates.items() if reads[k] > 1 and counts[name] == 1 and name not in used}
+    counts = Counter(candidates.values())
+    return {k: name for k, name in candidates.items() if reads[k] > 1 and counts[name] == 1 and name not in ends}
 
 
 def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[int, str]) -> list[Equation]:
@@ -122,6 +118,16 @@ def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[
 def _shorter(*shown: Sequence[str]) -> Sequence[str]:
     """Return the shortest of several forms of a section's equations, the first one of those that are as short."""
     return min(shown, key=lambda texts: len("".join(texts)))
+
+
+def _variables_by_block(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[str, dict[int, str]]:
+    """Return by Block the nodes without a signal that have the name of a variable of its law, which C has as well."""
+    taken = {*names.values(), *(n.name for n in p.nodes if n.op in _LEAVES)}
+    owner, found = owners.by_node(p), {block: dict[int, str]() for block in p.titles}
+    for k, name in p.labels.items():
+        if owner[k] in found and name in locals and taken.isdisjoint((name, f"{owner[k]}_{name}")):
+            found[owner[k]][k] = name
+    return found
 
 
 def _variables(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[int, str]:

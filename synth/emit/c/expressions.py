@@ -150,7 +150,7 @@ class Expressions:
                 return Text(mask(node))
             return Text(f"{self.integer(args[0]).inside(2)} | {mask(node)}", 1)
         if op == "within":
-            return self.text[args[0]]
+            return self.operand(args[0])
         if op == "accepted":
             return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
         if op == "clamp":

@@ -20,6 +20,12 @@ from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
 
 WIDTH = 116
+ROLES = {
+    "low": "minus the upper end of a limit",
+    "high": "upper end of a limit",
+    "least_": "certified bound",
+    "largest_": "certified bound",
+}
 
 
 def inline(block: Block) -> str:
@@ -79,7 +85,9 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
-        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
+        of_first = any(n.op == "literal" for n in used[0].numbers) and used[0].block in p.equations
+        numbers = f"; the numbers are those of {used[0].block}" if of_first else ""
+        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}{numbers}"), WIDTH - 2)
         first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
         lines += [Line(row) for row in opening(about, p.equations.get(first, ()), p.notes.get(first, ()))]
@@ -101,8 +109,8 @@ def _parameters(
     rows = ["typedef struct {"]
     for name, node in zip(routine.parameters, used[0].numbers, strict=True):
         about = constants.get(node.name)
-        lower = "minus the upper end of a limit" if name.startswith("low") else ""
-        rows += member(layout.ctype, name, f"{about.unit}; {about.source}" if about else lower).splitlines()
+        role = next((text for word, text in ROLES.items() if name.startswith(word)), "")
+        rows += member(layout.ctype, name, f"{about.unit}; {about.source}" if about else role).splitlines()
     rows.append(f"}} {kind};")
     return [*rows, ""]
 

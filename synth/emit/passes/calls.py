@@ -31,9 +31,9 @@ def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]
 def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> dict[str, Call]:
     """Return by Part the call of the function that a group has in common."""
     routine = routines.routine(p, group, taken, constants)
-    calls = {}
+    calls, places = {}, routines.different(p, group, constants)
     for part, form in group:
-        numbers = tuple(p.nodes[form.numbers[place]] for place in routines.different(p, group, constants))
+        numbers = tuple(p.nodes[form.numbers[place]] for place in places)
         states = {local: state for state, local in part.local.items() if local in routine.states}
         names = tuple(
             routines.name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, routine.results, strict=True)

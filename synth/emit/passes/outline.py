@@ -15,7 +15,7 @@ from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
 
 LEAVES = ("input", "state", "constant", "literal", "accepted")
-NOT_OUTLINED = ("table", "within", "guard", "guarded")
+NOT_OUTLINED = ("table", "guard", "guarded")
 FEWEST = 4  # operations of a function that is worth its name
 
 

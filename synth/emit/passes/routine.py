@@ -1,5 +1,6 @@
 """Routines: the function that several Blocks have in common, as a program of its own."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from synth.emit.passes import words
 from synth.emit.passes.outline import Form, Part
 
 Group = list[tuple[Part, Form]]
-BY_VALUE = 3  # numbers that need no struct
+BY_VALUE = 3  # numbers that need no struct, where the code reads each of them
 LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
 LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
 TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
@@ -44,8 +45,8 @@ class Routine:
 
     @property
     def by_value(self) -> bool:
-        """Whether the parameters are passed as numbers: so few need no struct."""
-        return len(self.parameters) <= BY_VALUE
+        """Whether the parameters are passed as numbers."""
+        return self.program.by_value
 
     @property
     def is_large(self) -> bool:
@@ -99,9 +100,10 @@ def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[
 def _negatives(p: Program, group: Group) -> dict[int, int]:
     """Return by place of a number the place of another one, of which it is the negative in every Part of a group."""
     columns = zip(*([p.nodes[n] for n in form.numbers] for _, form in group), strict=True)
-    signed = [(tuple(n.name for n in column), {n.value < 0 for n in column}) for column in columns]
-    positive = {names: k for k, (names, signs) in enumerate(signed) if all(names) and signs == {False}}
-    return {k: positive[names] for k, (names, signs) in enumerate(signed) if signs == {True} and names in positive}
+    signed = [tuple((n.name, n.value if n.op == "literal" else math.copysign(1, n.value)) for n in c) for c in columns]
+    places = {column: k for k, column in enumerate(signed)}
+    opposite = {k: places.get(tuple((name, -value) for name, value in column)) for k, column in enumerate(signed)}
+    return {k: of for k, of in opposite.items() if of is not None and all(value < 0 for _, value in signed[k])}
 
 
 def name(p: Program, k: int) -> str:
@@ -166,10 +168,16 @@ class _Builder:
             next,
             frozenset(local for state, local in part.local.items() if state in p.integers),
             polynomials=p.polynomials,
-            by_value=len(self.parameters) <= BY_VALUE,
+            by_value=len(self.parameters) <= BY_VALUE and self._reads_parameters(),
             typed={a.name: a.kind for a in self.arguments.values()},
             labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
         )
+
+    def _reads_parameters(self) -> bool:
+        """Tell whether the code reads each parameter: one that only a comment for Frama-C reads needs a struct."""
+        read = {a for n in self.nodes for a in (n.args[:1] if n.op == "within" else n.args)}
+        unread = {n.name for k, n in enumerate(self.nodes) if n.op == "parameter" and k not in read}
+        return unread <= {self.nodes[k].name for k in read}
 
     def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:
         """Return for each argument or result the node in the first Part and those in all Parts."""
@@ -219,8 +227,11 @@ class _Builder:
 
     def _role(self, number: int) -> str:
         """Return what a number without a name is to the operation that reads it."""
-        reader = next(self.p.nodes[k] for k in sorted(self.part.region) if number in self.p.nodes[k].args)
+        at = next(k for k in sorted(self.part.region) if number in self.p.nodes[k].args)
+        reader = self.p.nodes[at]
         place = reader.args.index(number)
+        if reader.op == "within":
+            return f"{'least' if place == 1 else 'largest'}_{name(self.p, at)}"
         if reader.op in ("le", "lt"):
             return "low" if place == 0 else "high"
         if reader.op == "clamp" and place == 1:

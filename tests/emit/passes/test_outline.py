@@ -235,3 +235,37 @@ def test_a_block_of_whose_signals_one_comes_before_the_rest_is_cut_in_two() -> N
             held = F32(0) if n >= 7 else abs(e)
             assert ours.outputs[f"p_{name}"][k] == pytest.approx(e + 0.5 * n * held + last * (held - last), abs=1e-6)
             n, last = (min(n + F32(1), F32(7)) if held > 0.5 else F32(0)), e
+
+
+def certified(name: str, bound: float) -> Block:
+    """Return a lag whose limits a certificate proves idle, and a demand that is limited to both sides of its bound."""
+    shown = Signal("ahead", "1", -bound, bound, "lag")
+
+    def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        ahead = ca.fmax(ca.fmin(x["p"] - 0.5 * (x["p"] - u[f"e_{name}"]), bound), -bound)
+        w = ca.fmax(ca.fmin(k["k"] * ahead + 0.25 * x["p"], 0.125 * bound), -0.125 * bound)
+        return Step({f"w_{name}": w}, {"p": ahead}, [(shown, ahead)], {"ahead": lambda u, e: bound * (1 - 8 * u)})
+
+    return build(
+        f"lag_{name}", TIME, law, inputs=[Signal(f"e_{name}", "1", -1, 1)], outputs=[Signal(f"w_{name}", "1", -9, 9)],
+        states=[State(Signal("p", "1", -bound, bound), 0)], constants=[Constant("k", 2 + bound, "1", "test")],
+    )  # fmt: skip
+
+
+def test_a_function_has_a_bound_as_one_parameter_and_admits_what_is_certified(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What only a comment reads stands in a struct: as an argument a compiler would call it unused."""
+    blocks = [certified(name, 2.125 + i / 8) for i, name in enumerate(AXES)]
+    block = compose("lags", blocks, inputs=[f"e_{n}" for n in AXES], outputs=[f"w_{n}" for n in AXES])
+    outlined = emit(block, F32)
+    text = outlined.files["lags.c"]
+    assert text.count("lags_lag(") == 1 + len(AXES)
+    bound = "parameters->largest_ahead"
+    assert f"admit -{bound} <= ahead <= {bound};" in text and "lags_limit((parameters->k" in text and "low" not in text
+    monkeypatch.setattr(outline, "alike", lambda p: [])
+    flat = emit(block, F32)
+    assert "admit -2.125f <= " in flat.files["lags.c"]
+    rng = np.random.default_rng(3)
+    u = {f"e_{n}": rng.uniform(-1, 1, 300).astype(F32) for n in AXES}
+    ours, theirs = (host.load(e.files, e.manifest).replay(u) for e in (outlined, flat))
+    for name in (f"w_{n}" for n in AXES):
+        np.testing.assert_array_equal(ours.outputs[name], theirs.outputs[name])
