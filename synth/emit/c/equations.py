@@ -123,11 +123,11 @@ def _shorter(*shown: Sequence[str]) -> Sequence[str]:
 def _variables_by_block(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[str, dict[int, str]]:
     """Return by Block the nodes without a signal that have the name of a variable of its law, which C has as well."""
     taken = {*names.values(), *(n.name for n in p.nodes if n.op in _LEAVES)}
-    owner, found = owners.by_node(p), {block: dict[int, str]() for block in p.titles}
+    owner, variables = owners.by_node(p), {block: dict[int, str]() for block in p.titles}
     for k, name in p.labels.items():
-        if owner[k] in found and name in locals and taken.isdisjoint((name, f"{owner[k]}_{name}")):
-            found[owner[k]][k] = name
-    return found
+        if owner[k] in variables and name in locals and taken.isdisjoint((name, f"{owner[k]}_{name}")):
+            variables[owner[k]][k] = name
+    return variables
 
 
 def _variables(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[int, str]:
