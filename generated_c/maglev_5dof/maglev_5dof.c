@@ -138,7 +138,9 @@ typedef struct {
 } maglev_5dof_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
+ *     nu = x_held - q
  *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
+ *     same = x_trusted and 1 <= x_unchanged
  *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
  *         guard_ready is set, else 0
  *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
@@ -488,10 +490,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* guard: range acceptance, hold, latch
-     *     latched = 1 if landed, else (latched if enough is set, else (1 if left <= good_per_bad, else
-     *         latched))
-     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if left <=
-     *         good_per_bad, else left - good_per_bad) */
+     *     enough = sufficient if ready is set, else complete
+     *     final = left <= good_per_bad
+     *     latched = 1 if landed, else (latched if enough is set, else (1 if final, else latched))
+     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
+     *         else left - good_per_bad) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
     const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
@@ -584,7 +587,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - r_phi; likewise y4_expected */
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
         const float r_phi = r * observer_phi_q;
         const float y1_expected = observer_y_q - r_phi;
@@ -839,7 +842,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
-     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
+     *     phi = asin(1.25945 * (y3_held - y1_held))
+     *     theta = asin(1.25945 * (y2_held - y4_held)) */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
@@ -877,6 +881,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
+         *     nu = y - q
+         *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
          *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
          *     y_estimate = q + alpha * nu if guard_ready is set, else y
          *     y_rate = v + beta * nu if guard_ready is set, else 0
@@ -893,6 +899,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         y_rate = state->observer_y_v + (observer_y_beta * nu_2);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
+         *     nu = phi - q
+         *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
          *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
          *     phi_rate = v + beta * nu if guard_ready is set, else 0
          *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
@@ -1070,10 +1078,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             z_monitor.trusted, z_monitor.held, z_monitor.frozen, state->delay_a_z_last, z_monitor.unchanged);
 
         /* landing: ramps and state feedback (continued)
-         *     damping_theta = 2 * (levelling_pole_w_theta * (observer_theta_v + observer_theta_beta * (theta -
-         *         observer_theta_q))) if guard_ready is set, else 0
-         *     w_theta = -(levelling_pole_w_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
-         *         landing_next is set, else w_theta_tracking
+         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
+         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
+         *         else 0
+         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
+         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
          *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
          *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
          *         acceleration_step_y)
@@ -1085,9 +1094,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
          *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
          *         w_x_tracking; likewise w_z_unprobed
-         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
-         *         landing_patience <= left, else left + 1)
-         *     landing_next = 1 if waiting and left <= good_per_bad, else landing
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
+         *         else (left if landing_patience <= left, else left + 1)
+         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
          *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
          *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
@@ -1213,13 +1222,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 
         /* probe_x: probe at rest
-         *     sample_next = ((0 if pair_samples <= sample, else sample + 1) if runs, else free) if runs or
-         *         quiet_samples <= x_unchanged, else 0
+         *     runs = 1 <= sample
+         *     active = runs or quiet_samples <= x_unchanged
+         *     one_more = attempt + 1
+         *     ends = pair_samples <= sample
+         *     sample_next = ((0 if ends, else sample + 1) if runs, else free) if active, else 0
          *     attempt_next = ((((attempt if x_unanswered, else one_more) if pair_samples <= x_unchanged, else 0)
-         *         if pair_samples <= sample, else attempt) if runs, else attempt) if runs or quiet_samples <=
-         *         x_unchanged, else 0
-         *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if runs or
-         *         quiet_samples <= x_unchanged, else towards */
+         *         if ends, else attempt) if runs, else attempt) if active, else 0
+         *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if active, else
+         *         towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs = 1u <= probe_x_sample;
         float w_x = w_x_unprobed;

@@ -142,7 +142,9 @@ typedef struct {
 } maglev_5dof_precise_observer_t;
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma
+ *     nu = x_held - q
  *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
+ *     same = x_trusted and 1 <= x_unchanged
  *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
  *         guard_ready is set, else 0
  *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
@@ -417,6 +419,8 @@ typedef struct {
 
 /* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma;
  * the numbers are those of observer_x_fast
+ *     nu = x_held - q
+ *     rate_ahead = x_fast_rate + T * (delay_a_x_last + x_fast_disturbance)
  *     x_fast_estimate = q + alpha * nu if guard_ready is set, else x_held
  *     x_fast_rate = v + beta * nu if guard_ready is set, else 0
  *     x_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
@@ -521,10 +525,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const bool z_unanswered = most_attempts <= probe_z_attempt;
 
     /* guard: range acceptance, hold, latch
-     *     latched = 1 if landed, else (latched if enough is set, else (1 if left <= good_per_bad, else
-     *         latched))
-     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if left <=
-     *         good_per_bad, else left - good_per_bad) */
+     *     enough = sufficient if ready is set, else complete
+     *     final = left <= good_per_bad
+     *     latched = 1 if landed, else (latched if enough is set, else (1 if final, else latched))
+     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
+     *         else left - good_per_bad) */
     uint32_t faults = 0u;
     const float y1_accepted = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u,
         &faults);
@@ -621,7 +626,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - r_phi; likewise y4_expected */
+         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         const float r_phi = r * observer_phi_q;
         const float y1_expected = observer_y_q - r_phi;
         const float r_theta = r * observer_theta_q;
@@ -881,7 +886,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
     /* kinematics: pose from the gaps, F(5)
      *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
-     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
+     *     phi = asin(1.25945 * (y3_held - y1_held))
+     *     theta = asin(1.25945 * (y2_held - y4_held)) */
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
@@ -942,6 +948,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
 
         /* observer_y: predictive observer, alpha-beta-gamma
+         *     nu = y - q
+         *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
          *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
          *     y_estimate = q + alpha * nu if guard_ready is set, else y
          *     y_rate = v + beta * nu if guard_ready is set, else 0
@@ -958,6 +966,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         y_rate = state->observer_y_v + (observer_y_beta * nu_4);
 
         /* observer_phi: predictive observer, alpha-beta-gamma
+         *     nu = phi - q
+         *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
          *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
          *     phi_rate = v + beta * nu if guard_ready is set, else 0
          *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
@@ -1107,6 +1117,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->observer_y_v = maglev_5dof_precise_limit(rate_ahead_3, observer_y_largest_rate);
 
         /* observer_y_fast: predictive observer, alpha-beta-gamma (continued)
+         *     nu = y - q
+         *     rate_ahead = y_fast_rate + T * (delay_w_y_last + y_fast_disturbance)
          *     y_fast_estimate = q + alpha * nu if guard_ready is set, else y
          *     y_fast_rate = v + beta * nu if guard_ready is set, else 0
          *     y_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
@@ -1203,11 +1215,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             z_monitor.trusted, z_monitor.held, z_monitor.frozen, delay_a_z_last, z_monitor.unchanged);
 
         /* servo_phi_fast: predictive servo with internal models
-         *     sum_next = sum + e if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16, else sum
-         *     p1_next = p1 + c1 * q1 if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16, else
-         *         p1
-         *     q1_next = q1 - (p1 + c1 * q1) + e if (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <=
-         *         16, else q1 */
+         *     e = limit(e_phi, largest)
+         *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16
+         *     sum_next = sum + e if inside, else sum
+         *     p1_next = p1 + c1 * q1 if inside, else p1
+         *     q1_next = q1 - (p1 + c1 * q1) + e if inside, else q1 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
@@ -1231,10 +1243,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->servo_phi_fast_r = phi_ref_held;
 
         /* landing: ramps and state feedback (continued)
-         *     damping_theta = 2 * (levelling_pole_w_theta * (observer_theta_v + observer_theta_beta * (theta -
-         *         observer_theta_q))) if guard_ready is set, else 0
-         *     w_theta = -(levelling_pole_w_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
-         *         landing_next is set, else w_theta_tracking
+         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
+         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
+         *         else 0
+         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
+         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
          *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
          *         likewise ramp_rate_next_z
          *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
@@ -1246,9 +1259,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
          *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
          *         w_y_tracking
-         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
-         *         landing_patience <= left, else left + 1)
-         *     landing_next = 1 if waiting and left <= good_per_bad, else landing
+         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
+         *         else (left if landing_patience <= left, else left + 1)
+         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
          *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
          *         landing is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
          *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
@@ -1400,14 +1413,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         }
 
         /* probe_x: probe at rest
-         *     sample_next = ((0 if pair_samples <= sample, else sample + first_push_end) if runs, else free) if
-         *         runs or quiet_samples <= x_unchanged, else 0
+         *     runs = first_push_end <= sample
+         *     active = runs or quiet_samples <= x_unchanged
+         *     ends = pair_samples <= sample
+         *     sample_next = ((0 if ends, else sample + first_push_end) if runs, else free) if active, else 0
          *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
-         *         0) if pair_samples <= sample, else attempt) if runs, else attempt) if runs or quiet_samples <=
-         *         x_unchanged, else 0
-         *     towards_next = ((-towards if pair_samples <= sample, else towards) if runs, else (towards if 1 <=
-         *         attempt, else (-first_push if 0 < e_x, else first_push))) if runs or quiet_samples <=
-         *         x_unchanged, else towards */
+         *         0) if ends, else attempt) if runs, else attempt) if active, else 0
+         *     towards_next = ((-towards if ends, else towards) if runs, else (towards if 1 <= attempt, else
+         *         (-first_push if 0 < e_x, else first_push))) if active, else towards */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs = first_push_end <= probe_x_sample;
         float w_x = w_x_unprobed;

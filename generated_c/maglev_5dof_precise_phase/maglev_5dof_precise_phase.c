@@ -159,15 +159,15 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     }
 
     /* commutation: phase currents, inverse Park
-     *     distance_x = limit(x_acting - 0.114288 * (floor(8.74891 * x_acting + 4.5) - 4) - 1.16699e-05 *
-     *         (floor(8.74891 * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
+     *     n_x = floor(8.74891 * x_acting + 4.5) - 4; likewise n_z
+     *     active = lost_x or lost_z or (0 < |transfer| or 1 <= unknown)
+     *     both = lost_x and lost_z
+     *     distance_x = limit(x_acting - 0.114288 * n_x - 1.16699e-05 * n_x, 0.0572643); likewise distance_z
      *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
-     *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
-     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or (0 < |transfer| or 1
-     *         <= unknown), else 0
-     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
-     *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
-     *         else 0 */
+     *     transfer_next = max(min(transfer if both, else (1 if lost_x is set, else (-1 if lost_z is set, else
+     *         0)), transfer + 0.04), transfer - 0.04) if active, else 0
+     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if both, else (unknown - 1 if
+     *         1 <= unknown, else 0)) if active, else 0 */
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */

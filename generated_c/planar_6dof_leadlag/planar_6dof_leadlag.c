@@ -116,12 +116,16 @@ typedef struct {
 } planar_6dof_leadlag_filter_parameters_t;
 
 /* filter_x, filter_y, filter_phi: Kalman filter, (6)-(16); the numbers are those of filter_x
+ *     e = x_raw - p
+ *     now = p + k_p * e
+ *     a = h + k_h * e
+ *     in_bounds = guard_ready and |s + k_s * e + a| + |a| <= fastest
  *     prediction_p = limit(now + s + k_s * e + a, 0.2)
  *     prediction_s = limit(s + k_s * e + a + a, 0.00400004)
  *     prediction_h = limit(a, 0.00400004)
- *     x = now if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
- *     p_next = prediction_p if guard_ready and |s + k_s * e + a| + |a| <= fastest, else x_raw
- *     s_next = prediction_s if guard_ready and |s + k_s * e + a| + |a| <= fastest, else 0; likewise h_next */
+ *     x = now if in_bounds, else x_raw
+ *     p_next = prediction_p if in_bounds, else x_raw
+ *     s_next = prediction_s if in_bounds, else 0; likewise h_next */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_filter_state_t *state,
     const planar_6dof_leadlag_filter_parameters_t *parameters, float raw, uint32_t ready)
 {
@@ -157,8 +161,8 @@ typedef struct {
 
 /* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
  * (24); lead-lag, (25)
- *     law_x = gain * error + lead + integral
- *     lead_next = lead_input * error + lead_pole * lead */
+ *     law_x = gain * (x_ref_held - x) + lead + integral
+ *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
     planar_6dof_leadlag_loop_state_t *state, float gain, float ref_held, float value)
 {
@@ -215,12 +219,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
 #endif
     /* guard: range acceptance, hold, latch
-     *     latched = latched if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <=
-     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
-     *     left_next = latch_samples if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2|
-     *         <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left - 1)
-     *     ready_next = 1 if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005,
-     *         else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+     *     every = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
+     *         |d3| <= 0.0005, else 0)
+     *     final = left <= 1
+     *     latched = latched if every is set, else (1 if final, else latched)
+     *     left_next = latch_samples if every is set, else (left if final, else left - 1)
+     *     ready_next = 1 if every is set, else ready */
     /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
     static const uint32_t braking_from = 24u;
     /* 1; of the 29, left in the sample that first sets bit 30; fewer are left in those that brake */
@@ -438,8 +442,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool may_latch = guard_left <= may_latch_from;
 
         /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (front_distance + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - front_distance) */
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_distance = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_distance + d3_held);
@@ -714,9 +718,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, phi_raw, guard_ready);
 
         /* reckoning: alpha-beta filter, dead reckoning
-         *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
-         *         likewise middle_y, middle_phi
-         *     x_advance = middle_x + a_x; likewise y_advance
+         *     corrects_x_y_phi = guard_ready and measured
+         *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
+         *     a_x = x_half_step * delay_x; likewise a_y, a_phi
+         *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + a_x; likewise
+         *         middle_y, middle_phi
+         *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
          *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
         static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
@@ -808,8 +815,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             loop_phi_gain, phi_ref_held, phi);
 
         /* start: no demand before the first complete sample
-         *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
-         *         d_z */
+         *     begun = guard_ready or complete
+         *     begun_phi = law_phi if begun, else 0; likewise begun_x, begun_y
+         *     d_psi = law_psi if begun, else 0; likewise d_theta, d_z */
         /* 1; (1 - r^2) + (n + 1/2) (1 - r)^2, r = 0.992, n = 28 samples without measurement: a steady innovation is a
          * rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.01776f;
@@ -870,11 +878,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
          * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
          * of d_z in i_CD. The 2 of d_theta there stands for both motors at the front.
-         *     y_current = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |yaw_current|)
+         *     limit_c = max(quadrature_limit - |d_phi|, half_quadrature_limit)
+         *     yaw_current = limit(d_phi + i_CQ, quadrature_limit)
+         *     limit_y = quadrature_limit - |yaw_current|
+         *     y_current = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), limit_y)
+         *     y_currents = two * y_current
+         *     lifts = i_AD + i_BD
          *     i_AQ = y_current - yaw_current
          *     i_BQ = y_current + yaw_current
-         *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, max(quadrature_limit - |d_phi|,
-         *         half_quadrature_limit))
+         *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, limit_c)
          *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
          *     achieved_x = cos(phi) * i_CQ - sin(phi) * y_currents
          *     achieved_y = sin(phi) * i_CQ + cos(phi) * y_currents

@@ -123,7 +123,7 @@ typedef struct {
 /* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49)
  * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral only
  * decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back.
- *     x3_next = F * now + G * x_raw + H * achieved */
+ *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_output_t planar_6dof_lqg_lqg_output(const planar_6dof_lqg_lqg_state_t *state,
     const planar_6dof_lqg_lqg_output_parameters_t *parameters, float ref_held, float raw, uint32_t ready)
 {
@@ -201,12 +201,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
 #endif
     /* guard: range acceptance, hold, latch
-     *     latched = latched if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <=
-     *         0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (1 if left <= 1, else latched)
-     *     left_next = latch_samples if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2|
-     *         <= 0.0005, else 0) if |d3| <= 0.0005, else 0)) is set, else (left if left <= 1, else left - 1)
-     *     ready_next = 1 if (0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005,
-     *         else 0) if |d3| <= 0.0005, else 0)) is set, else ready */
+     *     every = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
+     *         |d3| <= 0.0005, else 0)
+     *     final = left <= 1
+     *     latched = latched if every is set, else (1 if final, else latched)
+     *     left_next = latch_samples if every is set, else (left if final, else left - 1)
+     *     ready_next = 1 if every is set, else ready */
     /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
     static const uint32_t braking_from = 24u;
     /* 1; 5 bad samples in a row, and 24 that count as bad whatever is measured, until it latches */
@@ -416,8 +416,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = state->safe_output_last_i_CC;
     } else {
         /* vertical_kinematics: z and tilts from distances
-         *     z = 0.5 * (front_distance + d3_held)
-         *     theta = half_over_laser_arm * (d3_held - front_distance) */
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         static const float half_over_laser_arm = 8.333333f;     /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
         const float front_distance = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (front_distance + d3_held);
@@ -707,6 +707,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     seen = L * phi_raw
+         *     now = x3 if guard_ready is set, else -seen
+         *     estimated = now + seen + achieved_gain * achieved
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - estimated
          *     x3_next = F * now + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + estimated) */
@@ -720,9 +723,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float lqg_phi_integral = state->lqg_phi_integral;
 
         /* reckoning: alpha-beta filter, dead reckoning (continued)
-         *     middle_x = (x_rate + x_rate_gain * innovation_x if guard_ready and measured, else x_rate) + a_x;
-         *         likewise middle_y, middle_phi
-         *     x_advance = middle_x + a_x; likewise y_advance
+         *     corrects_x_y_phi = guard_ready and measured
+         *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
+         *     a_x = x_half_step * lqg_x_achieved; likewise a_y, a_phi
+         *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + a_x; likewise
+         *         middle_y, middle_phi
+         *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
          *     phi_rate_next = limit(advance_phi, phi_limit) */
         static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
@@ -775,7 +781,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
 
         /* loop_z: lead-lag, (23)
-         *     law_z = gain * error + lead + integral */
+         *     law_z = gain * (z_ref_held - z) + lead + integral */
         static const float loop_z_lead_input = -3537.3835f;     /* A/m; (23): gain times (lead_pole - zero) */
         const float error = z_ref_held - z;
         const float loop_z_lead = state->loop_z_lead;
@@ -809,8 +815,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             y_ref_held, y_raw, guard_ready);
 
         /* start: no demand before the first complete sample
-         *     begun_phi = law_phi if guard_ready or complete, else 0; likewise begun_x, begun_y, d_psi, d_theta,
-         *         d_z */
+         *     begun = guard_ready or complete
+         *     begun_phi = law_phi if begun, else 0; likewise begun_x, begun_y
+         *     d_psi = law_psi if begun, else 0; likewise d_theta, d_z */
         /* 1; (1 - r^2) + (n + 1/2) (1 - r)^2, r = 0.985, n = 28 samples without measurement: a steady innovation is a
          * rate that is not predicted */
         static const float reckoning_phi_bias_gain = 0.0361875f;
@@ -896,11 +903,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the
          * direct currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c
          * of d_z in i_CD. The 2 of d_theta there stands for both motors at the front.
-         *     y_current = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |yaw_current|)
+         *     limit_c = max(quadrature_limit - |d_phi|, half_quadrature_limit)
+         *     yaw_current = limit(d_phi + i_CQ, quadrature_limit)
+         *     limit_y = quadrature_limit - |yaw_current|
+         *     y_current = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), limit_y)
+         *     y_currents = two * y_current
+         *     lifts = i_AD + i_BD
          *     i_AQ = y_current - yaw_current
          *     i_BQ = y_current + yaw_current
-         *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
-         *         half_quadrature_limit))
+         *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, limit_c)
          *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
          *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * y_currents
          *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * y_currents

@@ -4,15 +4,16 @@
     integral_next = ...            of a next state
 
 Signals whose equations differ in corresponding names alone are listed with the first one. Where it is shorter, a
-section's equations are in those variables of its law that they share and that are locals in C. Else an equation longer
-than LONGEST is in variables of the law, unless it is a choice between two of them. A signal whose equation is too long
-even so has none, nor has one that the code repeats as it is; a section without any other shows its first one.
+section's equations are in those variables of its law that they share, whose equations stand above them. Else an
+equation longer than LONGEST is in those variables of the law that are locals in C, unless it is a choice between two of
+them. A signal whose equation is too long even so has none, nor has one that the code repeats as it is; a section
+without any other shows its first one.
 """
 
 import re
 from collections import ChainMap, Counter
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import chain, takewhile
 from textwrap import wrap
 
@@ -64,15 +65,15 @@ def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str,
         owner = p.owner(name)
         following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
     names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
-    labels, of_blocks = _variables(p, names, variables), _variables_by_block(p, names, variables)
+    labels, of_blocks = _variables(p, names, variables), _variables_by_block(p, names)
     for of in (ends, following):
         of[safety.GUARD] = {n: k for n, k in of.get(safety.GUARD, {}).items() if n in OF_GUARD}
     shown: dict[str, Sequence[str]] = {}
     for block in (b for b in p.titles if b not in SILENT):
         text = _Text(p, block, following[block], names, labels)
-        plain = _equations(text, ends[block], following[block])
+        plain = _worth_showing(_equations(text, ends[block], following[block]))
         common = _common(p, of_blocks[block], {**ends[block], **following[block]}, names)
-        shown[block] = _shorter(_shown(plain), _shown(_in_variables(text, plain, common)))
+        shown[block] = _shorter(_together(plain), _together(_in_variables(text, plain, common)))
     rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
 
@@ -108,11 +109,21 @@ def _common(
 
 
 def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[int, str]) -> list[Equation]:
-    """Return the equations in the variables that they share, after those of the variables which the code hides."""
-    text.names = ChainMap({}, text.names, common)  # type: ignore[arg-type]
-    of_variables = (text.equation(name, k) for k, name in sorted(common.items()))
-    others = [replace(text.equation(e.name, e.node), is_hidden=e.is_hidden) for e in equations]
-    return [*(e for e in of_variables if e.is_hidden), *others]
+    """Return the equations in the variables that they share, after those of the variables that they read.
+
+    A variable whose own equation is too long is not used.
+    """
+    names, fits = text.names, False
+    while not fits:
+        text.names = ChainMap({}, names, common)  # type: ignore[arg-type]
+        of_variables = [text.equation(name, k) for k, name in sorted(common.items(), reverse=True)]
+        fits = all(e.text for e in of_variables)
+        common = {e.node: e.name for e in of_variables if e.text}
+    result = [text.equation(e.name, e.node) for e in equations]
+    for e in of_variables:
+        if any(e.name in NAME.findall(reader.text) for reader in result):
+            result.insert(0, e)
+    return result
 
 
 def _shorter(*shown: Sequence[str]) -> Sequence[str]:
@@ -120,12 +131,13 @@ def _shorter(*shown: Sequence[str]) -> Sequence[str]:
     return min(shown, key=lambda texts: len("".join(texts)))
 
 
-def _variables_by_block(p: Program, names: Mapping[int, str], locals: Container[str]) -> dict[str, dict[int, str]]:
-    """Return by Block the nodes without a signal that have the name of a variable of its law, which C has as well."""
+def _variables_by_block(p: Program, names: Mapping[int, str]) -> dict[str, dict[int, str]]:
+    """Return by Block the nodes without a signal that have the name of a variable of its law."""
     taken = {*names.values(), *(n.name for n in p.nodes if n.op in _LEAVES)}
     owner, variables = owners.by_node(p), {block: dict[int, str]() for block in p.titles}
     for k, name in p.labels.items():
-        if owner[k] in variables and name in locals and taken.isdisjoint((name, f"{owner[k]}_{name}")):
+        plain = p.nodes[k].op in (*_LEAVES, *HIDDEN)
+        if owner[k] in variables and not plain and taken.isdisjoint((name, f"{owner[k]}_{name}")):
             variables[owner[k]][k] = name
     return variables
 
@@ -158,12 +170,17 @@ def _local(name: str, block: str) -> str:
     return name.removeprefix(f"{block}_")
 
 
-def _shown(equations: Sequence[Equation]) -> list[str]:
-    """Return a section's equations, those of one form with names that correspond together."""
-    groups: list[list[Equation]] = []
+def _worth_showing(equations: Sequence[Equation]) -> list[Equation]:
+    """Return the equations that the code hides, else those of the first one's form."""
     first = [e for e in equations if e.form == equations[0].form]
-    for e in [e for e in equations if e.is_hidden] or first:
-        like = (group for group in groups if group[0].form == e.form and _corresponds(group[0].text, e.text))
+    return [e for e in equations if e.is_hidden] or first
+
+
+def _together(equations: Sequence[Equation]) -> list[str]:
+    """Return the texts of equations, those of one form with names that correspond together."""
+    groups: list[list[Equation]] = []
+    for e in equations:
+        like = (group for group in groups if group[0].form == e.form and _corresponds(group[0], e))
         group = next(like, None)
         if group is None:
             groups.append([e])
@@ -173,10 +190,18 @@ def _shown(equations: Sequence[Equation]) -> list[str]:
     return [f"{first.name} = {first.text}{also}" for (first, *_), also in zip(groups, others, strict=True)]
 
 
-def _corresponds(text: str, other: str) -> bool:
-    """Tell whether each name of one text has a word in common with that in its place in the other, or both are one."""
-    pairs = zip(NAME.findall(text), NAME.findall(other), strict=True)
-    return all({*a.split("_")} & {*b.split("_")} or "_" not in a + b for a, b in pairs)
+def _corresponds(e: Equation, other: Equation) -> bool:
+    """Tell whether two equations of one form differ in names that are alike, or in single words."""
+    pairs = {*zip(NAME.findall(e.text), NAME.findall(other.text), strict=True)}
+    words = {*zip(*(re.split(r"\W|_", each.text.lower()) for each in (e, other)), strict=False)}
+    on_the_left = _alike(e.name, other.name) or (e.name.lower(), other.name.lower()) in words
+    return on_the_left and all(_alike(a, b) or "_" not in a + b for a, b in pairs)
+
+
+def _alike(name: str, other: str) -> bool:
+    """Tell whether names have a word in common, or are one but for a number."""
+    digits = "0123456789"
+    return bool({*name.split("_")} & {*other.split("_")}) or name.rstrip(digits) == other.rstrip(digits)
 
 
 def _wrapped(texts: Sequence[str]) -> tuple[str, ...]:

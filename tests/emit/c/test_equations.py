@@ -159,9 +159,16 @@ def test_equations_are_in_the_variables_that_they_share() -> None:
     e = x - p
     now, rate = p + 0.5 * e, v + 0.125 * e
     names = {"x": x, "p": p, "v": v, "e": e, "tracker_x_p": p, "tracker_x_v": v}
-    rows = {n: text for n, text in shown_rows.items() if re.search(r"\be\b", text)}
-    assert rows and not any("x - p" in text for text in rows.values())
-    right = {"x_ahead": now + rate + 0.25 * rate * e, "p_next": now + rate, "v_next": 0.5 * rate + 0.0625 * p * e}
+    rows = {n: text for n, text in shown_rows.items() if re.search(r"\be\b", text) or n == "e"}
+    assert rows["e"] == "x - p" and not any("x - p" in text for n, text in rows.items() if n != "e")
+    right = {
+        "e": e,
+        "now": now,
+        "v": rate,
+        "x_ahead": now + rate + 0.25 * rate * e,
+        "p_next": now + rate,
+        "v_next": 0.5 * rate + 0.0625 * p * e,
+    }
     assert {n: value(text, names) for n, text in rows.items()} == pytest.approx({n: right[n] for n in rows})
 
 
@@ -171,9 +178,18 @@ def test_equations_are_in_the_variables_that_they_share() -> None:
         ("limit(force_x, high)", "limit(force_y, high)", True),
         ("now if ready, else x", "prediction_p if ready, else x", False),
         ("decay * integral + part * u", "lead_input * error + pole * lead", False),
+        ("p + k_p * e", "h + k_h * e", True),
     ],
 )
 def test_equations_stand_together_where_their_names_correspond(text: str, other: str, alike: bool) -> None:
-    first, second = (equations.Equation("a", 0, t, True) for t in (text, other))
+    first, second = (equations.Equation(f"a_{t[0]}", 0, t, True) for t in (text, other))
     assert first.form == second.form
-    assert len(equations._shown([first, second])) == (1 if alike else 2)
+    assert len(equations._together([first, second])) == (1 if alike else 2)
+
+
+def test_a_name_on_the_left_corresponds_as_those_on_the_right_do() -> None:
+    now, a, y = (equations.Equation(*each, True) for each in (
+        ("now", 0, "p + k_p * e"), ("a", 1, "h + k_h * e"), ("h", 2, "h + k_h * e")))  # fmt: skip
+    p = equations.Equation("p", 0, "p + k_p * e", True)
+    assert len(equations._together([now, a])) == 2
+    assert equations._together([p, y]) == ["p = p + k_p * e; likewise h"]
