@@ -149,8 +149,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
 
     /* estimator: GLSDC, Fig. 9
-     *     yaw_part_sine = 4 * sin(0.25 * (yaw + motion_yaw))
-     *     yaw_part_cosine = cos(0.25 * (yaw + motion_yaw))
+     *     yaw_part_sine = 4 * sin(0.25 * (estimator_yaw + motion_yaw))
+     *     yaw_part_cosine = cos(0.25 * (estimator_yaw + motion_yaw))
      *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
      *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
      *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *

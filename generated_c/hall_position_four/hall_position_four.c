@@ -512,59 +512,22 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     state->screen_last_V_dy = V_dy_held;
 
     /* estimator: weighted least squares
-     *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
-     *     sin_yaw = sin(limit(yaw + motion_yaw, 0.20944))
+     *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, 0.20944))
+     *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, 0.20944))
      *     ax_part_sine = 4 * sin(0.25 * limited_ax); likewise ay_part_sine
-     *     ax_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 0.289027 * cos_yaw + 0.452389 *
-     *         sin_yaw))
+     *     ax_part_cosine = cos(0.25 * limited_ax); likewise ay_part_cosine
      *     ax_part_doubled = limit(4 * (sin(0.25 * limited_ax) * ax_part_cosine), 2.002); likewise
      *         ay_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full
-     *     ay_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 0.452389 * cos_yaw + 0.289027 *
-     *         sin_yaw))
      *     bx_part_sine = 8 * sin(0.125 * limited_bx); likewise by_part_sine, cx_part_sine, cy_part_sine,
      *         dx_part_sine, dy_part_sine
-     *     bx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 1.11841 * cos_yaw + 1.74044 *
-     *         sin_yaw))
+     *     bx_part_cosine = cos(0.125 * limited_bx); likewise by_part_cosine, cx_part_cosine, cy_part_cosine,
+     *         dx_part_cosine, dy_part_cosine
      *     bx_part_doubled = limit(8 * (sin(0.125 * limited_bx) * bx_part_cosine * (1 - 0.03125 *
      *         bx_part_sine^2)), 2.002); likewise by_part_doubled, cx_part_doubled, cy_part_doubled,
      *         dx_part_doubled, dy_part_doubled
      *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * sines_2_bx^2), 1.001); likewise by_part_full,
      *         cx_part_full, cy_part_full, dx_part_full, dy_part_full
-     *     by_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.74044 * cos_yaw - 1.11841 *
-     *         sin_yaw))
-     *     cx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 2.50699 * cos_yaw + 3.00336 *
-     *         sin_yaw))
-     *     cy_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 3.00336 * cos_yaw - 2.50699 *
-     *         sin_yaw))
-     *     dx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 1.62734 * cos_yaw - 0.766549 *
-     *         sin_yaw))
-     *     dy_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 0.766549 * cos_yaw + 1.62734 *
-     *         sin_yaw))
      *     weak = not factors_2 or 20.6541 <= variances_1 or 20.6541 <= variances_2 or 3.30466 <= variances_3
      *         or 13.2186 <= variances_4
      *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,

@@ -410,47 +410,19 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     state->screen_last_V_cy = V_cy_held;
 
     /* estimator: weighted least squares
-     *     cos_yaw = cos(limit(yaw + motion_yaw, 0.20944))
-     *     sin_yaw = sin(limit(yaw + motion_yaw, 0.20944))
+     *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, 0.20944))
+     *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, 0.20944))
      *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
-     *     ax_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) + 1.4954 * cos_yaw + 1.69646 *
-     *         sin_yaw))
+     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
      *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
      *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
      *         bx_part_full, by_part_full
-     *     ay_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) - 1.69646 * cos_yaw + 1.4954 *
-     *         sin_yaw))
-     *     bx_part_cosine = cos(0.125 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 2.67035 * cos_yaw - 2.53841 *
-     *         sin_yaw))
-     *     by_part_cosine = cos(0.125 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 2.53841 * cos_yaw - 2.67035 *
-     *         sin_yaw))
      *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
-     *     cx_part_cosine = cos(0.25 * (((phase_x + motion_phase_x - two_pi if pi < phase_x + motion_phase_x,
-     *         else phase_x + motion_phase_x) + two_pi if (phase_x + motion_phase_x - two_pi if pi < phase_x +
-     *         motion_phase_x, else phase_x + motion_phase_x) < -pi, else (phase_x + motion_phase_x - two_pi if
-     *         pi < phase_x + motion_phase_x, else phase_x + motion_phase_x)) - 0.546637 * cos_yaw - 0.395841 *
-     *         sin_yaw))
+     *     cx_part_cosine = cos(0.25 * limited_cx); likewise cy_part_cosine
      *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
      *         cy_part_doubled
      *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
-     *     cy_part_cosine = cos(0.25 * (((phase_y + motion_phase_y - two_pi if pi < phase_y + motion_phase_y,
-     *         else phase_y + motion_phase_y) + two_pi if (phase_y + motion_phase_y - two_pi if pi < phase_y +
-     *         motion_phase_y, else phase_y + motion_phase_y) < -pi, else (phase_y + motion_phase_y - two_pi if
-     *         pi < phase_y + motion_phase_y, else phase_y + motion_phase_y)) + 0.395841 * cos_yaw - 0.546637 *
-     *         sin_yaw))
      *     weak = not factors_2 or 15.3845 <= variances_1 or 15.3845 <= variances_2 or 2.46151 <= variances_3
      *         or 15.3845 <= variances_4
      *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,

@@ -492,7 +492,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* guard: range acceptance, hold, latch
      *     enough = sufficient if ready is set, else complete
      *     final = left <= good_per_bad
-     *     latched = 1 if landed, else (latched if enough is set, else (1 if final, else latched))
+     *     latched = 1 if landed, else (guard_latched if enough is set, else (1 if final, else guard_latched))
      *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
      *         else left - good_per_bad) */
     uint32_t faults = 0u;

@@ -222,7 +222,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
      *     every = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
      *         |d3| <= 0.0005, else 0)
      *     final = left <= 1
-     *     latched = latched if every is set, else (1 if final, else latched)
+     *     latched = guard_latched if every is set, else (1 if final, else guard_latched)
      *     left_next = latch_samples if every is set, else (left if final, else left - 1)
      *     ready_next = 1 if every is set, else ready */
     /* 1; of the 29, left in the first sample that brakes; from it on each one counts as bad */
@@ -466,8 +466,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     suspect_V_cy = frozen == channel_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
          *         is_jump, else m_exceeds_y) or is_any
          *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
-         *     r_1 = scale * (V_by_held - V_ay_held) - h1 * phi_raw
-         *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * phi_raw */
+         *     r_1 = scale * (V_by_held - V_ay_held) - h1 * sensing_phi_raw
+         *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * sensing_phi_raw */
         static const float least_square = 8.612998e-06f;        /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
         static const float half_pitch = 0.0254f;                /* m; half of the pitch */
         static const float pitch = 0.0508f;                     /* m; pitch of the matrix */

@@ -225,6 +225,7 @@ class _Text:
         self.p, self.block, self.variables = p, block, variables
         inner = {k: name for name, k in following.items() if p.nodes[k].op not in _LEAVES}
         self.names: Mapping[int, str] = ChainMap(inner | {k: names[k] for k in inner if k in names}, names)  # type: ignore[arg-type]
+        self.signals = {named.signal.name for named, k in p.marks if p.nodes[k].op not in _LEAVES}
         self.left = self.operations = 0
         self.counts: dict[str, float] = {}
 
@@ -294,6 +295,6 @@ class _Text:
             self.counts |= {node.name: node.value} if node.name else {}
             return node.name or f"{node.value:.6g}", ATOM if node.value >= 0 else 6
         if node.op in ("input", "state", "constant"):
-            sign = "-" if node.op == "constant" and node.value < 0 else ""
-            return f"{sign}{_local(node.name, self.block)}", 6 if sign else ATOM
+            sign, local = "-" if node.op == "constant" and node.value < 0 else "", _local(node.name, self.block)
+            return f"{sign}{node.name if local in self.signals else local}", 6 if sign else ATOM
         return None
