@@ -80,8 +80,8 @@ def values(p: Program, block: Block, rng: np.random.Generator) -> list[float]:
             known[k] = np.array(round(value) if integer else value)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(numeric, "OPERATIONS", operations)
-        found = numeric.evaluate(p, range(len(p.nodes)), known)
-    return [float(found[k]) for k in range(len(p.nodes))]
+        by_node = numeric.evaluate(p, range(len(p.nodes)), known)
+    return [float(by_node[k]) for k in range(len(p.nodes))]
 
 
 def python(text: str) -> str:
