@@ -219,6 +219,4 @@ def finish_step(
     law = {n: v for n, v in after.items() if not n.startswith("guard_")}
     limited = {n: np.clip(computed[n], -LIMIT, LIMIT) for n in PHASES}
     outputs, last = guard.slew(state, limited, latched, SLEW * float(T))
-    stored = latched | (np.asarray(state["guard_left"]) <= 2)
-    last = {n: np.where(stored, v, state[n]) for n, v in last.items()}
-    return after | guard.frozen(state, law, latched) | last, outputs
+    return after | guard.frozen(state, law, latched) | guard.stored_before_latch(state, last, latched), outputs

@@ -42,7 +42,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety, unread: Col
     _check(outputs, safety)
     values, landed = safety.safe_output, safety.landed_output
     changed = [s for s in outputs if landed.get(s.name, values[s.name]) != values[s.name]]
-    seldom = [s.name for s in outputs if safety.braking and s.name in unread]  # stored
+    stored_seldom = [s.name for s in outputs if safety.braking and s.name in unread]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         target = {s.name: ca.SX(values[s.name]) for s in outputs}
@@ -58,17 +58,17 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety, unread: Col
             slewed = ca.fmax(ca.fmin(target[s.name], last + step), last - step)
             computed = clip(u[f"{s.name}_computed"], s)
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
-            stored = ca.if_else(u[guarding.MAY_LATCH.name], computed, last) if s.name in seldom else computed
+            stored = ca.if_else(u[guarding.MAY_LATCH.name], computed, last) if s.name in stored_seldom else computed
             next[f"last_{s.name}"] = ca.if_else(u["latched"], slewed, stored)
-        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs if s.name not in seldom}
+        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs if s.name not in stored_seldom}
         return Step(value | before, next, named, numbers=_numbers(time, outputs, safety))
 
     last = "last output"
     read = [Signal("latched", "1", 0, 1, "latched until init")]
     read += [Signal(guarding.RESTS, "1", 0, 1, "lies on the stop")] if changed else []
-    read += [guarding.MAY_LATCH] if seldom else []
+    read += [guarding.MAY_LATCH] if stored_seldom else []
     read += [replace(s, name=f"{s.name}_computed") for s in outputs]
-    before = [s for s in outputs if s.name not in seldom]
+    before = [s for s in outputs if s.name not in stored_seldom]
     made = build(
         guarding.SAFE_OUTPUT, time, law, inputs=read, tag="slew to the safe output once latched",
         outputs=[*outputs, *(replace(s, name=f"{s.name}_before", about="one sample ago") for s in before)],

@@ -17,6 +17,7 @@ Flags = NDArray[np.bool_]
 Columns = Mapping[str, Array]
 Limits = Mapping[str, tuple[float, float]]
 LATCH = 31  # bit of the fault word
+MAY_LATCH_FROM = 2  # samples left before one that may latch
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,15 @@ def slew(
         last = np.asarray(state[f"safe_output_last_{n}"])
         outputs[n] = np.where(latched, np.clip((safe or {}).get(n, 0.0), last - step, last + step), value)
     return outputs, {f"safe_output_last_{n}": v for n, v in outputs.items()}
+
+
+def stored_before_latch(state: Columns, last: Columns, latched: Flags) -> dict[str, Array]:
+    """Return the next states of the safe output behind a guard that brakes, from those of `slew`.
+
+    They are stored once latched, and where the next sample may latch.
+    """
+    stored = latched | (np.asarray(state["guard_left"]) <= MAY_LATCH_FROM)
+    return {n: np.where(stored, v, state[n]) for n, v in last.items()}
 
 
 def initial_state(limits: Limits, outputs: Iterable[str], left: int, zeroed: Collection[str] = ()) -> dict[str, Array]:

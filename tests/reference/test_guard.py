@@ -67,6 +67,36 @@ def test_a_planted_defect_is_detected(defect: dict[str, Any]) -> None:
     assert worst(lambda x, u: step(x, u, **defect)) > 1e-3
 
 
+BRAKING = 3
+
+
+def worst_of_braking(stored: Callable[[Any, Any, Any], Any]) -> float:
+    """Return the largest deviation of a guard that brakes and whose output is `stored` before a latch."""
+    law = safety.Safety(BAD + BRAKING, SAFE, {"i": SLEW}, "it is heavy", braking=BRAKING)
+    parts = [safety.guard(TIME, INPUTS, BAD, braking=BRAKING), safe_output.block(TIME, [OUTPUT], law, ["i"])]
+    whole = compose("braking", parts, inputs=["y", "v", "r", "i_computed"], outputs=["i"])
+
+    def step_of_braking(state: Any, inputs: Any) -> Any:
+        accepted, left = guard.accept(state, inputs, LIMITS, ("v",)), state["guard_left"]
+        complete = accepted.good["y"] & accepted.good["v"] & (left > BRAKING)
+        after = accepted.after | guard.count(state, complete, BAD + BRAKING)
+        word = guard.fault_word(accepted.word + (1 << 30) * (~complete & (left <= BRAKING + 1)), after)
+        latched = after["guard_latched"] > 0
+        outputs, last = guard.slew(state, {"i": inputs["i_computed"]}, latched, SLEW * 1e-3, SAFE)
+        return after | stored(state, last, latched), outputs, word
+
+    states, inputs = sampling.edge_steps(whole, np.random.default_rng(1), 4000)
+    inputs["i_computed"] = np.clip(np.nan_to_num(inputs["i_computed"]), -3.0, 3.0)
+    pair = ("numpy", agree.reference(step_of_braking)(states, inputs)), ("casadi", agree.casadi(whole)(states, inputs))
+    a = agree.compare("edge steps", *pair, None, whole)
+    return max(a.worst, a.state_worst) if not a.faults_differ else np.inf
+
+
+def test_what_is_stored_before_a_latch_agrees_with_the_block() -> None:
+    assert worst_of_braking(guard.stored_before_latch) < 1e-15
+    assert worst_of_braking(lambda state, last, latched: last) > 1e-3
+
+
 def test_the_initial_state_names_every_state() -> None:
     whole = block(GOOD)
     assert set(guard.initial_state(LIMITS, ["i"], BAD, ["v"])) == {s.name for s in whole.states}

@@ -73,7 +73,8 @@ def by_block(p: Program, variables: Container[str] = ()) -> dict[str, tuple[str,
         text = _Text(p, block, following[block], names, labels)
         plain = _worth_showing(_equations(text, ends[block], following[block]))
         common = _common(p, of_blocks[block], {**ends[block], **following[block]}, names)
-        shown[block] = _shorter(_together(plain), _together(_in_variables(text, plain, common)))
+        forms = _together(plain), _together(_in_variables(text, plain, common))
+        shown[block] = min(forms, key=lambda texts: len("".join(texts)))
     rows = {block: _wrapped(_like_another(block, shown) or lines) for block, lines in shown.items()}
     return {block: lines for block, lines in rows.items() if lines}
 
@@ -124,11 +125,6 @@ def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[
         if any(e.name in NAME.findall(reader.text) for reader in result):
             result.insert(0, e)
     return result
-
-
-def _shorter(*shown: Sequence[str]) -> Sequence[str]:
-    """Return the shortest of several forms of a section's equations, the first one of those that are as short."""
-    return min(shown, key=lambda texts: len("".join(texts)))
 
 
 def _variables_by_block(p: Program, names: Mapping[int, str]) -> dict[str, dict[int, str]]:

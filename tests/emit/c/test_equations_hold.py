@@ -114,14 +114,14 @@ def violations(block: Block, monkeypatch: pytest.MonkeyPatch) -> dict[tuple[str,
     return wrong
 
 
-def composed(design: Design) -> Block:
+def block_of(design: Design) -> Block:
     assert design.stage is not None
     return design.stage.controller.block.rounded(np.float32)
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_each_equation_holds(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert violations(composed(DESIGNS[name]), monkeypatch) == {}
+    assert violations(block_of(DESIGNS[name]), monkeypatch) == {}
 
 
 def test_a_name_with_two_meanings_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,5 +133,5 @@ def test_a_name_with_two_meanings_is_found(monkeypatch: pytest.MonkeyPatch) -> N
         return leaf(self, node)
 
     monkeypatch.setattr(equations._Text, "_leaf", shortened)
-    wrong = violations(composed(LEADLAG), monkeypatch)
+    wrong = violations(block_of(LEADLAG), monkeypatch)
     assert ("sensing", "r_1") in wrong
