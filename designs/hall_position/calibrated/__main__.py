@@ -42,9 +42,20 @@ def survey_lines(cases: Sequence[Case], bodies: int) -> Iterator[str]:
             yield f"{name} {count} cold starts, {fault:15s} {survey.cold_start(case, count, fault)}"
 
 
+def uncorrected_lines(bodies: int) -> Iterator[str]:
+    """Yield how the R of each unit's residuals suits voltages that are not corrected, without a fault."""
+    yield f"field, seed, R of the residuals in mV, motion: {trust.OUTCOME}"
+    for field, seed in UNITS:
+        tuned = survey.uncorrected(Case(field, seed))
+        for speed in (0.0, trust.SPEED):
+            outcome = trust.run(tuned, field, "none", bodies, speed).outcome()
+            yield f"{field:10s} {seed:2d} {1e3 * tuned.model_error:5.1f} {speed:4.1f} m/s {outcome}"
+
+
 def lines(bodies: int) -> Iterator[str]:
     """Yield the stages, then the survey of units with map, with waves alone, and with gains that drift further."""
     yield from stage_lines()
+    yield from uncorrected_lines(bodies)
     cases = [Case(field, seed) for field, seed in UNITS]
     three = [replace(case, name=config.THREE) for case in cases]
     waves = [replace(case, stage="waves") for case in cases[:2]]
