@@ -46,7 +46,7 @@ def uncorrected_lines(bodies: int) -> Iterator[str]:
     """Yield how the R of each unit's residuals suits voltages that are not corrected, without a fault."""
     yield f"field, seed, R of the residuals in mV, motion: {trust.OUTCOME}"
     for field, seed in UNITS:
-        tuned = survey.uncorrected(Case(field, seed))
+        tuned = survey.tune_without_corrections(Case(field, seed))
         for speed in (0.0, trust.SPEED):
             outcome = trust.run(tuned, field, "none", bodies, speed).outcome()
             yield f"{field:10s} {seed:2d} {1e3 * tuned.model_error:5.1f} {speed:4.1f} m/s {outcome}"

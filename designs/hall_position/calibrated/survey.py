@@ -95,7 +95,7 @@ def tuning(case: Case) -> Tuning:
     return estimator.tuning(stages.of_unit(case.field, case.seed, case.stage, case.name), case.budget)
 
 
-def uncorrected(case: Case) -> Tuning:
+def tune_without_corrections(case: Case) -> Tuning:
     """Return the tuning with the R of the residuals in the model's waves, for voltages that are not corrected."""
     return tuning(replace(case, stage=stages.STAGES[0]))
 
@@ -126,7 +126,7 @@ def checks(progress: Callable[[str], None]) -> list[Check]:
         )
     for name, case in UNITS.items():
         residuals, shipped = f"{config.NAME}, {name}, R of its residuals", f"{config.NAME}, {name}, not calibrated"
-        for what, tuned in ((residuals, uncorrected(case)), (shipped, config.USUAL)):
+        for what, tuned in ((residuals, tune_without_corrections(case)), (shipped, config.USUAL)):
             progress(what)
             outcomes = [trust.run(tuned, case.field, "none", UNCALIBRATED, speed).outcome() for speed in SPEEDS]
             made += _deviation_checks(what, outcomes)

@@ -173,7 +173,7 @@ def test_the_checks_of_the_evidence_name_the_bar_that_is_missed(monkeypatch: pyt
 def test_r_of_the_residuals_suits_the_yaw_of_each_field_and_the_shipped_one_does_not() -> None:
     """The planted defect: the R of matrices as built, in the better field of the fabricated one."""
     for field, seed in (("fabricated", 0), ("built", SEED)):
-        tuned = survey.uncorrected(Case(field, seed))
+        tuned = survey.tune_without_corrections(Case(field, seed))
         outcomes = [trust.run(tuned, field, "none", BODIES, speed).outcome() for speed in survey.SPEEDS]
         assert survey.yaw_check(field, outcomes).passed
         assert all(o.valid > 0.99 and o.beyond < 1e-3 and 0.7 < o.ratio < 1.5 for o in outcomes)
