@@ -50,7 +50,7 @@ HALL_POSITION_INLINE float hall_position_hold_within(float value, float high, fl
     return held;
 }
 
-/* sine_polynomial / x; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at
+/* sin(0.25 * x) / x; x = estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952, t = x^2; relative error at
  * most 1.2e-07. */
 static inline float sine_polynomial(float t)
 {
@@ -64,46 +64,46 @@ static inline float yaw_part_cosine_polynomial(float t)
     return 0.99999994f + (t * (-0.031249868f + (t * (0.00016270365f + (t * -3.3090393e-07f)))));
 }
 
-/* sine_2_polynomial / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) +
- * (2.35619449 * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2;
+/* sin(0.125 * x) / x; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449
+ * * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) and 3 others in -6.97375488 .. 6.97375488, t = x^2;
  * relative error at most 1.2e-07. */
 static inline float sine_2_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552038f + (t * (2.5425797e-07f + (t * -9.268511e-11f)))));
 }
 
-/* ax_part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
- * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) in -6.97375488 .. 6.97375488, t = x^2; relative error at
- * most 1.1e-07. */
-static inline float ax_part_cosine_polynomial(float t)
+/* part_cosine; x = clamp((((estimator_phase_x + estimator_motion_x) - (2.35619449 * (1 - (...)))) + (2.35619449 *
+ * clamp(((...) * (...)), -1, 1))), -6.97375486, 6.97375486) and 3 others in -6.97375488 .. 6.97375488, t = x^2;
+ * relative error at most 1.1e-07. */
+static inline float part_cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.0078125f + (t * (1.0172516e-05f + (t * (-5.2972737e-09f + (t * 1.4511657e-12f)))))));
 }
 
-/* sine_3_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)),
- * -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+/* sin(x) / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) and 3 others in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
 static inline float sine_3_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* tangent_polynomial / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)),
- * -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
+/* tan(0.5 * x) / x; x = clamp(((((...) - (...)) - ((...) * (...))) / max(((...) + (...)), 2.75466335)), -0.101002539,
+ * 0.101002539) and 3 others in -0.101002537 .. 0.101002537, t = x^2; relative error at most 1.2e-07. */
 static inline float tangent_polynomial(float t)
 {
     return 0.5f + (t * (0.04166665f + (t * 0.004172491f)));
 }
 
-/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
- * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
+/* cos(x); x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
+ * 0.101002539))), -0.975963252, 0.975963252) and 15 others in -0.975963235 .. 0.975963235, t = x^2; relative error at
  * most 1.3e-07. */
 static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.001388265f + (t * 2.4109138e-05f)))))));
 }
 
-/* sine_4_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...),
- * -0.101002539, 0.101002539))), -0.975963252, 0.975963252) in -0.975963235 .. 0.975963235, t = x^2; relative error at
+/* sin(x) / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.35619449 * (...))) + (2.35619449 * clamp((...), -0.101002539,
+ * 0.101002539))), -0.975963252, 0.975963252) and 15 others in -0.975963235 .. 0.975963235, t = x^2; relative error at
  * most 1.2e-07. */
 static inline float sine_4_polynomial(float t)
 {
@@ -196,7 +196,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * sine_2;
-    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
+    const float ax_part_cosine = part_cosine_polynomial(ax_part_cosine_argument);
     const float sine_2_times_ax_part_cosine = sine_2 * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
         (sine_2_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
@@ -211,7 +211,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * sine_2_2;
-    const float ay_part_cosine = ax_part_cosine_polynomial(ay_part_cosine_argument);
+    const float ay_part_cosine = part_cosine_polynomial(ay_part_cosine_argument);
     const float ay_part_doubled_product = sine_2_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
         (ay_part_doubled_product * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
@@ -224,7 +224,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_2_3;
-    const float bx_part_cosine = ax_part_cosine_polynomial(bx_part_cosine_argument);
+    const float bx_part_cosine = part_cosine_polynomial(bx_part_cosine_argument);
     const float bx_part_doubled_product = sine_2_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
         (bx_part_doubled_product * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
@@ -237,7 +237,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_part_cosine_argument = limited_by * limited_by;
     const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * sine_2_4;
-    const float by_part_cosine = ax_part_cosine_polynomial(by_part_cosine_argument);
+    const float by_part_cosine = part_cosine_polynomial(by_part_cosine_argument);
     const float by_part_doubled_product = sine_2_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
         (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));

@@ -44,258 +44,83 @@ static inline bool hall_position_four_equal(float a, float b)
     return (a <= b) && !(a < b);
 }
 
-/* cos_yaw; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 .. 0.209439516, t
- * = x^2; relative error at most 6e-08. */
-static inline float cos_yaw_polynomial(float t)
+#if defined(__GNUC__)
+#define HALL_POSITION_FOUR_INLINE static inline __attribute__((always_inline))
+#else
+#define HALL_POSITION_FOUR_INLINE static inline
+#endif
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
+HALL_POSITION_FOUR_INLINE float hall_position_four_hold_within(float value, float high, float *last, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if (fabsf(value) <= high) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* cos(x); x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) and 1 other in -0.209439516 ..
+ * 0.209439516, t = x^2; relative error at most 6e-08. */
+static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999884f + (t * 0.04158157f)));
 }
 
-/* sin_yaw / x; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
+/* sin(x) / x; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) and 1 other in -0.209439516 ..
  * 0.209439516, t = x^2; relative error at most 1.2e-07. */
-static inline float sin_yaw_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* sine_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
- * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) in -2.95293951 .. 3.5246768, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_polynomial(float t)
-{
-    return 0.25f + (t * (-0.0026041628f + (t * (8.1361795e-06f + (t * -1.1858457e-08f)))));
-}
-
-/* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
- * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) in -2.95293951 .. 3.5246768, t = x^2; relative error at most
- * 1.1e-07. */
-static inline float ax_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.03125f + (t * (0.00016276025f + (t * (-3.390221e-07f + (t * 3.7130776e-10f)))))));
-}
-
-/* sine_2_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw))
- * + (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
- * 1.2e-07. */
+/* sin(0.25 * x) / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
+ * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) and 1 other in -3.65407467 .. 3.5246768, t = x^2; relative error
+ * at most 1.2e-07. */
 static inline float sine_2_polynomial(float t)
 {
     return 0.25f + (t * (-0.0026041619f + (t * (8.135896e-06f + (t * -1.1839816e-08f)))));
 }
 
-/* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.452389342 * cos_yaw)) +
- * (0.289026524 * sin_yaw)), -3.67842824, 3.67842824) in -3.65407467 .. 2.7591815, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float ay_part_cosine_polynomial(float t)
+/* part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.289026524 * cos_yaw)) +
+ * (0.452389342 * sin_yaw)), -3.67842824, 3.67842824) and 1 other in -3.65407467 .. 3.5246768, t = x^2; relative error
+ * at most 1.2e-07. */
+static inline float part_cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.39012e-07f + (t * 3.7075404e-10f)))))));
 }
 
-/* sine_3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw))
- * + (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) in -4.62185955 .. 2.40948486, t = x^2; relative error at most
- * 1.2e-07. */
+/* sin(0.125 * x) / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
+ * (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) and 5 others in -6.66619205 .. 4.92831421, t = x^2; relative error
+ * at most 1.2e-07. */
 static inline float sine_3_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552078f + (t * (2.5430117e-07f + (t * -9.3721475e-11f)))));
-}
-
-/* bx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
- * (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) in -4.62185955 .. 2.40948486, t = x^2; relative error at most
- * 6.1e-08. */
-static inline float bx_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812497f + (t * (1.0171755e-05f + (t * -5.2370166e-09f)))));
-}
-
-/* sine_4_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.74044233 * cos_yaw))
- * - (1.11840698 * sin_yaw)), -5.21040238, 5.21040238) in -5.11456728 .. 1.67171443, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_4_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552076f + (t * (2.5429642e-07f + (t * -9.355345e-11f)))));
-}
-
-/* by_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.74044233 * cos_yaw)) -
- * (1.11840698 * sin_yaw)), -5.21040238, 5.21040238) in -5.11456728 .. 1.67171443, t = x^2; relative error at most
- * 7e-08. */
-static inline float by_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812495f + (t * (1.017137e-05f + (t * -5.223309e-09f)))));
-}
-
-/* sine_5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.50699094 * cos_yaw))
- * + (3.00336258 * sin_yaw)), -7.05377751, 7.05377751) in -6.27302074 .. 1.31382179, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_5_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552058f + (t * (2.5427622e-07f + (t * -9.3037696e-11f)))));
-}
-
-/* cx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.50699094 * cos_yaw)) +
- * (3.00336258 * sin_yaw)), -7.05377751, 7.05377751) in -6.27302074 .. 1.31382179, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float cx_part_cosine_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.00781247f + (t * (1.0169286e-05f + (t * -5.1766627e-09f)))));
-}
-
-/* sine_6_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (3.00336258 * cos_yaw))
- * - (2.50699094 * sin_yaw)), -7.05377751, 7.05377751) in -6.66619205 .. 0.72509557, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_6_polynomial(float t)
 {
     return 0.125f + (t * (-0.0003255205f + (t * (2.5426758e-07f + (t * -9.285783e-11f)))));
 }
 
-/* cy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (3.00336258 * cos_yaw)) -
- * (2.50699094 * sin_yaw)), -7.05377751, 7.05377751) in -6.66619205 .. 0.72509557, t = x^2; relative error at most
- * 1.5e-07. */
-static inline float cy_part_cosine_polynomial(float t)
+/* part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.11840698 * cos_yaw)) +
+ * (1.74044233 * sin_yaw)), -5.21040238, 5.21040238) and 5 others in -6.66619205 .. 4.92831421, t = x^2; relative error
+ * at most 1.5e-07. */
+static inline float part_cosine_2_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.0078124637f + (t * (1.0168685e-05f + (t * -5.164675e-09f)))));
 }
 
-/* sine_7_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.62734499 * cos_yaw))
- * - (0.766548607 * sin_yaw)), -4.94043909, 4.94043909) in -1.70918477 .. 4.92831421, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_7_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552078f + (t * (2.5430032e-07f + (t * -9.367218e-11f)))));
-}
-
-/* dx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.62734499 * cos_yaw)) -
- * (0.766548607 * sin_yaw)), -4.94043909, 4.94043909) in -1.70918477 .. 4.92831421, t = x^2; relative error at most
- * 6.4e-08. */
-static inline float dx_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812496f + (t * (1.01715195e-05f + (t * -5.2283817e-09f)))));
-}
-
-/* sine_8_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw))
- * + (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_8_polynomial(float t)
-{
-    return 0.125f + (t * (-0.0003255208f + (t * (2.5430614e-07f + (t * -9.3915965e-11f)))));
-}
-
-/* dy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.766548607 * cos_yaw)) +
- * (1.62734499 * sin_yaw)), -4.94043909, 4.94043909) in -2.73013973 .. 4.24648666, t = x^2; relative error at most
- * 6e-08. */
-static inline float dy_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.007812498f + (t * (1.0171948e-05f + (t * -5.245477e-09f)))));
-}
-
-/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 6e-08. */
-static inline float cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999985f + (t * (0.04166392f + (t * -0.0013740018f)))));
-}
-
-/* sine_9_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...),
- * -0.1, 0.1))), -0.574141587, 0.574141587) in -0.551555276 .. 0.551555276, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_9_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689277f)))));
-}
-
-/* cosine_2_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...), -0.1,
- * 0.1))), -0.785884931, 0.785884931) in -0.698485911 .. 0.698485911, t = x^2; relative error at most 7.9e-08. */
+/* cos(x); x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1, 0.1))),
+ * -0.574141587, 0.574141587) and 7 others in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.7e-07. */
 static inline float cosine_2_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999943f + (t * (0.041659873f + (t * -0.0013654011f)))));
-}
-
-/* sine_10_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.11840698 * (...))) + (1.74044233 * clamp((...),
- * -0.1, 0.1))), -0.785884931, 0.785884931) in -0.698485911 .. 0.698485911, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_10_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666661f + (t * (0.008332628f + (t * -0.00019587f)))));
-}
-
-/* cosine_3_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...), -0.1,
- * 0.1))), -1.05103535, 1.05103535) in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.7e-07. */
-static inline float cosine_3_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.4999974f + (t * (0.041649524f + (t * -0.0013522666f)))));
 }
 
-/* sine_11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.50699094 * (...))) + (3.00336258 * clamp((...),
- * -0.1, 0.1))), -1.05103535, 1.05103535) in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_11_polynomial(float t)
+/* sin(x) / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.289026524 * (...))) + (0.452389342 * clamp((...), -0.1, 0.1))),
+ * -0.574141587, 0.574141587) and 7 others in -0.855124056 .. 0.855124056, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_4_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666646f + (t * (0.008331675f + (t * -0.00019454073f)))));
-}
-
-/* cosine_4_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...), -0.1,
- * 0.1))), -0.73938936, 0.73938936) in -0.612218797 .. 0.612218797, t = x^2; relative error at most 6.4e-08. */
-static inline float cosine_4_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999973f + (t * (0.041662574f + (t * -0.0013706916f)))));
-}
-
-/* sine_12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.62734499 * (...))) - (0.766548607 * clamp((...),
- * -0.1, 0.1))), -0.73938936, 0.73938936) in -0.612218797 .. 0.612218797, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_12_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666664f + (t * (0.008332917f + (t * -0.00019645771f)))));
-}
-
-/* cosine_5_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...), -0.1,
- * 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 6e-08. */
-static inline float cosine_5_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999988f + (t * (0.04166426f + (t * -0.0013748987f)))));
-}
-
-/* sine_13_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.452389342 * (...))) + (0.289026524 * clamp((...),
- * -0.1, 0.1))), -0.574141587, 0.574141587) in -0.538789153 .. 0.538789153, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_13_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666666f + (t * (0.008333099f + (t * -0.00019693414f)))));
-}
-
-/* cosine_6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...), -0.1,
- * 0.1))), -0.785884931, 0.785884931) in -0.649876356 .. 0.649876356, t = x^2; relative error at most 7e-08. */
-static inline float cosine_6_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999964f + (t * (0.041661642f + (t * -0.0013686564f)))));
-}
-
-/* sine_14_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.74044233 * (...))) - (1.11840698 * clamp((...),
- * -0.1, 0.1))), -0.785884931, 0.785884931) in -0.649876356 .. 0.649876356, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_14_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666663f + (t * (0.008332776f + (t * -0.00019616597f)))));
-}
-
-/* cosine_7_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...), -0.1,
- * 0.1))), -1.05103535, 1.05103535) in -0.816334605 .. 0.816334605, t = x^2; relative error at most 1.4e-07. */
-static inline float cosine_7_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.49999782f + (t * (0.0416518f + (t * -0.0013549692f)))));
-}
-
-/* sine_15_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (3.00336258 * (...))) - (2.50699094 * clamp((...),
- * -0.1, 0.1))), -1.05103535, 1.05103535) in -0.816334605 .. 0.816334605, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_15_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666651f + (t * (0.008331936f + (t * -0.0001948631f)))));
-}
-
-/* cosine_8_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...), -0.1,
- * 0.1))), -0.73938936, 0.73938936) in -0.679486632 .. 0.679486632, t = x^2; relative error at most 7.4e-08. */
-static inline float cosine_8_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999952f + (t * (0.041660603f + (t * -0.0013666898f)))));
-}
-
-/* sine_16_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.766548607 * (...))) + (1.62734499 * clamp((...),
- * -0.1, 0.1))), -0.73938936, 0.73938936) in -0.679486632 .. 0.679486632, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_16_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666661f + (t * (0.008332651f + (t * -0.00019593455f)))));
 }
 
 void hall_position_four_init(hall_position_four_state_t *state)
@@ -334,95 +159,32 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    const float V_ax = in->V_ax;
-    const bool good_V_ax = fabsf(V_ax) <= 5.0f;
-    float V_ax_held = V_ax;
     uint32_t faults = 0u;
-    if (good_V_ax) {
-        state->guard_last_V_ax = V_ax;
-    } else {
-        V_ax_held = state->guard_last_V_ax;
-        faults = 0x00000001u;
-    }
-    const float V_ay = in->V_ay;
-    const bool good_V_ay = fabsf(V_ay) <= 5.0f;
-    float V_ay_held = V_ay;
-    bool complete = good_V_ax;
-    if (good_V_ay) {
-        state->guard_last_V_ay = V_ay;
-    } else {
-        V_ay_held = state->guard_last_V_ay;
-        complete = false;
-        faults |= 0x00000002u;
-    }
-    const float V_bx = in->V_bx;
-    const bool good_V_bx = fabsf(V_bx) <= 5.0f;
-    float V_bx_held = V_bx;
-    if (good_V_bx) {
-        state->guard_last_V_bx = V_bx;
-    } else {
-        V_bx_held = state->guard_last_V_bx;
-        complete = false;
-        faults |= 0x00000004u;
-    }
-    const float V_by = in->V_by;
-    const bool good_V_by = fabsf(V_by) <= 5.0f;
-    float V_by_held = V_by;
-    if (good_V_by) {
-        state->guard_last_V_by = V_by;
-    } else {
-        V_by_held = state->guard_last_V_by;
-        complete = false;
-        faults |= 0x00000008u;
-    }
-    const float V_cx = in->V_cx;
-    const bool good_V_cx = fabsf(V_cx) <= 5.0f;
-    float V_cx_held = V_cx;
-    if (good_V_cx) {
-        state->guard_last_V_cx = V_cx;
-    } else {
-        V_cx_held = state->guard_last_V_cx;
-        complete = false;
-        faults |= 0x00000010u;
-    }
-    const float V_cy = in->V_cy;
-    const bool good_V_cy = fabsf(V_cy) <= 5.0f;
-    float V_cy_held = V_cy;
-    if (good_V_cy) {
-        state->guard_last_V_cy = V_cy;
-    } else {
-        V_cy_held = state->guard_last_V_cy;
-        complete = false;
-        faults |= 0x00000020u;
-    }
-    const float V_dx = in->V_dx;
-    const bool good_V_dx = fabsf(V_dx) <= 5.0f;
-    float V_dx_held = V_dx;
-    if (good_V_dx) {
-        state->guard_last_V_dx = V_dx;
-    } else {
-        V_dx_held = state->guard_last_V_dx;
-        complete = false;
-        faults |= 0x00000040u;
-    }
-    const float V_dy = in->V_dy;
-    const bool good_V_dy = fabsf(V_dy) <= 5.0f;
-    float V_dy_held = V_dy;
-    if (good_V_dy) {
-        state->guard_last_V_dy = V_dy;
-    } else {
-        V_dy_held = state->guard_last_V_dy;
-        complete = false;
-        faults |= 0x00000080u;
-    }
-    const bool fault_V_ax = !good_V_ax;
-    const bool fault_V_ay = !good_V_ay;
-    const bool fault_V_bx = !good_V_bx;
-    const bool fault_V_by = !good_V_by;
-    const bool fault_V_cx = !good_V_cx;
-    const bool fault_V_cy = !good_V_cy;
-    const bool fault_V_dx = !good_V_dx;
-    const bool fault_V_dy = !good_V_dy;
+    const float V_ax_held = hall_position_four_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
+        &faults);
+    const float V_ay_held = hall_position_four_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u,
+        &faults);
+    const float V_bx_held = hall_position_four_hold_within(in->V_bx, 5.0f, &state->guard_last_V_bx, 0x00000004u,
+        &faults);
+    const float V_by_held = hall_position_four_hold_within(in->V_by, 5.0f, &state->guard_last_V_by, 0x00000008u,
+        &faults);
+    const float V_cx_held = hall_position_four_hold_within(in->V_cx, 5.0f, &state->guard_last_V_cx, 0x00000010u,
+        &faults);
+    const float V_cy_held = hall_position_four_hold_within(in->V_cy, 5.0f, &state->guard_last_V_cy, 0x00000020u,
+        &faults);
+    const float V_dx_held = hall_position_four_hold_within(in->V_dx, 5.0f, &state->guard_last_V_dx, 0x00000040u,
+        &faults);
+    const float V_dy_held = hall_position_four_hold_within(in->V_dy, 5.0f, &state->guard_last_V_dy, 0x00000080u,
+        &faults);
+    const bool fault_V_ax = (faults & 0x00000001u) != 0u;
+    const bool fault_V_ay = (faults & 0x00000002u) != 0u;
+    const bool fault_V_bx = (faults & 0x00000004u) != 0u;
+    const bool fault_V_by = (faults & 0x00000008u) != 0u;
+    const bool fault_V_cx = (faults & 0x00000010u) != 0u;
+    const bool fault_V_cy = (faults & 0x00000020u) != 0u;
+    const bool fault_V_dx = (faults & 0x00000040u) != 0u;
+    const bool fault_V_dy = (faults & 0x00000080u) != 0u;
+    const bool complete = (faults & 0x000000ffu) == 0u;
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
@@ -556,8 +318,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
     const float cos_yaw_argument = starts_3 * starts_3;
-    const float cos_yaw = cos_yaw_polynomial(cos_yaw_argument);
-    const float sin_yaw = starts_3 * sin_yaw_polynomial(cos_yaw_argument);
+    const float cos_yaw = cosine_polynomial(cos_yaw_argument);
+    const float sin_yaw = starts_3 * sine_polynomial(cos_yaw_argument);
     const float estimator_motion_phase_x = state->estimator_motion_phase_x;
     const float phase_x_plus_motion_phase_x = state->estimator_phase_x + estimator_motion_phase_x;
     float ax_part_sine_choice = phase_x_plus_motion_phase_x;
@@ -572,10 +334,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled = 0.45238933f * sin_yaw;
     const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
-    const float sine = limited_ax * sine_polynomial(ax_part_cosine_argument);
-    const float ax_part_sine = 4.0f * sine;
-    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
-    const float ax_part_doubled = 4.0f * (sine * ax_part_cosine);
+    const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
+    const float ax_part_sine = 4.0f * sine_2;
+    const float ax_part_cosine = part_cosine_polynomial(ax_part_cosine_argument);
+    const float ax_part_doubled = 4.0f * (sine_2 * ax_part_cosine);
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (ax_part_sine * ax_part_sine)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
@@ -593,10 +355,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled_2 = 0.28902653f * sin_yaw;
     const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float sine_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 4.0f * sine_2;
-    const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
-    const float ay_part_doubled = 4.0f * (sine_2 * ay_part_cosine);
+    const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 4.0f * sine_2_2;
+    const float ay_part_cosine = part_cosine_polynomial(ay_part_cosine_argument);
+    const float ay_part_doubled = 4.0f * (sine_2_2 * ay_part_cosine);
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (ay_part_sine * ay_part_sine)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
@@ -606,7 +368,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_3 = limited_bx * sine_3_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_3;
-    const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
+    const float bx_part_cosine = part_cosine_2_polynomial(bx_part_cosine_argument);
     const float sine_3_times_bx_part_cosine = sine_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
         (sine_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
@@ -618,69 +380,69 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
     const float limited_by = starts_2 - cos_yaw_scaled_4 - sin_yaw_scaled_4;
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float sine_4 = limited_by * sine_4_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 8.0f * sine_4;
-    const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
-    const float sine_4_times_by_part_cosine = sine_4 * by_part_cosine;
+    const float sine_3_2 = limited_by * sine_3_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 8.0f * sine_3_2;
+    const float by_part_cosine = part_cosine_2_polynomial(by_part_cosine_argument);
+    const float by_part_doubled_product = sine_3_2 * by_part_cosine;
     const float by_part_doubled = 8.0f *
-        (sine_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+        (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * sine_4_times_by_part_cosine;
+    const float sines_2_by = 8.0f * by_part_doubled_product;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
     const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
     const float limited_cx = starts_1 - cos_yaw_scaled_5 + sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
-    const float sine_5 = limited_cx * sine_5_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 8.0f * sine_5;
-    const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float sine_5_times_cx_part_cosine = sine_5 * cx_part_cosine;
+    const float sine_3_3 = limited_cx * sine_3_polynomial(cx_part_cosine_argument);
+    const float cx_part_sine = 8.0f * sine_3_3;
+    const float cx_part_cosine = part_cosine_2_polynomial(cx_part_cosine_argument);
+    const float cx_part_doubled_product = sine_3_3 * cx_part_cosine;
     const float cx_part_doubled = 8.0f *
-        (sine_5_times_cx_part_cosine * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
+        (cx_part_doubled_product * (1.0f - (0.03125f * (cx_part_sine * cx_part_sine))));
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
-    const float sines_2_cx = 8.0f * sine_5_times_cx_part_cosine;
+    const float sines_2_cx = 8.0f * cx_part_doubled_product;
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
     const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
     const float limited_cy = starts_2 - cos_yaw_scaled_6 - sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
-    const float sine_6 = limited_cy * sine_6_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 8.0f * sine_6;
-    const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
-    const float sine_6_times_cy_part_cosine = sine_6 * cy_part_cosine;
+    const float sine_3_4 = limited_cy * sine_3_polynomial(cy_part_cosine_argument);
+    const float cy_part_sine = 8.0f * sine_3_4;
+    const float cy_part_cosine = part_cosine_2_polynomial(cy_part_cosine_argument);
+    const float cy_part_doubled_product = sine_3_4 * cy_part_cosine;
     const float cy_part_doubled = 8.0f *
-        (sine_6_times_cy_part_cosine * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
+        (cy_part_doubled_product * (1.0f - (0.03125f * (cy_part_sine * cy_part_sine))));
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
-    const float sines_2_cy = 8.0f * sine_6_times_cy_part_cosine;
+    const float sines_2_cy = 8.0f * cy_part_doubled_product;
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
     const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
     const float limited_dx = starts_1 + cos_yaw_scaled_7 - sin_yaw_scaled_7;
     const float dx_part_cosine_argument = limited_dx * limited_dx;
-    const float sine_7 = limited_dx * sine_7_polynomial(dx_part_cosine_argument);
-    const float dx_part_sine = 8.0f * sine_7;
-    const float dx_part_cosine = dx_part_cosine_polynomial(dx_part_cosine_argument);
-    const float sine_7_times_dx_part_cosine = sine_7 * dx_part_cosine;
+    const float sine_3_5 = limited_dx * sine_3_polynomial(dx_part_cosine_argument);
+    const float dx_part_sine = 8.0f * sine_3_5;
+    const float dx_part_cosine = part_cosine_2_polynomial(dx_part_cosine_argument);
+    const float dx_part_doubled_product = sine_3_5 * dx_part_cosine;
     const float dx_part_doubled = 8.0f *
-        (sine_7_times_dx_part_cosine * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
+        (dx_part_doubled_product * (1.0f - (0.03125f * (dx_part_sine * dx_part_sine))));
     /*@ admit -2.002f <= dx_part_doubled <= 2.002f; */
-    const float sines_2_dx = 8.0f * sine_7_times_dx_part_cosine;
+    const float sines_2_dx = 8.0f * dx_part_doubled_product;
     const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx * sines_2_dx)));
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
     const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
     const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
     const float dy_part_cosine_argument = limited_dy * limited_dy;
-    const float sine_8 = limited_dy * sine_8_polynomial(dy_part_cosine_argument);
-    const float dy_part_sine = 8.0f * sine_8;
-    const float dy_part_cosine = dy_part_cosine_polynomial(dy_part_cosine_argument);
-    const float sine_8_times_dy_part_cosine = sine_8 * dy_part_cosine;
+    const float sine_3_6 = limited_dy * sine_3_polynomial(dy_part_cosine_argument);
+    const float dy_part_sine = 8.0f * sine_3_6;
+    const float dy_part_cosine = part_cosine_2_polynomial(dy_part_cosine_argument);
+    const float dy_part_doubled_product = sine_3_6 * dy_part_cosine;
     const float dy_part_doubled = 8.0f *
-        (sine_8_times_dy_part_cosine * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
+        (dy_part_doubled_product * (1.0f - (0.03125f * (dy_part_sine * dy_part_sine))));
     /*@ admit -2.002f <= dy_part_doubled <= 2.002f; */
-    const float sines_2_dy = 8.0f * sine_8_times_dy_part_cosine;
+    const float sines_2_dy = 8.0f * dy_part_doubled_product;
     const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy * sines_2_dy)));
     /*@ admit -1.001f <= dy_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
@@ -1052,9 +814,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, 0.5f);
     const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, 0.1f);
     const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
-    const float cos_yaw_argument_2 = moved_3_2 * moved_3_2;
-    const float turns_3_cosine = cos_yaw_polynomial(cos_yaw_argument_2);
-    const float turns_3_sine = moved_3_2 * sin_yaw_polynomial(cos_yaw_argument_2);
+    const float cosine_argument = moved_3_2 * moved_3_2;
+    const float turns_3_cosine = cosine_polynomial(cosine_argument);
+    const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
     const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, 0.1f);
     const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
@@ -1068,18 +830,18 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (0.28902653f * limited_3_cosine) + (0.45238933f * limited_3_sine);
-        const float cosine_argument = by_ax * by_ax;
-        const float phasors_1_sine = (ax_part_full * cosine_polynomial(cosine_argument)) +
-            (start_cosine_ax * (by_ax * sine_9_polynomial(cosine_argument)));
+        const float cosine_2_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
+            (start_cosine_ax * (by_ax * sine_4_polynomial(cosine_2_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 - (0.45238933f * limited_3_cosine) + (0.28902653f * limited_3_sine);
-        const float cosine_5_argument = by_ay * by_ay;
-        const float phasors_2_sine = (ay_part_full * cosine_5_polynomial(cosine_5_argument)) +
-            (start_cosine_ay * (by_ay * sine_13_polynomial(cosine_5_argument)));
+        const float cosine_2_argument_2 = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
+            (start_cosine_ay * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
@@ -1100,9 +862,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 - (1.118407f * limited_3_cosine) + (1.7404423f * limited_3_sine);
-        const float cosine_2_argument = by_bx * by_bx;
-        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument)) +
-            (start_cosine_bx * (by_bx * sine_10_polynomial(cosine_2_argument)));
+        const float cosine_2_argument_3 = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
+            (start_cosine_bx * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
@@ -1110,9 +872,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 - (1.7404423f * limited_3_cosine) - (1.118407f * limited_3_sine);
-        const float cosine_6_argument = by * by;
-        const float phasors_4_sine = (by_part_full * cosine_6_polynomial(cosine_6_argument)) +
-            (start_cosine_by * (by * sine_14_polynomial(cosine_6_argument)));
+        const float cosine_2_argument_4 = by * by;
+        const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
+            (start_cosine_by * (by * sine_4_polynomial(cosine_2_argument_4)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
@@ -1134,9 +896,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 - (2.506991f * limited_3_cosine) + (3.0033627f * limited_3_sine);
-        const float cosine_3_argument = by_cx * by_cx;
-        const float phasors_5_sine = (cx_part_full * cosine_3_polynomial(cosine_3_argument)) +
-            (start_cosine_cx * (by_cx * sine_11_polynomial(cosine_3_argument)));
+        const float cosine_2_argument_5 = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
+            (start_cosine_cx * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
@@ -1144,9 +906,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 - (3.0033627f * limited_3_cosine) - (2.506991f * limited_3_sine);
-        const float cosine_7_argument = by_cy * by_cy;
-        const float phasors_6_sine = (cy_part_full * cosine_7_polynomial(cosine_7_argument)) +
-            (start_cosine_cy * (by_cy * sine_15_polynomial(cosine_7_argument)));
+        const float cosine_2_argument_6 = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
+            (start_cosine_cy * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
@@ -1168,9 +930,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_8_chi_square = 0.0f;
     if (weights_7) {
         const float by_dx = best_1 + (1.627345f * limited_3_cosine) - (0.76654863f * limited_3_sine);
-        const float cosine_4_argument = by_dx * by_dx;
-        const float phasors_7_sine = (dx_part_full * cosine_4_polynomial(cosine_4_argument)) +
-            (start_cosine_dx * (by_dx * sine_12_polynomial(cosine_4_argument)));
+        const float cosine_2_argument_7 = by_dx * by_dx;
+        const float phasors_7_sine = (dx_part_full * cosine_2_polynomial(cosine_2_argument_7)) +
+            (start_cosine_dx * (by_dx * sine_4_polynomial(cosine_2_argument_7)));
         const float phasors_7_sine_squared = phasors_7_sine * phasors_7_sine;
         const float residuals_7_phase_x_2 = (turns_3_cosine * V_dx_held) - (turns_3_sine * V_dy_held) -
             (phase_x_limited * (phasors_7_sine * (estimator_field_1 +
@@ -1178,9 +940,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
         terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
         const float by_dy = best_2 + (0.76654863f * limited_3_cosine) + (1.627345f * limited_3_sine);
-        const float cosine_8_argument = by_dy * by_dy;
-        const float phasors_8_sine = (dy_part_full * cosine_8_polynomial(cosine_8_argument)) +
-            (start_cosine_dy * (by_dy * sine_16_polynomial(cosine_8_argument)));
+        const float cosine_2_argument_8 = by_dy * by_dy;
+        const float phasors_8_sine = (dy_part_full * cosine_2_polynomial(cosine_2_argument_8)) +
+            (start_cosine_dy * (by_dy * sine_4_polynomial(cosine_2_argument_8)));
         const float phasors_8_sine_squared = phasors_8_sine * phasors_8_sine;
         const float residuals_8_phase_x_2 = (turns_3_cosine * V_dy_held) + (turns_3_sine * V_dx_held) -
             (phase_x_limited * (phasors_8_sine * (estimator_field_1 +

@@ -44,198 +44,83 @@ static inline bool hall_position_three_equal(float a, float b)
     return (a <= b) && !(a < b);
 }
 
-/* cos_yaw; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 .. 0.209439516, t
- * = x^2; relative error at most 6e-08. */
-static inline float cos_yaw_polynomial(float t)
+#if defined(__GNUC__)
+#define HALL_POSITION_THREE_INLINE static inline __attribute__((always_inline))
+#else
+#define HALL_POSITION_THREE_INLINE static inline
+#endif
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
+HALL_POSITION_THREE_INLINE float hall_position_three_hold_within(float value, float high, float *last, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if (fabsf(value) <= high) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* cos(x); x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) and 1 other in -0.209439516 ..
+ * 0.209439516, t = x^2; relative error at most 6e-08. */
+static inline float cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999884f + (t * 0.04158157f)));
 }
 
-/* sin_yaw / x; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) in -0.209439516 ..
+/* sin(x) / x; x = clamp((estimator_yaw + estimator_motion_yaw), -0.20943951, 0.20943951) and 1 other in -0.209439516 ..
  * 0.209439516, t = x^2; relative error at most 1.2e-07. */
-static inline float sin_yaw_polynomial(float t)
+static inline float sine_polynomial(float t)
 {
     return 1.0f + (t * (-0.1666665f + (t * 0.008320974f)));
 }
 
-/* sine_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
- * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) in -2.03158784 .. 4.98970652, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552078f + (t * (2.543001e-07f + (t * -9.365995e-11f)))));
-}
-
-/* ax_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
- * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) in -2.03158784 .. 4.98970652, t = x^2; relative error at most
- * 6.5e-08. */
-static inline float ax_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.0078124953f + (t * (1.0171452e-05f + (t * -5.2262044e-09f)))));
-}
-
-/* sine_2_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw))
- * + (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
- * 1.2e-07. */
+/* sin(0.125 * x) / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
+ * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) and 3 others in -6.33971453 .. 6.23520041, t = x^2; relative error
+ * at most 1.2e-07. */
 static inline float sine_2_polynomial(float t)
-{
-    return 0.125f + (t * (-0.00032552076f + (t * (2.542963e-07f + (t * -9.3547725e-11f)))));
-}
-
-/* ay_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (1.69646003 * cos_yaw)) +
- * (1.4953981 * sin_yaw)), -5.40305062, 5.40305062) in -5.14896584 .. 1.79311633, t = x^2; relative error at most
- * 6.8e-08. */
-static inline float ay_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.0078124944f + (t * (1.0171312e-05f + (t * -5.2216387e-09f)))));
-}
-
-/* sine_3_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw))
- * - (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_3_polynomial(float t)
 {
     return 0.125f + (t * (-0.00032552058f + (t * (2.542758e-07f + (t * -9.3023485e-11f)))));
 }
 
-/* bx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (2.67035376 * cos_yaw)) -
- * (2.53840686 * sin_yaw)), -6.82592415, 6.82592415) in -6.33971453 .. 1.05735922, t = x^2; relative error at most
- * 1.3e-07. */
-static inline float bx_part_cosine_polynomial(float t)
+/* part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (1.4953981 * cos_yaw)) +
+ * (1.69646003 * sin_yaw)), -5.40305062, 5.40305062) and 3 others in -6.33971453 .. 6.23520041, t = x^2; relative error
+ * at most 1.3e-07. */
+static inline float part_cosine_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.0078124693f + (t * (1.0169195e-05f + (t * -5.1747495e-09f)))));
 }
 
-/* sine_4_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw))
- * - (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_4_polynomial(float t)
-{
-    return 0.125f + (t * (-0.0003255206f + (t * (2.5427858e-07f + (t * -9.308182e-11f)))));
-}
-
-/* by_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (2.53840686 * cos_yaw)) -
- * (2.67035376 * sin_yaw)), -6.82592415, 6.82592415) in -1.21385598 .. 6.23520041, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float by_part_cosine_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.007812471f + (t * (1.0169365e-05f + (t * -5.178205e-09f)))));
-}
-
-/* sine_5_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw))
- * - (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_5_polynomial(float t)
+/* sin(0.25 * x) / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
+ * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) and 1 other in -3.77053046 .. 3.65108609, t = x^2; relative error
+ * at most 1.2e-07. */
+static inline float sine_3_polynomial(float t)
 {
     return 0.25f + (t * (-0.002604161f + (t * (8.135625e-06f + (t * -1.1822986e-08f)))));
 }
 
-/* cx_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
- * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) in -3.77053046 .. 2.68920112, t = x^2; relative error at most
- * 1.3e-07. */
-static inline float cx_part_cosine_polynomial(float t)
+/* part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) - (0.546637122 * cos_yaw)) -
+ * (0.395840674 * sin_yaw)), -3.81650152, 3.81650152) and 1 other in -3.77053046 .. 3.65108609, t = x^2; relative error
+ * at most 1.3e-07. */
+static inline float part_cosine_2_polynomial(float t)
 {
     return 1.0f + (t * (-0.03125f + (t * (0.00016276016f + (t * (-3.3900244e-07f + (t * 3.7026232e-10f)))))));
 }
 
-/* sine_6_polynomial / x; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw))
- * - (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float sine_6_polynomial(float t)
-{
-    return 0.25f + (t * (-0.0026041619f + (t * (8.135898e-06f + (t * -1.1839998e-08f)))));
-}
-
-/* cy_part_cosine; x = clamp(((clamp(((...) ? (...) : (...)), -3.14159265, 3.14159265) + (0.395840674 * cos_yaw)) -
- * (0.546637122 * sin_yaw)), -3.81650152, 3.81650152) in -2.86805463 .. 3.65108609, t = x^2; relative error at most
- * 1.2e-07. */
-static inline float cy_part_cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.03125f + (t * (0.0001627602f + (t * (-3.3901202e-07f + (t * 3.7075673e-10f)))))));
-}
-
-/* cosine_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
- * 0.1))), -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 8e-08. */
-static inline float cosine_polynomial(float t)
-{
-    return 1.0f + (t * (-0.4999994f + (t * (0.04165966f + (t * -0.0013650605f)))));
-}
-
-/* sine_7_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1,
- * 0.1))), -0.819185814, 0.819185814) in -0.702326417 .. 0.702326417, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_7_polynomial(float t)
-{
-    return 1.0f + (t * (-0.1666666f + (t * (0.0083325375f + (t * -0.00019574208f)))));
-}
-
-/* cosine_2_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
- * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.4e-07. */
+/* cos(x); x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1, 0.1))),
+ * -0.819185814, 0.819185814) and 5 others in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.5e-07. */
 static inline float cosine_2_polynomial(float t)
-{
-    return 0.99999994f + (t * (-0.49999788f + (t * (0.041652113f + (t * -0.0013553383f)))));
-}
-
-/* sine_8_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (2.67035376 * (...))) - (2.53840686 * clamp((...), -0.1,
- * 0.1))), -1.02087606, 1.02087606) in -0.812198639 .. 0.812198639, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_8_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666652f + (t * (0.008332007f + (t * -0.00019494118f)))));
-}
-
-/* cosine_3_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...), -0.1,
- * 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 6e-08. */
-static inline float cosine_3_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999985f + (t * (0.04166392f + (t * -0.001374002f)))));
-}
-
-/* sine_9_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (0.546637122 * (...))) - (0.395840674 * clamp((...),
- * -0.1, 0.1))), -0.59424778, 0.59424778) in -0.551530242 .. 0.551530242, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_9_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666666f + (t * (0.00833309f + (t * -0.00019689278f)))));
-}
-
-/* cosine_4_polynomial; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
- * 0.1))), -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 7.6e-08. */
-static inline float cosine_4_polynomial(float t)
-{
-    return 1.0f + (t * (-0.4999995f + (t * (0.04166035f + (t * -0.0013662291f)))));
-}
-
-/* sine_10_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) - (1.69646003 * (...))) + (1.4953981 * clamp((...), -0.1,
- * 0.1))), -0.819185814, 0.819185814) in -0.686614215 .. 0.686614215, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_10_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666661f + (t * (0.008332643f + (t * -0.000195911f)))));
-}
-
-/* cosine_5_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...), -0.1,
- * 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.5e-07. */
-static inline float cosine_5_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.49999776f + (t * (0.041651465f + (t * -0.0013545564f)))));
 }
 
-/* sine_11_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (2.53840686 * (...))) - (2.67035376 * clamp((...),
- * -0.1, 0.1))), -1.02087606, 1.02087606) in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_11_polynomial(float t)
+/* sin(x) / x; x = clamp(((clamp((...), -0.5, 0.5) + (1.4953981 * (...))) + (1.69646003 * clamp((...), -0.1, 0.1))),
+ * -0.819185814, 0.819185814) and 5 others in -0.822509646 .. 0.822509646, t = x^2; relative error at most 1.2e-07. */
+static inline float sine_4_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666651f + (t * (0.008331924f + (t * -0.00019483927f)))));
-}
-
-/* cosine_6_polynomial; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...), -0.1,
- * 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 6e-08. */
-static inline float cosine_6_polynomial(float t)
-{
-    return 1.0f + (t * (-0.49999985f + (t * (0.041663855f + (t * -0.0013737328f)))));
-}
-
-/* sine_12_polynomial / x; x = clamp(((clamp((...), -0.5, 0.5) + (0.395840674 * (...))) - (0.546637122 * clamp((...),
- * -0.1, 0.1))), -0.59424778, 0.59424778) in -0.563314438 .. 0.563314438, t = x^2; relative error at most 1.2e-07. */
-static inline float sine_12_polynomial(float t)
-{
-    return 1.0f + (t * (-0.16666666f + (t * (0.00833308f + (t * -0.0001968529f)))));
 }
 
 void hall_position_three_init(hall_position_three_state_t *state)
@@ -274,73 +159,26 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /* guard: range acceptance, hold, latch
      *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    const float V_ax = in->V_ax;
-    const bool good_V_ax = fabsf(V_ax) <= 5.0f;
-    float V_ax_held = V_ax;
     uint32_t faults = 0u;
-    if (good_V_ax) {
-        state->guard_last_V_ax = V_ax;
-    } else {
-        V_ax_held = state->guard_last_V_ax;
-        faults = 0x00000001u;
-    }
-    const float V_ay = in->V_ay;
-    const bool good_V_ay = fabsf(V_ay) <= 5.0f;
-    float V_ay_held = V_ay;
-    bool complete = good_V_ax;
-    if (good_V_ay) {
-        state->guard_last_V_ay = V_ay;
-    } else {
-        V_ay_held = state->guard_last_V_ay;
-        complete = false;
-        faults |= 0x00000002u;
-    }
-    const float V_bx = in->V_bx;
-    const bool good_V_bx = fabsf(V_bx) <= 5.0f;
-    float V_bx_held = V_bx;
-    if (good_V_bx) {
-        state->guard_last_V_bx = V_bx;
-    } else {
-        V_bx_held = state->guard_last_V_bx;
-        complete = false;
-        faults |= 0x00000004u;
-    }
-    const float V_by = in->V_by;
-    const bool good_V_by = fabsf(V_by) <= 5.0f;
-    float V_by_held = V_by;
-    if (good_V_by) {
-        state->guard_last_V_by = V_by;
-    } else {
-        V_by_held = state->guard_last_V_by;
-        complete = false;
-        faults |= 0x00000008u;
-    }
-    const float V_cx = in->V_cx;
-    const bool good_V_cx = fabsf(V_cx) <= 5.0f;
-    float V_cx_held = V_cx;
-    if (good_V_cx) {
-        state->guard_last_V_cx = V_cx;
-    } else {
-        V_cx_held = state->guard_last_V_cx;
-        complete = false;
-        faults |= 0x00000010u;
-    }
-    const float V_cy = in->V_cy;
-    const bool good_V_cy = fabsf(V_cy) <= 5.0f;
-    float V_cy_held = V_cy;
-    if (good_V_cy) {
-        state->guard_last_V_cy = V_cy;
-    } else {
-        V_cy_held = state->guard_last_V_cy;
-        complete = false;
-        faults |= 0x00000020u;
-    }
-    const bool fault_V_ax = !good_V_ax;
-    const bool fault_V_ay = !good_V_ay;
-    const bool fault_V_bx = !good_V_bx;
-    const bool fault_V_by = !good_V_by;
-    const bool fault_V_cx = !good_V_cx;
-    const bool fault_V_cy = !good_V_cy;
+    const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
+        &faults);
+    const float V_ay_held = hall_position_three_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u,
+        &faults);
+    const float V_bx_held = hall_position_three_hold_within(in->V_bx, 5.0f, &state->guard_last_V_bx, 0x00000004u,
+        &faults);
+    const float V_by_held = hall_position_three_hold_within(in->V_by, 5.0f, &state->guard_last_V_by, 0x00000008u,
+        &faults);
+    const float V_cx_held = hall_position_three_hold_within(in->V_cx, 5.0f, &state->guard_last_V_cx, 0x00000010u,
+        &faults);
+    const float V_cy_held = hall_position_three_hold_within(in->V_cy, 5.0f, &state->guard_last_V_cy, 0x00000020u,
+        &faults);
+    const bool fault_V_ax = (faults & 0x00000001u) != 0u;
+    const bool fault_V_ay = (faults & 0x00000002u) != 0u;
+    const bool fault_V_bx = (faults & 0x00000004u) != 0u;
+    const bool fault_V_by = (faults & 0x00000008u) != 0u;
+    const bool fault_V_cx = (faults & 0x00000010u) != 0u;
+    const bool fault_V_cy = (faults & 0x00000020u) != 0u;
+    const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched = guard_latched;
     if (complete) {
@@ -451,8 +289,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_three_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
     const float cos_yaw_argument = starts_3 * starts_3;
-    const float cos_yaw = cos_yaw_polynomial(cos_yaw_argument);
-    const float sin_yaw = starts_3 * sin_yaw_polynomial(cos_yaw_argument);
+    const float cos_yaw = cosine_polynomial(cos_yaw_argument);
+    const float sin_yaw = starts_3 * sine_polynomial(cos_yaw_argument);
     const float estimator_motion_phase_x = state->estimator_motion_phase_x;
     const float phase_x_plus_motion_phase_x = state->estimator_phase_x + estimator_motion_phase_x;
     float ax_part_sine_choice = phase_x_plus_motion_phase_x;
@@ -467,14 +305,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled = 1.69646f * sin_yaw;
     const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
-    const float sine = limited_ax * sine_polynomial(ax_part_cosine_argument);
-    const float ax_part_sine = 8.0f * sine;
-    const float ax_part_cosine = ax_part_cosine_polynomial(ax_part_cosine_argument);
-    const float sine_times_ax_part_cosine = sine * ax_part_cosine;
+    const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
+    const float ax_part_sine = 8.0f * sine_2;
+    const float ax_part_cosine = part_cosine_polynomial(ax_part_cosine_argument);
+    const float sine_2_times_ax_part_cosine = sine_2 * ax_part_cosine;
     const float ax_part_doubled = 8.0f *
-        (sine_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
+        (sine_2_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
-    const float sines_2_ax = 8.0f * sine_times_ax_part_cosine;
+    const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_phase_y = state->estimator_motion_phase_y;
@@ -491,50 +329,50 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled_2 = 1.495398f * sin_yaw;
     const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
-    const float sine_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
-    const float ay_part_sine = 8.0f * sine_2;
-    const float ay_part_cosine = ay_part_cosine_polynomial(ay_part_cosine_argument);
-    const float sine_2_times_ay_part_cosine = sine_2 * ay_part_cosine;
+    const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
+    const float ay_part_sine = 8.0f * sine_2_2;
+    const float ay_part_cosine = part_cosine_polynomial(ay_part_cosine_argument);
+    const float ay_part_doubled_product = sine_2_2 * ay_part_cosine;
     const float ay_part_doubled = 8.0f *
-        (sine_2_times_ay_part_cosine * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
+        (ay_part_doubled_product * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * sine_2_times_ay_part_cosine;
+    const float sines_2_ay = 8.0f * ay_part_doubled_product;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float sin_yaw_scaled_3 = 2.5384068f * sin_yaw;
     const float limited_bx = starts_1 - (2.6703537f * cos_yaw) - sin_yaw_scaled_3;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
-    const float sine_3 = limited_bx * sine_3_polynomial(bx_part_cosine_argument);
-    const float bx_part_sine = 8.0f * sine_3;
-    const float bx_part_cosine = bx_part_cosine_polynomial(bx_part_cosine_argument);
-    const float sine_3_times_bx_part_cosine = sine_3 * bx_part_cosine;
+    const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
+    const float bx_part_sine = 8.0f * sine_2_3;
+    const float bx_part_cosine = part_cosine_polynomial(bx_part_cosine_argument);
+    const float bx_part_doubled_product = sine_2_3 * bx_part_cosine;
     const float bx_part_doubled = 8.0f *
-        (sine_3_times_bx_part_cosine * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
+        (bx_part_doubled_product * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * sine_3_times_bx_part_cosine;
+    const float sines_2_bx = 8.0f * bx_part_doubled_product;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float cos_yaw_scaled_3 = 2.5384068f * cos_yaw;
     const float sin_yaw_scaled_4 = 2.6703537f * sin_yaw;
     const float limited_by = starts_2 + cos_yaw_scaled_3 - sin_yaw_scaled_4;
     const float by_part_cosine_argument = limited_by * limited_by;
-    const float sine_4 = limited_by * sine_4_polynomial(by_part_cosine_argument);
-    const float by_part_sine = 8.0f * sine_4;
-    const float by_part_cosine = by_part_cosine_polynomial(by_part_cosine_argument);
-    const float sine_4_times_by_part_cosine = sine_4 * by_part_cosine;
+    const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
+    const float by_part_sine = 8.0f * sine_2_4;
+    const float by_part_cosine = part_cosine_polynomial(by_part_cosine_argument);
+    const float by_part_doubled_product = sine_2_4 * by_part_cosine;
     const float by_part_doubled = 8.0f *
-        (sine_4_times_by_part_cosine * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
+        (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * sine_4_times_by_part_cosine;
+    const float sines_2_by = 8.0f * by_part_doubled_product;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float sin_yaw_scaled_5 = 0.39584067f * sin_yaw;
     const float limited_cx = starts_1 - (0.5466371f * cos_yaw) - sin_yaw_scaled_5;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
-    const float sine_5 = limited_cx * sine_5_polynomial(cx_part_cosine_argument);
-    const float cx_part_sine = 4.0f * sine_5;
-    const float cx_part_cosine = cx_part_cosine_polynomial(cx_part_cosine_argument);
-    const float cx_part_doubled = 4.0f * (sine_5 * cx_part_cosine);
+    const float sine_3 = limited_cx * sine_3_polynomial(cx_part_cosine_argument);
+    const float cx_part_sine = 4.0f * sine_3;
+    const float cx_part_cosine = part_cosine_2_polynomial(cx_part_cosine_argument);
+    const float cx_part_doubled = 4.0f * (sine_3 * cx_part_cosine);
     /*@ admit -2.002f <= cx_part_doubled <= 2.002f; */
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (cx_part_sine * cx_part_sine)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
@@ -542,10 +380,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sin_yaw_scaled_6 = 0.5466371f * sin_yaw;
     const float limited_cy = starts_2 + cos_yaw_scaled_4 - sin_yaw_scaled_6;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
-    const float sine_6 = limited_cy * sine_6_polynomial(cy_part_cosine_argument);
-    const float cy_part_sine = 4.0f * sine_6;
-    const float cy_part_cosine = cy_part_cosine_polynomial(cy_part_cosine_argument);
-    const float cy_part_doubled = 4.0f * (sine_6 * cy_part_cosine);
+    const float sine_3_2 = limited_cy * sine_3_polynomial(cy_part_cosine_argument);
+    const float cy_part_sine = 4.0f * sine_3_2;
+    const float cy_part_cosine = part_cosine_2_polynomial(cy_part_cosine_argument);
+    const float cy_part_doubled = 4.0f * (sine_3_2 * cy_part_cosine);
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (cy_part_sine * cy_part_sine)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
@@ -832,9 +670,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float best_1 = hall_position_three_limit(steps_1_phase_x + added_1_phase_x, 0.5f);
     const float best_3 = hall_position_three_limit(steps_3_phase_x + added_3_phase_x, 0.1f);
     const float moved_3_2 = hall_position_three_limit(starts_3 + best_3, 0.20943952f);
-    const float cos_yaw_argument_2 = moved_3_2 * moved_3_2;
-    const float turns_3_cosine = cos_yaw_polynomial(cos_yaw_argument_2);
-    const float turns_3_sine = moved_3_2 * sin_yaw_polynomial(cos_yaw_argument_2);
+    const float cosine_argument = moved_3_2 * moved_3_2;
+    const float turns_3_cosine = cosine_polynomial(cosine_argument);
+    const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
     const float limited_3_sine = hall_position_three_limit(turns_3_sine - sin_yaw, 0.1f);
     const float best_4 = hall_position_three_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
@@ -848,18 +686,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (1.495398f * limited_3_cosine) + (1.69646f * limited_3_sine);
-        const float cosine_argument = by_ax * by_ax;
-        const float phasors_1_sine = (ax_part_full * cosine_polynomial(cosine_argument)) +
-            (start_cosine_ax * (by_ax * sine_7_polynomial(cosine_argument)));
+        const float cosine_2_argument = by_ax * by_ax;
+        const float phasors_1_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
+            (start_cosine_ax * (by_ax * sine_4_polynomial(cosine_2_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 - (1.69646f * limited_3_cosine) + (1.495398f * limited_3_sine);
-        const float cosine_4_argument = by_ay * by_ay;
-        const float phasors_2_sine = (ay_part_full * cosine_4_polynomial(cosine_4_argument)) +
-            (start_cosine_ay * (by_ay * sine_10_polynomial(cosine_4_argument)));
+        const float cosine_2_argument_2 = by_ay * by_ay;
+        const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
+            (start_cosine_ay * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
@@ -880,9 +718,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 - (2.6703537f * limited_3_cosine) - (2.5384068f * limited_3_sine);
-        const float cosine_2_argument = by_bx * by_bx;
-        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument)) +
-            (start_cosine_bx * (by_bx * sine_8_polynomial(cosine_2_argument)));
+        const float cosine_2_argument_3 = by_bx * by_bx;
+        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
+            (start_cosine_bx * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
@@ -890,9 +728,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 + (2.5384068f * limited_3_cosine) - (2.6703537f * limited_3_sine);
-        const float cosine_5_argument = by * by;
-        const float phasors_4_sine = (by_part_full * cosine_5_polynomial(cosine_5_argument)) +
-            (start_cosine_by * (by * sine_11_polynomial(cosine_5_argument)));
+        const float cosine_2_argument_4 = by * by;
+        const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
+            (start_cosine_by * (by * sine_4_polynomial(cosine_2_argument_4)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
@@ -914,9 +752,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 - (0.5466371f * limited_3_cosine) - (0.39584067f * limited_3_sine);
-        const float cosine_3_argument = by_cx * by_cx;
-        const float phasors_5_sine = (cx_part_full * cosine_3_polynomial(cosine_3_argument)) +
-            (start_cosine_cx * (by_cx * sine_9_polynomial(cosine_3_argument)));
+        const float cosine_2_argument_5 = by_cx * by_cx;
+        const float phasors_5_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
+            (start_cosine_cx * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
@@ -924,9 +762,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 + (0.39584067f * limited_3_cosine) - (0.5466371f * limited_3_sine);
-        const float cosine_6_argument = by_cy * by_cy;
-        const float phasors_6_sine = (cy_part_full * cosine_6_polynomial(cosine_6_argument)) +
-            (start_cosine_cy * (by_cy * sine_12_polynomial(cosine_6_argument)));
+        const float cosine_2_argument_6 = by_cy * by_cy;
+        const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
+            (start_cosine_cy * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +

@@ -90,45 +90,42 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_hold_within(float value, fl
     return held;
 }
 
-/* phi / x; x = y3_held - y1_held in -0.0154000018 .. 0.0154000018, t = x^2; relative error at most 1.1e-07. */
+/* phi / x, theta / x; x = y3_held - y1_held and 1 other in -0.0241999999 .. 0.0241999999, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float phi_polynomial(float t)
-{
-    return 1.2594458f + (t * 0.3330033f);
-}
-
-/* theta / x; x = y2_held - y4_held in -0.0241999999 .. 0.0241999999, t = x^2; relative error at most 1.2e-07. */
-static inline float theta_polynomial(float t)
 {
     return 1.2594458f + (t * 0.33307245f);
 }
 
-/* thrust_per_ampere_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
- * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 1.7e-07. */
-static inline float thrust_per_ampere_1_polynomial(float t)
+/* thrust_per_ampere; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+ * 0.00923333333) and 1 other in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most
+ * 1.7e-07. */
+static inline float thrust_per_ampere_polynomial(float t)
 {
     return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f +
         (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
-/* half_a_over_h2_1; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
- * 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most 2.8e-07. */
-static inline float half_a_over_h2_1_polynomial(float t)
+/* half_a_over_h2; x = 1.53083199e-06 / (max(min((y_fast_ahead - (0.397 * phi_fast_ahead)), 0.0322), 0.0168) +
+ * 0.00923333333) and 1 other in 3.69468689e-05 .. 5.88027688e-05, t = x - 4.19616699e-05; relative error at most
+ * 2.8e-07. */
+static inline float half_a_over_h2_polynomial(float t)
 {
     return 0.082106546f + (t * (372.6345f + (t * (2.9113838e+06f + (t * (2.5398596e+10f + (t * 2.6154908e+14f)))))));
 }
 
-/* thrust_per_ampere_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
- * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
- * 2.9e-07. */
+/* thrust_per_ampere; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+ * 0.00923333333) and 1 other in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at
+ * most 2.9e-07. */
 static inline float thrust_per_ampere_2_polynomial(float t)
 {
     return 7.0962987f + (t * (30.470612f + (t * (12.132695f +
         (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
-/* half_a_over_h2_2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
- * 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at most
- * 3.3e-07. */
+/* half_a_over_h2; x = 1.53083199e-06 / (max(min((y_fast_ahead + (0.397 * theta_fast_ahead)), 0.0366), 0.0124) +
+ * 0.00923333333) and 1 other in 3.33999706e-05 .. 7.07626459e-05, t = (x - 3.43322754e-05) * 16384; relative error at
+ * most 3.3e-07. */
 static inline float half_a_over_h2_2_polynomial(float t)
 {
     return 0.079422385f + (t * (0.020285927f +
@@ -890,7 +887,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
      *     theta = asin(1.25945 * (y2_held - y4_held)) */
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
     const float y2_minus_y4 = y2_held - y4_held;
-    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+    const float theta = y2_minus_y4 * phi_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
 
@@ -1517,15 +1514,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float slot_effect_y1_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
         const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
-        const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
+        const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
-        const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_argument);
+        const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
         const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
         const float slot_effect_y3_held = slot_pull /
             (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
         const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_argument);
+        const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
         const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z / h_z;
         const float i_q_1_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
@@ -1550,7 +1547,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float i_q_2_4_squared = i_q_2_4 * i_q_2_4;
         const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_2_4_squared);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
-        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_argument);
+        const float half_a_over_h2_3 = half_a_over_h2_polynomial(thrust_per_ampere_3_argument);
         const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
         const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_1_3_squared);

@@ -52,8 +52,9 @@ MAGLEV_5DOF_PRECISE_PHASE_INLINE float maglev_5dof_precise_phase_hold_within(flo
     return held;
 }
 
-/* quarter_sine_x / x; x = distance_x in -0.0572642982 .. 0.0572642982, t = x^2; relative error at most 1.1e-07. */
-static inline float quarter_sine_x_polynomial(float t)
+/* quarter_sine / x; x = distance_x, distance_z in -0.0572642982 .. 0.0572642982, t = x^2; relative error at most
+ * 1.1e-07. */
+static inline float quarter_sine_polynomial(float t)
 {
     return -13.74275f + (t * (432.58292f + (t * (-4084.3542f + (t * 18062.156f)))));
 }
@@ -175,12 +176,12 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
-    const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
+    const float quarter_sine_x = distance_x * quarter_sine_polynomial(distance_x * distance_x);
     const float distance_z_sum = (8.748906f * z_acting) + 4.5f;
     const float n_z = (float)(uint32_t)distance_z_sum - 4.0f;
     const float distance_z = z_acting - (0.11428833f * n_z) - (1.1669922e-05f * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
-    const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
+    const float quarter_sine_z = distance_z * quarter_sine_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
     const uint32_t commutation_unknown = state->commutation_unknown;
     const bool unknown_at_least_1 = 1u <= commutation_unknown;

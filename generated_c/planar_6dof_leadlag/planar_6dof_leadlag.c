@@ -64,43 +64,35 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_hold_within(float value, fl
     return held;
 }
 
-/* cos_phi_polynomial; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
- * 2.1e-07. */
+/* cos(x); x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most 2.1e-07. */
 static inline float cos_phi_polynomial(float t)
 {
     return 0.9999998f + (t * -0.49976957f);
 }
 
-/* sin_phi_polynomial / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at
- * most 1.5e-07. */
+/* sin(x) / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
+ * 1.5e-07. */
 static inline float sin_phi_polynomial(float t)
 {
     return 0.99999994f + (t * -0.16661468f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0292707086 .. 0.0292707086, t = x^2; relative error at most
+/* quarter_sine / x; x = distance_rear, distance_front in -0.0292707086 .. 0.0292707086, t = x^2; relative error at most
  * 3.7e-06. */
-static inline float quarter_sine_rear_polynomial(float t)
+static inline float quarter_sine_polynomial(float t)
 {
     return 30.921078f + (t * (-4925.152f + (t * 228680.86f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0274924003 .. 0.0273418669, t = x^2; relative error at most
- * 2.6e-06. */
-static inline float quarter_sine_front_polynomial(float t)
-{
-    return 30.921114f + (t * (-4925.6577f + (t * 229496.34f)));
-}
-
-/* cosine_polynomial; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
- * 2.5e-06. */
+/* cos(1.5822228 * sin(x)); x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at
+ * most 2.5e-06. */
 static inline float cosine_polynomial(float t)
 {
     return 0.99999756f + (t * -1.2480829f);
 }
 
-/* sine_polynomial / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
- * 1.1e-06. */
+/* sin(1.5822228 * sin(x)) / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error
+ * at most 1.1e-06. */
 static inline float sine_polynomial(float t)
 {
     return 1.5822213f + (t * -0.9215838f);
@@ -964,10 +956,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
         static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
         const float distance_rear = within_x - (c * sin_2);
-        const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
+        const float quarter_sine_rear = distance_rear * quarter_sine_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_2) - quarter_pitch);
-        const float quarter_sine_front = distance_front *
-            quarter_sine_front_polynomial(distance_front * distance_front);
+        const float quarter_sine_front = distance_front * quarter_sine_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));

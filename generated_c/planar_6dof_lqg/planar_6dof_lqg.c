@@ -64,43 +64,35 @@ PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_hold_within(float value, float high
     return held;
 }
 
-/* cos_phi_raw_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error
- * at most 6e-08. */
+/* cos(x); x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most 6e-08. */
 static inline float cos_phi_raw_polynomial(float t)
 {
     return 1.0f + (t * -0.49997827f);
 }
 
-/* sin_phi_raw_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative
- * error at most 1.2e-07. */
+/* sin(x) / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
+ * 1.2e-07. */
 static inline float sin_phi_raw_polynomial(float t)
 {
     return 1.0f + (t * -0.16666232f);
 }
 
-/* quarter_sine_rear / x; x = distance_rear in -0.0280395541 .. 0.0280395541, t = x^2; relative error at most
+/* quarter_sine / x; x = distance_rear, distance_front in -0.0280395541 .. 0.0280395541, t = x^2; relative error at most
  * 2.9e-06. */
-static inline float quarter_sine_rear_polynomial(float t)
+static inline float quarter_sine_polynomial(float t)
 {
     return 30.921103f + (t * (-4925.5044f + (t * 229242.78f)));
 }
 
-/* quarter_sine_front / x; x = distance_front in -0.0274924003 .. 0.0273116231, t = x^2; relative error at most
- * 2.6e-06. */
-static inline float quarter_sine_front_polynomial(float t)
-{
-    return 30.921114f + (t * (-4925.6577f + (t * 229496.34f)));
-}
-
-/* cosine_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
- * most 9e-08. */
+/* cos(1.5822228 * sin(x)); x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error
+ * at most 9e-08. */
 static inline float cosine_polynomial(float t)
 {
     return 0.99999994f + (t * -1.2512345f);
 }
 
-/* sine_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
- * most 1.2e-07. */
+/* sin(1.5822228 * sin(x)) / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative
+ * error at most 1.2e-07. */
 static inline float sine_polynomial(float t)
 {
     return 1.5822228f + (t * -0.9236455f);
@@ -988,10 +980,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float half_root_3 = 0.8660254f;            /* 1; sqrt(3) / 2 */
         static const float commutation_minus_half = -0.5f;      /* 1; (17): cos 120 degrees */
         const float distance_rear = within_x - (c * sin_2);
-        const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
+        const float quarter_sine_rear = distance_rear * quarter_sine_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_2) - quarter_pitch);
-        const float quarter_sine_front = distance_front *
-            quarter_sine_front_polynomial(distance_front * distance_front);
+        const float quarter_sine_front = distance_front * quarter_sine_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));

@@ -145,14 +145,15 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     p, t = s.polynomial, "t"
     about = f"x {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else "x"
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
-    value, argument = " / x" if p.parity == "odd" else "", about if p.parity == "none" else "x^2"
+    values = ", ".join(f"{prose(tag)}{' / x' if p.parity == 'odd' else ''}" for tag in s.tag.split(", "))
+    argument = about if p.parity == "none" else "x^2"
     text = literal(p.coefficients[-1], layout.scalar).c
     for c in p.coefficients[-2::-1]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
         *comment(
-            f"{prose(s.tag)}{value}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
+            f"{values}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
             f"relative error at most {p.max_relative_error:.2g}."
         ),
         f"static inline {layout.ctype} {s.name}({layout.ctype} {t})",

@@ -152,7 +152,7 @@ class Expressions:
         if op == "within":
             return self.operand(args[0])
         if op == "accepted":
-            return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
+            return self._bits(node, "==")
         if op == "clamp":
             return Text(f"{self.name}_limit({self.value(args[0]).c}, {self.value(args[2]).c})")
         if self.kinds[k] == "integer" or self._counts(node):
@@ -255,16 +255,22 @@ class Expressions:
         return self._equal([self.operand(k), literal(0.0, self.scalar)], False)
 
     def negation(self, k: int) -> Text:
-        """Return the negation of node k as a truth value: of a count, and of an unnamed comparison of counts, its own.
+        """Return the negation of node k as a truth value: of a count, of bits and of an unnamed comparison, their own.
 
         A comparison of numbers that may be NaN is not the reverse of another one.
         """
         node, reverse = self.p.nodes[k], {"lt": "le", "le": "lt"}
         if self.kinds[k] == "integer":
             return Text(f"{self.operand(k).beside(2)} == 0u", 2)
+        if node.op == "accepted" and self.text[k].strength < ATOM:
+            return self._bits(node, "!=")
         if node.op in reverse and self._counts(node) and self.text[k].strength < ATOM:
             return self._count_or_comparison(Node(reverse[node.op], node.args[::-1]))
         return Text("!" + self.condition(k).inside(7), 7)
+
+    def _bits(self, node: Node, sign: str) -> Text:
+        """Return the comparison with 0 of the bits of a fault word that a node tests."""
+        return Text(f"({self.operand(node.args[0]).c} & {mask(node)}) {sign} 0u", 2)
 
     def _equal(self, sides: list[Text], holds: bool) -> Text:
         """Return the comparison of two real numbers by a function: compilers warn about == between them."""

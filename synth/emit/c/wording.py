@@ -9,7 +9,7 @@ from synth.emit.proof.interval import Array
 _INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "lt": "<", "le": "<=", "eq": "==", "ne": "!="}
 _INFIX |= {"and": "&&", "or": "||", "sq": "*"}
 _PREFIX = {"neg": "-", "not": "!", "twice": "2 * ", "inv": "1 / "}
-_DEEPEST, _LONGEST = 8, 160  # limits of nesting depth and of characters
+_DEEPEST, _LONGEST, _SHORT = 8, 160, 40  # limits of nesting depth and of characters
 
 
 def signal(program: Program, k: int) -> str:
@@ -41,6 +41,13 @@ def expression(program: Program, k: int, spelled: bool = True) -> str:
     return next((t for t in texts if len(t) <= _LONGEST), _text(program, names, k, 1))
 
 
+def function(program: Program, root: int, variable: int) -> str:
+    """Return node `root` as a function of x, the node `variable`, "" where the text is long."""
+    names = {at: node.name for at, node in enumerate(program.nodes) if node.op == "constant"} | {variable: "x"}
+    text = _text(program, names, root, _DEEPEST)
+    return "" if len(text) > _SHORT else text[1:-1] if text.startswith("(") else text
+
+
 def _text(program: Program, names: dict[int, str], k: int, depth: int) -> str:
     node = program.nodes[k]
     if k in names:
@@ -54,7 +61,9 @@ def _text(program: Program, names: dict[int, str], k: int, depth: int) -> str:
         return f"({sides[0]} {_INFIX[node.op]} {sides[-1]})"
     if node.op in ("choose", "when"):
         return f"({sides[0]} ? {sides[1]} : {sides[2] if node.op == 'choose' else '0'})"
-    return f"({_PREFIX[node.op]}{sides[0]})" if node.op in _PREFIX else f"{node.op}({', '.join(sides)})"
+    if node.op in _PREFIX:
+        return f"({_PREFIX[node.op]}{sides[0]})"
+    return f"{node.op}{sides[0]}" if len(sides) == 1 and sides[0][0] == "(" else f"{node.op}({', '.join(sides)})"
 
 
 def values(block: Block, program: Program, leaves: Sequence[int], low: Array, high: Array) -> str:

@@ -63,11 +63,11 @@ def _check(p: Program, users: list[list[int]], word: int, bit: float) -> Check |
     source, *bounds = loads
     held = [u for u in users[source] if p.nodes[u].op == "choose" and p.nodes[u].args[:2] == (test, source)]
     stored = [state for state, k in p.next.items() if k in held]
-    if len(held) != 1 or len(stored) > 1:
+    if len(held) != 1:
         return None
     fallback = p.nodes[held[0]].args[2]
     node = p.nodes[fallback]
-    kept = node.op == "state" and stored == [node.name] and users[fallback] == held
+    kept = node.op == "state" and node.name in stored and users[fallback] == held
     if not kept and (node.op not in ("constant", "literal") or stored):
         return None
     return Check(test, (source, fallback, *bounds), bit, held[0], word, node.name if kept else "")

@@ -3,11 +3,13 @@
     root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   if the program computes l/(v + d) anyway
 
 A reciprocal moves poles and branch points below the range away from it, and a much lower degree may suffice. Functions
-of one variable share its argument, and equal functions share their polynomial.
+of one variable share its argument. Equal functions of several variables share their polynomial, on a range that has all
+of theirs, where it needs no higher degree than theirs.
 """
 
 import functools
 import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -22,15 +24,17 @@ from synth.emit.approx.univariate import Analytic, Key
 from synth.emit.c import wording
 from synth.emit.lower import Node, Program
 from synth.emit.operations import LIBM
+from synth.emit.passes import words
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 
+MOST_NAMED = 4  # variables of a polynomial that its comment names
 _WORDS = {"sin": "sine", "cos": "cosine", "tan": "tangent", "atan": "arctangent"}  # for a function without a signal
 
 
 @dataclass(frozen=True)
 class Surrogate:
-    """A polynomial that approximates signal `tag` as a function of `variable`, with its name in C."""
+    """A polynomial that approximates `tag`, signals or a function of x, in the variable x, with its name in C."""
 
     name: str
     tag: str
@@ -55,18 +59,22 @@ def replace_functions(
     such as one with a zero in its range, stays.
     """
     names, users = _node_names(program), program.users()
-    best: dict[int, tuple[int, Polynomial]] = {}
-    first: dict[int, Polynomial] = {}
+    chosen: dict[int, tuple[int, _Task]] = {}
     for f in univariate.find(program, node_ranges):
         key = univariate.key(program, node_ranges, f.root, f.variable)
         tasks = {
             k: _Task(key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error)
             for k, reciprocal in _candidate_variables(program, users, node_ranges, f).items()
         }
+        k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
+        chosen[f.root] = (k, tasks[k])
+    shared = _shared([task for _, task in chosen.values()])
+    best: dict[int, tuple[int, Polynomial]] = {}
+    first: dict[int, Polynomial] = {}
+    for root, (k, task) in chosen.items():
         with suppress(EmitError):
-            k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
-            best[f.root] = (k, _fit_in_argument_of(tasks[k], first.get(k)))
-            first.setdefault(k, best[f.root][1])
+            best[root] = (k, _fit_in_argument_of(shared[task], first.get(k)))
+            first.setdefault(k, best[root][1])
     return _rewrite(program, names, best)
 
 
@@ -109,6 +117,47 @@ class _Task:
     high: float
     scalar: type[np.floating]
     error: float | None
+
+
+def _shared(tasks: Sequence[_Task]) -> dict[_Task, _Task]:
+    """Return for each fit one that covers its range, with those of other fits of its function, of no higher degree."""
+    by_function: dict[_Task, list[_Task]] = defaultdict(list)
+    for task in dict.fromkeys(tasks):
+        by_function[replace(task, low=0.0, high=0.0)].append(task)
+    groups = [group for same in by_function.values() for group in _groups(same)]
+    return {task: _covering(group) for group in groups for task in group}
+
+
+def _groups(tasks: list[_Task]) -> list[list[_Task]]:
+    """Return fits of one function in groups that one polynomial serves: all, or the widest with what it serves."""
+    if len(tasks) == 1 or _serves(_covering(tasks), tasks):
+        return [tasks]
+    groups: list[list[_Task]] = []
+    for task in sorted(tasks, key=lambda t: t.low - t.high):
+        serving = next((g for g in groups if _serves(_covering([*g, task]), [*g, task])), None)
+        if serving is None:
+            groups.append([task])
+        else:
+            serving.append(task)
+    return groups
+
+
+def _serves(wide: _Task, tasks: Sequence[_Task]) -> bool:
+    """Tell whether a fit needs no higher degree than those that it covers, which is known first without rounding."""
+    degree = _fitted_degree(wide)
+    return degree <= min(map(_degree, tasks)) or (degree < math.inf and degree <= min(map(_fitted_degree, tasks)))
+
+
+def _covering(group: Sequence[_Task]) -> _Task:
+    return replace(group[0], low=min(t.low for t in group), high=max(t.high for t in group))
+
+
+def _fitted_degree(task: _Task) -> float:
+    """Return the degree of the polynomial that is fitted; infinity if none suffices."""
+    try:
+        return _fit(task, None).degree
+    except EmitError:
+        return math.inf
 
 
 def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
@@ -160,6 +209,9 @@ def _rewrite(
     known: dict[Node, int] = {}
     index: dict[int, int] = {}
     surrogates: dict[Polynomial, Surrogate] = {}
+    roots: dict[Polynomial, list[int]] = defaultdict(list)
+    for root, (_, p) in best.items():
+        roots[p].append(root)
 
     def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
         node = Node(op, args, value, name)
@@ -171,9 +223,13 @@ def _rewrite(
     def place_polynomial(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
-            stem = names.get(k) or _function_name(program, names, k)
+            tags = list(dict.fromkeys(names.get(root, "") for root in roots[p]))
+            stem = (words.common(tags) or tags[0]) if all(tags) else _function_name(program, names, k)
             name = _unused_name(stem, {s.name for s in surrogates.values()})
-            surrogates[p] = Surrogate(name, names.get(k, name), _describe_variable(program, names, variable), p)
+            about = _describe_variables(program, names, [*dict.fromkeys(best[root][0] for root in roots[p])])
+            unnamed = wording.function(program, k, variable) or name
+            tag = unnamed if not all(tags) else stem if words.common(tags) else ", ".join(tags)
+            surrogates[p] = Surrogate(name, tag, about, p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
         t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t
@@ -211,6 +267,16 @@ def _unused_name(signal: str, used_names: set[str]) -> str:
     """Return an unused name for the polynomial of a signal; signals of different Blocks may have the same name."""
     candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(used_names) + 3))))
     return next(name for name in candidates if name not in used_names)
+
+
+def _describe_variables(program: Program, names: Mapping[int, str], variables: Sequence[int]) -> str:
+    """Describe the variables of a polynomial: a few by their names, of others the first."""
+    few = [names[k] for k in variables if k in names]
+    if len(few) == len(variables) <= MOST_NAMED:
+        return ", ".join(few)
+    others = len(variables) - 1
+    more = f" and {others} other{'s' if others > 1 else ''}" if others else ""
+    return f"{_describe_variable(program, names, variables[0])}{more}"
 
 
 def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:

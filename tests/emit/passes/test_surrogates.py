@@ -70,7 +70,7 @@ def test_functions_of_one_variable_are_found_and_replaced() -> None:
     program, surrogates = replace_functions(block)
     assert operations(program) == ["polynomial", "polynomial"]
     assert {(s.tag, s.name, s.variable) for s in surrogates} == {
-        ("exp_a_polynomial", "exp_a_polynomial", "a"),
+        ("exp(x)", "exp_a_polynomial", "a"),
         ("z", "z_polynomial", "b"),
     }
     assert program.polynomials == {s.name: s.polynomial for s in surrogates}
@@ -102,15 +102,30 @@ def test_equal_functions_share_one_polynomial() -> None:
     assert len(surrogates) == 1 and operations(program) == ["polynomial", "polynomial"]
 
 
-def test_functions_of_different_ranges_do_not_share() -> None:
-    wide = build(
-        "wide",
+def exponentials(*ends: float) -> Block:
+    """Return a Block with an exponential of each of several inputs, from LOW to an end of its own."""
+    names = [f"a{n}" for n in range(len(ends))]
+    return build(
+        "exponentials",
         TIME,
-        lambda u, x, k: Step({"y": ca.exp(u["a"]), "z": ca.exp(u["b"])}),
-        inputs=[signal("a", LOW, HIGH), signal("b", LOW, 2 * HIGH)],
-        outputs=[signal("y"), signal("z")],
+        lambda u, x, k: Step({f"y_{n}": ca.exp(u[n]) for n in names}),
+        inputs=[signal(n, LOW, end) for n, end in zip(names, ends, strict=True)],
+        outputs=[signal(f"y_{n}") for n in names],
     )
-    assert len(replace_functions(wide)[1]) == 2
+
+
+def test_equal_functions_share_the_widest_range_that_needs_no_higher_degree() -> None:
+    (surrogate,) = replace_functions(exponentials(HIGH, 0.9 * HIGH, 0.8 * HIGH))[1]
+    (alone,) = replace_functions(exponentials(HIGH))[1]
+    assert surrogate.polynomial == alone.polynomial
+    assert surrogate.variable == "a0, a1, a2"
+
+
+def test_a_polynomial_that_costs_a_narrow_range_a_higher_degree_is_not_shared() -> None:
+    by_variable = {s.variable: s.polynomial for s in replace_functions(exponentials(HIGH, 0.9 * HIGH, 2 * HIGH))[1]}
+    assert by_variable.keys() == {"a0, a1", "a2"}
+    assert by_variable["a0, a1"].high == HIGH and by_variable["a2"].high == 2 * HIGH
+    assert by_variable["a0, a1"].degree < by_variable["a2"].degree
 
 
 def equally_named_functions() -> Block:
