@@ -3,7 +3,8 @@
     e = R(yaw) V - a B,   N = H'H + P,   d <- d + N^-1 (H'e - P (o + d)),   a the amplitude, P its prior
 
 The Jacobian H is that of the prediction. Sensor k at fault: its two residuals are left out, by X = N^-1 H_k' and
-S = 1 - H_k X. The test, the protection levels, the sweep of starts and the track follow from these.
+S = 1 - H_k X. The test, the protection levels, the sweep of starts and the track follow from these. An exclusion
+during which several hypotheses have passed, with a level above its limit, is doubted until no sensor is excluded.
 
 Sources: Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors",
 section 3.B; Brown, "A Baseline GPS RAIM Scheme", Navigation 39 (1992).
@@ -172,12 +173,17 @@ def hypotheses(setup: Setup, start: Array, V: Array) -> Hypotheses:
     )
 
 
+def passes(setup: Setup, of: Hypotheses) -> Array:
+    """Return which hypotheses (N, sensors) pass their test."""
+    return np.asarray(of.costs <= limits_of(setup)[3] * scale(setup) ** 2 + ROUNDING * of.cost[:, None])
+
+
 def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
     """Return the protection levels (N, 3) of both phases and the yaw."""
-    _, noncentrality, k, limit = limits_of(setup)
+    _, noncentrality, k, _ = limits_of(setup)
     s, three = scale(setup), slice(0, 3)
     detected = s * np.sqrt(noncentrality * of.added.max(axis=1)) + k * fitted.deviations
-    passing = (of.costs <= limit * s**2 + ROUNDING * of.cost[:, None])[:, :, None]
+    passing = passes(setup, of)[:, :, None]
     difference = np.where(passing, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
     separated = difference + k * s * np.sqrt(of.variances + np.where(passing, of.added, 0).max(axis=1))
     level = np.where(excluded[:, None] == 0, detected, separated)[:, three]
@@ -202,7 +208,8 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     start[:, :3] += np.stack([x[f"motion_{n}"] for n in UNKNOWNS[:3]], axis=1)
     start[:, :2] = wrap(start[:, :2])[0]
     start[:, 2] = np.clip(start[:, 2], -setup.yaw_range, setup.yaw_range)
-    used = np.repeat(excluded[:, None] != np.arange(1, len(setup.positions) + 1), 2, axis=1).astype(float)
+    sensors = np.arange(1, len(setup.positions) + 1)
+    used = np.repeat(excluded[:, None] != sensors, 2, axis=1).astype(float)
     fitted, of = fit(setup, start, held, used), hypotheses(setup, start, held)
     test, _, _, limit = limits_of(setup)
     s = scale(setup)
@@ -210,15 +217,17 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     accepted = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
     share = np.where(excluded == 0, 1.0, setup.excluded_limits)[:, None]
     within = of.detectable & (level <= share * limits(setup)).all(axis=1)
+    ambiguous = (passes(setup, of).sum(axis=1) > 1) & ~within
+    doubted = (excluded > 0) & (rejected == 0) & ((x["doubted"] > 0) | ambiguous)
     best = np.where(of.cost <= test * s**2, 0, 1 + of.costs.argmin(axis=1))
     pose = start + fitted.at
     pose[:, :2] = wrap(pose[:, :2])[0]
     low, high, _ = ranges(setup)
     pose[:, 2:] = np.clip(pose[:, 2:], low[2:], high[2:])
     complete = (excluded == 0) | (not setup.all_sensors)
-    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, best)
+    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, best, doubted)
     after, tracking, lost = reference_track.advance(setup, x, sample)
-    valid = fitted.converged & accepted & within & tracking & ~lost
+    valid = fitted.converged & accepted & within & ~doubted & tracking & ~lost
     position, after_metres = reference_track.metres(setup, states, pose, tracking)
     valid &= (np.abs(np.stack([after_metres[f"metres_pitch_{a}"] for a in "xy"])) <= setup.pitches).all(axis=0)
     output = position | {"yaw": pose[:, 2], "amplitude": pose[:, 3], "protection_yaw": level[:, 2]}

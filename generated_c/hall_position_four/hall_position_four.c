@@ -573,8 +573,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
         (terms_1_phase_x_6 * steps_4_phase_x);
+    const bool x_certain = 0.0f < rejected;
     const uint32_t estimator_excluded = state->estimator_excluded;
-    const float excluded = hall_position_four_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
+    const float excluded = hall_position_four_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
     const float phase_x_product_6 = rows_1_1 * terms_1_phase_x;
     const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
@@ -1046,6 +1047,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const bool weak = !factors_2 || (20.654123f <= variances_1) || (20.654123f <= variances_2) ||
         (3.3046596f <= variances_3) || (13.218638f <= variances_4);
     const bool phases_valid_test = screened && !weak;
+    const bool none_protection_phase_x = hall_position_four_equal(excluded, 0.0f);
     const float protection_phase_x_limited = hall_position_four_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
     const float protection_phase_x_sum = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
@@ -1070,27 +1072,32 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x *
         phase_x_product_9) + (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_four_max(protection_phase_x_sum_4, 0.0f);
+    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
+    const float protection_phase_x_sum_5 = 0.053650968f + (1e-05f * full_cost);
+    const bool passing_1 = costs_1 <= protection_phase_x_sum_5;
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
+    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
+    const bool passing_2 = costs_2 <= protection_phase_x_sum_5;
+    const float scores_5_times_gains_5 = scores_5 * gains_5;
+    const float protection_phase_x_product_4 = scores_6_phase_x * gains_6;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_product_4));
+    const bool passing_3 = costs_3 <= protection_phase_x_sum_5;
     const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
     const float costs_4 = full_cost -
         ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
-    const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float protection_phase_x_product = scores_6_phase_x * gains_6;
-    const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_product));
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_product_2 = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_2));
-    const float protection_phase_x_product_3 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_product_4 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product_3) + (scores_2_phase_x * protection_phase_x_product_4));
+    const bool passing_4 = costs_4 <= protection_phase_x_sum_5;
     float limit = 20.515005f;
     float protection_phase_x_choice;
     float protection_phase_y_choice;
     float level;
-    if (hall_position_four_equal(excluded, 0.0f)) {
+    if (none_protection_phase_x) {
         protection_phase_x_choice = (0.40003738f *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_limited,
             protection_phase_x_sum), protection_phase_x_sum_2), protection_phase_x_sum_3))) +
@@ -1104,7 +1111,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             protection_yaw_sum), protection_yaw_sum_2), protection_yaw_sum_3))) + (3.4807565f * deviation_yaw);
     } else {
         limit = 17.729996f;
-        const float protection_phase_x_sum_5 = 0.053650968f + (1e-05f * full_cost);
         const float protection_phase_x_sum_6 = steps_1_phase_x - moved_1;
         const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
@@ -1114,41 +1120,41 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         float added_protection_phase_y = protection_phase_y_limited;
         float apart_protection_yaw = 0.0f;
         float added_protection_yaw = protection_yaw_limited;
-        if (costs_1 <= protection_phase_x_sum_5) {
+        if (passing_1) {
             apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
-                protection_phase_x_product_3) + (moves_2_1_phase_x * protection_phase_x_product_4)));
+                protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_4 -
-                ((moves_2_2_phase_x * protection_phase_x_product_4) - (phase_x_sum_18 * protection_phase_x_product_3)));
+                ((moves_2_2_phase_x * protection_phase_x_product_2) - (phase_x_sum_18 * protection_phase_x_product)));
             apart_protection_yaw = fabsf(protection_yaw_sum_4 -
-                ((moves_1_3_phase_x * protection_phase_x_product_3) - (phase_x_sum_17 * protection_phase_x_product_4)));
+                ((moves_1_3_phase_x * protection_phase_x_product) - (phase_x_sum_17 * protection_phase_x_product_2)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (costs_2 <= protection_phase_x_sum_5) {
+        if (passing_2) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6 -
-                ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_2))));
+                ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4 -
-                ((moves_4_2 * protection_phase_x_product_2) - (phase_x_sum_23 * scores_3_times_gains_3))));
+                ((moves_4_2 * protection_phase_x_product_3) - (phase_x_sum_23 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_22 * protection_phase_x_product_2))));
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_22 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum);
         }
-        if (costs_3 <= protection_phase_x_sum_5) {
+        if (passing_3) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6 -
-                ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_product))));
+                ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_product_4))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_2);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4 -
-                ((moves_6_2 * protection_phase_x_product) - (phase_x_sum_28 * scores_5_times_gains_5))));
+                ((moves_6_2 * protection_phase_x_product_4) - (phase_x_sum_28 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_2);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_sum_27 * protection_phase_x_product))));
+                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_sum_27 * protection_phase_x_product_4))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_2);
         }
-        if (costs_4 <= protection_phase_x_sum_5) {
+        if (passing_4) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6 -
                 ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_3);
@@ -1176,14 +1182,20 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_phase_x = hall_position_four_min(protection_phase_x_choice, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_choice, 61.842377f);
     const float protection_yaw = hall_position_four_min(level, 22.0f);
+    const bool within_phases_valid = detectable && (protection_phase_x <= 0.61842376f) &&
+        (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f);
+    const uint32_t estimator_doubted = state->estimator_doubted;
+    const uint32_t phases_valid_sum = hall_position_four_flag(passing_1) + hall_position_four_flag(passing_2) +
+        hall_position_four_flag(passing_3) + hall_position_four_flag(passing_4);
+    const bool doubted = !(none_protection_phase_x || x_certain) &&
+        ((estimator_doubted != 0u) || ((1u < phases_valid_sum) && !within_phases_valid));
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes && detectable &&
-        (protection_phase_x <= 0.61842376f) && (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f) &&
-        tracking && phases_valid_test_2;
+    const bool phases_valid = converged && phases_valid_test && passes && within_phases_valid && !doubted && tracking &&
+        phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
@@ -1277,6 +1289,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             }
         }
         state->estimator_excluded = (uint32_t)hall_position_four_max(best, 0.0f);
+        state->estimator_doubted = hall_position_four_flag(doubted);
         state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
         const uint32_t estimator_missed_sum = estimator_missed + 1u;
@@ -1366,6 +1379,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             state->estimator_amplitude = estimator_amplitude_choice;
         }
         state->estimator_excluded = 0u;
+        state->estimator_doubted = 0u;
         if (last) {
             const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)unique_scaled;

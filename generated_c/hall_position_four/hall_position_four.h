@@ -122,6 +122,7 @@ typedef struct {
     float estimator_motion_phase_y;     /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
     float estimator_motion_yaw;         /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
     uint32_t estimator_excluded;        /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
+    uint32_t estimator_doubted;         /* 1, 0 .. 1: another group than the excluded one may be at fault */
     uint32_t estimator_start_number;    /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
     uint32_t estimator_candidates;      /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
     uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
@@ -144,11 +145,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_four_input_t) == 32u, "size of hall_position_four_input_t");
 _Static_assert(sizeof(hall_position_four_output_t) == 72u, "size of hall_position_four_output_t");
-_Static_assert(sizeof(hall_position_four_state_t) == 188u, "size of hall_position_four_state_t");
+_Static_assert(sizeof(hall_position_four_state_t) == 192u, "size of hall_position_four_state_t");
 #else
 extern char hall_position_four_input_size_is_32[(sizeof(hall_position_four_input_t) == 32u) ? 1 : -1];
 extern char hall_position_four_output_size_is_72[(sizeof(hall_position_four_output_t) == 72u) ? 1 : -1];
-extern char hall_position_four_state_size_is_188[(sizeof(hall_position_four_state_t) == 188u) ? 1 : -1];
+extern char hall_position_four_state_size_is_192[(sizeof(hall_position_four_state_t) == 192u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

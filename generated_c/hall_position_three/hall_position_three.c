@@ -488,8 +488,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
         (terms_1_phase_x_6 * steps_4_phase_x);
+    const bool x_certain = 0.0f < rejected;
     const uint32_t estimator_excluded = state->estimator_excluded;
-    const float excluded = hall_position_three_max((0.0f < rejected) ? rejected : (float)estimator_excluded, 0.0f);
+    const float excluded = hall_position_three_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
     const float phase_x_product_6 = rows_1_1 * terms_1_phase_x;
     const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
@@ -888,18 +889,22 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x *
         phase_x_product_9) + (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_three_max(protection_phase_x_sum_3, 0.0f);
+    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
+    const float protection_phase_x_sum_4 = 0.0003150073f + (1e-05f * full_cost);
+    const bool passing_1 = costs_1 <= protection_phase_x_sum_4;
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
+    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
+    const bool passing_2 = costs_2 <= protection_phase_x_sum_4;
     const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
     const float costs_3 = full_cost -
         ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_product = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product));
-    const float protection_phase_x_product_2 = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_product_3 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product_2) + (scores_2_phase_x * protection_phase_x_product_3));
+    const bool passing_3 = costs_3 <= protection_phase_x_sum_4;
     float limit = 16.266235f;
     float protection_phase_x_choice;
     float share = 1.0f;
@@ -916,7 +921,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             protection_yaw_sum), protection_yaw_sum_2))) + (3.4807565f * deviation_yaw);
     } else {
         limit = 12.115665f;
-        const float protection_phase_x_sum_4 = 0.0003150073f + (1e-05f * full_cost);
         const float protection_phase_x_sum_5 = steps_1_phase_x - moved_1;
         const float protection_phase_y_sum_3 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_3 = steps_3_phase_x - moved_3;
@@ -926,30 +930,30 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         float added_protection_phase_y = protection_phase_y_limited;
         float apart_protection_yaw = 0.0f;
         float added_protection_yaw = protection_yaw_limited;
-        if (costs_1 <= protection_phase_x_sum_4) {
+        if (passing_1) {
             apart_protection_phase_x = fabsf(protection_phase_x_sum_5 - ((moves_1_1_phase_x *
-                protection_phase_x_product_2) + (moves_2_1_phase_x * protection_phase_x_product_3)));
+                protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_3 -
-                ((moves_2_2_phase_x * protection_phase_x_product_3) - (phase_x_sum_14 * protection_phase_x_product_2)));
+                ((moves_2_2_phase_x * protection_phase_x_product_2) - (phase_x_sum_14 * protection_phase_x_product)));
             apart_protection_yaw = fabsf(protection_yaw_sum_3 -
-                ((moves_1_3_phase_x * protection_phase_x_product_2) - (phase_x_sum_15 * protection_phase_x_product_3)));
+                ((moves_1_3_phase_x * protection_phase_x_product) - (phase_x_sum_15 * protection_phase_x_product_2)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (costs_2 <= protection_phase_x_sum_4) {
+        if (passing_2) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
-                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product))));
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
             added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
-                - ((moves_4_2 * protection_phase_x_product) - (phase_x_sum_20 * scores_3_times_gains_3))));
+                - ((moves_4_2 * protection_phase_x_product_3) - (phase_x_sum_20 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum);
             apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_19 * protection_phase_x_product))));
+                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_19 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum);
         }
-        if (costs_3 <= protection_phase_x_sum_4) {
+        if (passing_3) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
                 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
             added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
@@ -962,7 +966,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         }
         protection_phase_x_choice = apart_protection_phase_x +
             (0.017748445f * sqrtf(diagonal_1 + added_protection_phase_x));
-        share = 0.2f;
+        share = 0.05f;
         protection_phase_y_choice = apart_protection_phase_y +
             (0.017748445f * sqrtf(diagonal_2 + added_protection_phase_y));
         level = apart_protection_yaw + (0.017748445f * sqrtf(diagonal_3 + added_protection_yaw));
@@ -979,14 +983,19 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float share_scaled = 0.18552713f * share;
     const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, 18.552713f);
     const float protection_yaw = hall_position_three_min(level, 6.6f);
+    const bool within_phases_valid = detectable && (protection_phase_x <= share_scaled) &&
+        (protection_phase_y <= share_scaled) && (protection_yaw <= (0.066f * share));
+    const uint32_t estimator_doubted = state->estimator_doubted;
+    const bool doubted = !(none_protection_phase_x || x_certain) &&
+        ((estimator_doubted != 0u) || ((1u < (hall_position_three_flag(passing_1) +
+        hall_position_three_flag(passing_2) + hall_position_three_flag(passing_3))) && !within_phases_valid));
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes && detectable &&
-        (protection_phase_x <= share_scaled) && (protection_phase_y <= share_scaled) &&
-        (protection_yaw <= (0.066f * share)) && tracking && phases_valid_test_2;
+    const bool phases_valid = converged && phases_valid_test && passes && within_phases_valid && !doubted && tracking &&
+        phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
     out->deviation_yaw = deviation_yaw;
@@ -1075,6 +1084,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
         }
         state->estimator_excluded = (uint32_t)hall_position_three_max(best, 0.0f);
+        state->estimator_doubted = hall_position_three_flag(doubted);
         state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
         const uint32_t estimator_missed_sum = estimator_missed + 1u;
@@ -1164,6 +1174,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_amplitude = estimator_amplitude_choice;
         }
         state->estimator_excluded = 0u;
+        state->estimator_doubted = 0u;
         if (last) {
             const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
             state->estimator_start_number = (uint32_t)unique_scaled;

@@ -23,8 +23,8 @@
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
  * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
  * voltages within 5 mV rms of the model. Three sensors need a calibration of the unit to that, gains that stay within
- * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong. A sensor
- * that has failed before the first valid sample leaves nothing valid.
+ * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong. If a sensor
+ * fails before the first valid sample, little is valid, and that may be wrong.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -115,6 +115,7 @@ typedef struct {
     float estimator_motion_phase_y;     /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
     float estimator_motion_yaw;         /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
     uint32_t estimator_excluded;        /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
+    uint32_t estimator_doubted;         /* 1, 0 .. 1: another group than the excluded one may be at fault */
     uint32_t estimator_start_number;    /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
     uint32_t estimator_candidates;      /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
     uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
@@ -137,11 +138,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_three_input_t) == 24u, "size of hall_position_three_input_t");
 _Static_assert(sizeof(hall_position_three_output_t) == 72u, "size of hall_position_three_output_t");
-_Static_assert(sizeof(hall_position_three_state_t) == 168u, "size of hall_position_three_state_t");
+_Static_assert(sizeof(hall_position_three_state_t) == 172u, "size of hall_position_three_state_t");
 #else
 extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_input_t) == 24u) ? 1 : -1];
 extern char hall_position_three_output_size_is_72[(sizeof(hall_position_three_output_t) == 72u) ? 1 : -1];
-extern char hall_position_three_state_size_is_168[(sizeof(hall_position_three_state_t) == 168u) ? 1 : -1];
+extern char hall_position_three_state_size_is_172[(sizeof(hall_position_three_state_t) == 172u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

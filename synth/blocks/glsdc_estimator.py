@@ -185,8 +185,9 @@ def _step(
         judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
         accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
+        next |= dict(judgement.next)
         if monitor.integrity.exclude:
-            output, next = output | {"excluded": x["excluded"]}, next | {"excluded": judgement.next_excluded}
+            output |= {"excluded": x["excluded"]}
         if search:
             good, tracked = _track(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
@@ -206,8 +207,8 @@ def _track(
     changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
     for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
         changed[name] = ca.if_else(tracking, ca.if_else(sample.accepted, next[name], x[name]), 0)
-    if "excluded" in next:
-        changed["excluded"] = ca.if_else(tracking, next["excluded"], 0)
+    for state in glsdc_monitor.states(of.monitor) if of.monitor else []:
+        changed[state.name] = ca.if_else(tracking, next[state.name], 0)
     valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
     return valid, ({"tracking": tracking, "lost": lost}, changed)
 

@@ -9,6 +9,12 @@ in front has refused is excluded in the same sample. The c and the hypotheses th
 linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
 out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
 corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
+
+    doubted        since a group is excluded, several hypotheses have passed in a sample with a level above its limit
+
+Which group is at fault is then not known, and following the wrong one takes the prediction out of the range in which
+the right hypothesis is linear: that it fails its test later says nothing. A doubted estimate is not valid until every
+channel is taken in again. A group that the check in front has refused is not in doubt.
 """
 
 from collections.abc import Sequence
@@ -31,6 +37,7 @@ from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 
 LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
+DOUBTED = Signal("doubted", "1", 0, 1, "another group than the excluded one may be at fault")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +53,14 @@ class Monitor:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Whether the sample passes its test, its protection levels by unknown and whether they are within their limits,
-    and the number of the group to exclude next.
+    """Whether the sample passes its test, its protection levels by unknown and whether they are within their limits
+    without a doubt, and the next states of the monitor.
     """
 
     passes: ca.SX
     levels: Exprs
     within: ca.SX
-    next_excluded: ca.SX
+    next: Exprs
 
 
 def monitor(model: Model, integrity: Integrity) -> Monitor:
@@ -100,7 +107,7 @@ def _is_blockwise(model: Model, groups: Sequence[Sequence[int]]) -> bool:
 
 def states(of: Monitor) -> list[State]:
     """Return the states of the monitor."""
-    return [State(excluded_number(of), 0, True)] if of.integrity.exclude else []
+    return [State(excluded_number(of), 0, True), State(DOUBTED, 0, True)] if of.integrity.exclude else []
 
 
 def outputs(of: Monitor) -> list[Signal]:
@@ -128,11 +135,15 @@ def inputs(of: Monitor) -> list[Signal]:
 
 
 def with_rejection(of: Monitor, u: Exprs, x: Exprs) -> Exprs:
-    """Return the states with the group that is excluded in this sample: the refused one, else the one of the states."""
+    """Return the states with the group that is excluded in this sample: the refused one, else the one of the states.
+
+    ``certain`` tells whether it is the refused one.
+    """
     if not of.integrity.screened:
-        return x
-    excluded = clip(ca.if_else(u["rejected"] > 0, u["rejected"], x["excluded"]), excluded_number(of))
-    return {**x, "excluded": excluded}
+        return {**x, "certain": ca.SX(0)}
+    certain = u["rejected"] > 0
+    excluded = clip(ca.if_else(certain, u["rejected"], x["excluded"]), excluded_number(of))
+    return {**x, "excluded": excluded, "certain": certain}
 
 
 def weights(of: Monitor, x: Exprs) -> Vector | None:
@@ -179,7 +190,7 @@ def judge(
         for i in _limit_indices(of)
     }
     passes = cost <= of.thresholds.test * of.model.scale**2
-    return _judgement(of, passes, levels, faults, ca.SX(0), 1.0)
+    return _judgement(of, passes, levels, faults, 1.0)
 
 
 def _judge_hypotheses(
@@ -203,7 +214,12 @@ def _judge_hypotheses(
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
     excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
     share = of.integrity.excluded_limits
-    return _judgement(of, passes, levels, faults, excluded, share if share == 1 else ca.if_else(none, 1, share))
+    made = _judgement(of, passes, levels, faults, share if share == 1 else ca.if_else(none, 1, share))
+    ambiguous = ca.logic_and(glsdc.total(passing) > 1, ca.logic_not(made.within))
+    doubted = ca.logic_or(x[DOUBTED.name], ambiguous)
+    doubted = ca.logic_and(ca.logic_not(ca.logic_or(none, x["certain"])), doubted)
+    within = ca.logic_and(made.within, ca.logic_not(doubted))
+    return replace(made, within=within, next={"excluded": excluded, DOUBTED.name: doubted})
 
 
 def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
@@ -233,13 +249,13 @@ def _limit_indices(of: Monitor) -> list[int]:
 
 
 def _judgement(
-    of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, excluded: ca.SX, share: ca.SX | float
+    of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, share: ca.SX | float
 ) -> Judgement:
-    """Return the judgement with levels within a share of their limits, and the group to exclude next."""
+    """Return the judgement with levels within a share of their limits."""
     by_name, within = {}, faults.detectable
     for i, level in levels.items():
         u = of.model.unknowns[i]
         signal = _level(of, u.name, u.signal.unit)
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
         within = ca.logic_and(within, by_name[signal.name] <= share * of.integrity.limits[u.name])
-    return Judgement(passes, by_name, within, excluded)
+    return Judgement(passes, by_name, within, {})

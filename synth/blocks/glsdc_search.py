@@ -59,12 +59,14 @@ class Search:
 
     def counts(self) -> list[Constant]:
         """Return the numbers of samples and starts that the C names."""
-        return [
+        made = [
             Constant("starts", self.starts, "1", "of a sweep", ("start",)),
             Constant("last_start", self.starts - 1, "1", "number of the last start of a sweep", ("start",)),
             Constant("track_patience", self.patience, "1", "samples without a solution: lost", ("missed",)),
-            Constant("last_age", self.dwell - 1, "1", "samples since a start at which it ends", ("age",)),
         ]
+        if self.dwell == 1:
+            return made
+        return [*made, Constant("last_age", self.dwell - 1, "1", "samples since a start at which it ends", ("age",))]
 
     def increments(self, unknowns: Sequence[Unknown]) -> dict[str, float]:
         """Return by how much each searched unknown moves from a start to the next."""
@@ -87,9 +89,11 @@ class Search:
         missed = Signal(
             "missed", "1", 0, self.patience, "samples in a row without an accepted solution; the last: lost"
         )
-        age = Signal("age", "1", 0, self.dwell - 1, "samples since this start")
+        counted = [count, number, missed]
+        if self.dwell > 1:
+            counted.append(Signal("age", "1", 0, self.dwell - 1, "samples since this start"))
         begun = [State(_begin(u), u.start) for u in unknowns if u.name in self.agreement]
-        counts = [State(s, 0, True) for s in (count, number, missed, *([age] if self.dwell > 1 else []))]
+        counts = [State(s, 0, True) for s in counted]
         return [*counts, *(State(_candidate(u), u.start) for u in unknowns), *begun]
 
 

@@ -132,6 +132,17 @@ def test_a_track_is_held_through_fewer_samples_than_its_patience() -> None:
         assert out["valid"][30:].any() == (not lost)
 
 
+def test_each_start_may_take_a_single_sample() -> None:
+    """The usual dwell: two periods of x in the range are two solutions, and one is found."""
+    rng, x = np.random.default_rng(5), np.full(N, 0.2)
+    controller = compile_block(unranged(estimator(1, Search(4 * STARTS, {"x": 0.05}, PATIENCE))))
+    states = np.repeat(controller.init()[None], N)
+    for _ in range(8 * STARTS):
+        batch = controller.batch(states, by_name(measured(x, rng)))
+        states = batch.states
+    assert (batch.outputs["valid"] > 0).mean() > 0.9 and np.abs(batch.outputs["x"] - x).max() < 0.1
+
+
 def test_the_starts_fill_the_range_evenly() -> None:
     """No gap of Roberts' sequence in one dimension is wider than 2.7 spacings."""
     step = SEARCH.increments([X, SIZE])["x"]

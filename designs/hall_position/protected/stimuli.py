@@ -27,7 +27,7 @@ AT_REST = (
     "metres_pitch",
     "repeats",
 )  # parts of the names of states that are 0 while it tracks at rest
-TRACKING_STEPS, RANGE_END_STEPS = 60_000, 40  # steps drawn, and kept of each end of a range
+TRACKING_STEPS, RANGE_END_STEPS = 200_000, 40  # steps drawn, and kept of each end of a range
 STUCK, OFFSET, BEYOND = 0, 0.3, 7.0  # sample of the kept value; V
 Fault = Callable[[Numbers], Numbers]  # voltages (n, 2) of a sensor from its failure on -> the failed ones
 
@@ -61,12 +61,18 @@ def voltages(bodies: int, seed: int = SEED, name: str = config.NAME) -> Numbers:
 
 
 def sequences(controller: host.Controller) -> list[Steps]:
-    """Return motions with each fault of FAULTS, sweeps with a fault, and excursions: for cost and coverage."""
+    """Return motions with each fault of FAULTS and each dead sensor, sweeps with a fault, excursions and exclusions in
+    doubt: for cost and coverage.
+    """
     V = voltages(len(FAULTS), name=str(controller.manifest["design"]))
     loops = [
         steps.record(controller, f"motion, {fault}", motions.by_input(V[:, k]), closed_loop=True)
         for k, fault in enumerate(FAULTS)
     ]
+    for sensor in range(V.shape[2]):
+        failed = V[:, 0].copy()
+        failed[(REST + SAMPLES) // 2 :, sensor] = 0
+        loops.append(steps.record(controller, f"motion, sensor {sensor} dead", motions.by_input(failed)))
     at_rest = {name: float(v[0]) for name, v in motions.by_input(V[:, 0]).items()}
     V[:REST, ::2, 0] = 0
     V[:REST, 1::2, 0, 0] += OFFSET
@@ -75,7 +81,17 @@ def sequences(controller: host.Controller) -> list[Steps]:
     ends = steps.at_range_ends(controller, tracking, RANGE_END_STEPS)
     outputs = steps.evaluate(controller, tracking).outputs
     unavailable = np.flatnonzero((outputs["converged"] > 0) & (outputs["valid"] == 0))[-RANGE_END_STEPS:]
-    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable)]
+    doubted = [_in_doubt(controller, each) for each in (*loops, tracking)]
+    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable), *doubted]
+
+
+def _in_doubt(controller: host.Controller, of: Steps) -> Steps:
+    """Return the steps that are valid with a sensor excluded, with that exclusion in doubt."""
+    outputs = steps.evaluate(controller, of).outputs
+    part = of.part(np.flatnonzero((outputs["valid"] > 0) & (outputs["excluded"] > 0))[-RANGE_END_STEPS:])
+    states = part.states.copy()
+    states["estimator_doubted"] = 1
+    return Steps("doubted", states, part.inputs)
 
 
 def tracking_steps(controller: host.Controller) -> Steps:

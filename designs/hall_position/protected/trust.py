@@ -34,7 +34,7 @@ FIELDS = ("own", "calibrated", "fabricated", "built")
 RESIDUAL = 4e-3  # V rms
 AMPLITUDE, GAIN, ANGLE, PLACE = 0.1, 0.01, np.radians(1), 1e-4  # relative, relative, rad, m
 REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
-BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
+BEFORE, AFTER, SEEDS = 4, 40, 3  # samples, samples, matrices as built
 AXES = ("X", "Y", "yaw")
 OUTCOME = (
     "valid %, valid and wrong % of samples, of bodies, rms/deviation of X and Y, of yaw, beyond 4 deviations %, um"
@@ -189,7 +189,8 @@ def simulate(
     """
     chosen = faults.find(fault)
     heading, sensor = rng.uniform(0, 2 * np.pi, bodies), rng.integers(of.sensors, size=bodies)
-    start, other = (draw(REACH, bodies, rng, yaw) for _ in range(2))
+    travel = speed * (BEFORE + AFTER) * TIME.period_s
+    start, other = draw(REACH - travel, bodies, rng, yaw), draw(REACH, bodies, rng, yaw)
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     failure = GroupFailure(chosen, sensor, _second(bodies, rng), kept)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []

@@ -68,12 +68,12 @@ def replace_functions(
         }
         k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
         chosen[f.root] = (k, tasks[k])
-    shared = _shared([task for _, task in chosen.values()])
+    wider = _cover([task for _, task in chosen.values()])
     best: dict[int, tuple[int, Polynomial]] = {}
     first: dict[int, Polynomial] = {}
     for root, (k, task) in chosen.items():
         with suppress(EmitError):
-            best[root] = (k, _fit_in_argument_of(shared[task], first.get(k)))
+            best[root] = (k, _fit_in_argument_of(wider[task], first.get(k)))
             first.setdefault(k, best[root][1])
     return _rewrite(program, names, best)
 
@@ -119,7 +119,7 @@ class _Task:
     error: float | None
 
 
-def _shared(tasks: Sequence[_Task]) -> dict[_Task, _Task]:
+def _cover(tasks: Sequence[_Task]) -> dict[_Task, _Task]:
     """Return for each fit one that covers its range, with those of other fits of its function, of no higher degree."""
     by_function: dict[_Task, list[_Task]] = defaultdict(list)
     for task in dict.fromkeys(tasks):

@@ -75,9 +75,9 @@ def place(text: str) -> dict[str, float]:
         (lambda u: 1e30 / (1e-20 + u["u"] ** 2), ["leave the quotient finite", "violated"]),
         (
             lambda u: ca.exp(100 * u["u"]),
-            ["output 'y' = `exp((100 * u))`", "must be a finite number", "violated", "at u = "],
+            ["output 'y' = `exp(100 * u)`", "must be a finite number", "violated", "at u = "],
         ),
-        (lambda u: 1 + 2 * ca.exp(100 * u["u"]), ["output 'y' = ", "it begins at `exp((100 * u))`"]),
+        (lambda u: 1 + 2 * ca.exp(100 * u["u"]), ["output 'y' = ", "it begins at `exp(100 * u)`"]),
     ],
 )
 def test_a_violation_is_named_with_signal_argument_and_point(law: Law, words: list[str]) -> None:
