@@ -6,10 +6,12 @@ value of a symbol, which CasADi refuses; `math.sin(u)` needs a float and gets Na
 
 import traceback
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import ParamSpec, TypeVar
+from numbers import Real
+from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
 
+from synth import arguments
 from synth.errors import SignalError
 
 P = ParamSpec("P")
@@ -95,6 +97,21 @@ def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX
                 f"{what} computes '{name}' with NaN, the result of a function of Python's math for a symbol: use "
                 "CasADi's, like ca.sin(u) for math.sin(u)"
             )
+
+
+def scalars(what: str, values: Mapping[str, Any]) -> dict[str, ca.SX]:
+    """Return scalar expressions; raise SignalError, naming `what` and the value, for anything else."""
+    made: dict[str, ca.SX] = {}
+    for name, value in values.items():
+        is_number = isinstance(value, Real) and not isinstance(value, bool)
+        if not (isinstance(value, ca.SX | ca.DM) and value.shape == (1, 1)) and not is_number:
+            size = f" of shape {value.shape}" if isinstance(value, ca.SX | ca.DM | ca.MX) else ""
+            raise SignalError(
+                f"{what} gives '{name}' the value {arguments.describe(value)}{size}: give a scalar expression of "
+                "CasADi's SX, or a number"
+            )
+        made[name] = ca.SX(value)
+    return made
 
 
 def check_symbols(what: str, exprs: Sequence[ca.SX], symbols: Iterable[ca.SX]) -> None:

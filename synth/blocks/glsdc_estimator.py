@@ -24,13 +24,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
-import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import qmc
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, safety
+from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_sampled, glsdc_search, safety
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_exclusion import Separation
 from synth.blocks.glsdc_integrity import Integrity
@@ -38,7 +36,7 @@ from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.glsdc_monitor import Monitor
 from synth.blocks.glsdc_search import Sample, Search
-from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
+from synth.blocks.glsdc_solution import Iteration, Normal, Problem
 from synth.blocks.screening import SCREENED
 from synth.composition import compose
 from synth.errors import ModelError
@@ -46,7 +44,6 @@ from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
 ROUNDING = 1e-5  # relative, of a variance at its limit
-SAMPLES = 512  # of the ranges, for the largest information
 CHI_SQUARE = Signal("chi_square", "1", 0, 1e9, "weighted sum of squared residuals, and of the priors")
 COMPLETE = Signal("complete", "1", 0, 1, "every channel was accepted in this sample")
 FLAGS = (
@@ -86,12 +83,12 @@ def estimator(
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
     channel or group that is left out; with a `search` ``tracking`` and ``lost``.
 
-    Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, a largest deviation
-    that single precision does not resolve, or integrity without redundancy; SignalError for names that are repeated, an
-    h that does not return a value for each channel, or limits that are not those of the unknowns.
+    Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, what
+    `glsdc_sampled.check` finds, or integrity without redundancy; SignalError for names that are repeated, an h that
+    does not return a value for each channel, or limits that are not those of the unknowns.
     """
     of = glsdc_jacobian.model(h, arguments.matrix("R", R), channels, angles, unknowns, phases, constants)
-    _check_resolution(of, constants)
+    glsdc_sampled.check(of, constants)
     monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
     _check_search(of, monitor, search)
 
@@ -255,26 +252,3 @@ def _check_search(of: Model, monitor: Monitor | None, search: Search | None) -> 
     if search.all_groups and not monitor.integrity.exclude:
         raise ModelError("the search needs all groups of channels, and none is ever excluded: omit all_groups")
     search.check(of.unknowns)
-
-
-def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:
-    """Raise ModelError for a largest deviation beyond DYNAMIC_RANGE times that of an unknown with the others known."""
-    low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
-    points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
-    turns = np.array([u.rate * p for u, p in zip(of.unknowns, points, strict=True) if u.rate])
-    turns = turns.reshape(-1, SAMPLES)
-    values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
-    phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()
-    middle = np.tile([[(s.low + s.high) / 2] for s in of.channels], SAMPLES)
-    pairs = np.cos(turns), np.sin(turns), np.cos(phases), np.sin(phases)
-    rows = of.function.map(SAMPLES)(points, *pairs, values, middle)[1].full()
-    columns = np.nan_to_num(rows.reshape(len(of.channels), SAMPLES, len(low)), posinf=0, neginf=0)
-    information = (columns**2).sum(axis=0).max(axis=0) + of.prior_weights
-    for u, most in zip(of.unknowns, information, strict=True):
-        if u.largest_deviation**2 * most > (DYNAMIC_RANGE * of.scale) ** 2:
-            least = of.scale / most**0.5
-            raise ModelError(
-                f"the largest deviation of '{u.name}' is {u.largest_deviation:g} {u.signal.unit}, and the channels "
-                f"resolve {least:.3g}: single precision allows a ratio of {DYNAMIC_RANGE:g}, give "
-                f"{DYNAMIC_RANGE * least:.3g} {u.signal.unit} at most"
-            )

@@ -50,8 +50,10 @@ from synth.signals import Signal
 DETECTABLE = 1e-3  # least s_j of a unit w_j: below, single precision does not tell a fault from a motion
 ROUNDING = 1e-5  # relative error of c_j by cancellation in single precision, added to T_1
 MOST_FREEDOM = 1000
+LEAST_PROBABILITY = 1e-12  # below, double precision loses the noncentral distribution
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Integrity:
     """What is asked of the monitor: `limits` of the protection levels by unknown, in its unit (alert limits).
@@ -108,12 +110,13 @@ class Thresholds:
 def thresholds(freedom: int, false_alarm: float, risk: float, together: int = 1) -> Thresholds:
     """Return the thresholds of a test with `freedom` degrees of freedom, and of a group of channels that fail together.
 
-    Raises ModelError for no freedom, no channel in the group, and for a probability out of 0 .. 0.5.
+    Raises ModelError for no freedom, no channel in the group, and for a probability out of LEAST_PROBABILITY .. 0.5.
     """
     n = numeric.whole("the degrees of freedom", freedom, 1, MOST_FREEDOM)
     left = n - numeric.whole("the number of channels that fail together", together, 1, MOST_FREEDOM)
     false_alarm, risk = (
-        numeric.above(name, p, 0, 0.5) for name, p in (("the false alarm", false_alarm), ("the risk", risk))
+        numeric.above(name, p, LEAST_PROBABILITY, 0.5)
+        for name, p in (("the false alarm", false_alarm), ("the risk", risk))
     )
     test = float(stats.chi2.isf(false_alarm, n))
 

@@ -28,8 +28,9 @@ import numpy as np
 from synth import arguments
 from synth import law as laws
 from synth.block import Constant, Exprs
+from synth.blocks import glsdc_declared
 from synth.blocks.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
-from synth.errors import ModelError, SignalError
+from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
@@ -106,16 +107,15 @@ def model(
     are repeated, angles that are not channels, and a function that does not return a value for each channel.
     """
     channels, unknowns, phases = tuple(channels), tuple(unknowns), tuple(phases)
-    _check(R, channels, unknowns)
-    if strangers := [n for n in angles if n not in signal_names(channels)]:
-        raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
+    glsdc_declared.check(R, channels, unknowns)
+    glsdc_declared.check_angles(angles, channels)
     if isinstance(h, RotatedMeasurement):
-        _check_pairs(h, R, channels, unknowns)
+        glsdc_declared.check_pairs(h, R, channels, unknowns)
     of = _symbols(channels, unknowns, phases, constants)
     q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
     if isinstance(h, RotatedMeasurement):
         _require_values(laws.evaluate("h", h.fixed, q, k), of)
-    turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
+    turns = _turns(phases, of, q, k)
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
     slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
@@ -178,8 +178,19 @@ def _residuals(h: Measurement | Implicit | RotatedMeasurement, of: _Symbols, q: 
     y = laws.NamedSymbols("h: the channels", of.y)
     values = laws.evaluate("h", h, q, k) if callable(h) else laws.evaluate("h", h.residual, q, y, k)
     _require_values(values, of)
-    laws.check_numbers("h", {n: ca.SX(v) for n, v in values.items()}, [*q.values(), *k.values(), *y.values()])
-    return ca.vcat([symbol - values[n] if callable(h) else ca.SX(values[n]) for n, symbol in of.y.items()])
+    exprs = laws.scalars("h", values)
+    symbols = [*q.values(), *k.values(), *y.values()]
+    laws.check_symbols("h", list(exprs.values()), symbols)
+    laws.check_numbers("h", exprs, symbols)
+    return ca.vcat([symbol - exprs[n] if callable(h) else exprs[n] for n, symbol in of.y.items()])
+
+
+def _turns(phases: Sequence[Phase], of: _Symbols, q: Exprs, k: Exprs) -> list[ca.SX]:
+    """Return the angles of the phases."""
+    turns = {p.name: laws.evaluate(f"phase '{p.name}'", p.angle, q, k) for p in phases}
+    exprs = laws.scalars("a phase", turns)
+    laws.check_symbols("a phase", list(exprs.values()), [*q.values(), *of.k.values()])
+    return list(exprs.values())
 
 
 def _require_values(values: object, of: _Symbols) -> None:
@@ -193,24 +204,6 @@ def _fixed_axes(h: RotatedMeasurement, of: _Symbols, q: Exprs, k: Exprs) -> tupl
     f = laws.evaluate("h", h.fixed, q, k)
     turning = h.turning(f)
     return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
-
-
-def _check_pairs(h: RotatedMeasurement, R: Array, channels: Sequence[Signal], unknowns: Sequence[Unknown]) -> None:
-    angles, names = [u.name for u in unknowns if u.rate == 1], signal_names(channels)
-    if not callable(h.fixed):
-        raise SignalError(
-            f"the fixed model is {arguments.describe(h.fixed)}: give a function of unknowns and constants"
-        )
-    if h.angle not in angles:
-        raise SignalError(f"the body turns by '{h.angle}', which is no unknown angle in rad: {', '.join(angles)}")
-    are_pairs = isinstance(h.pairs, Sequence) and all(isinstance(p, Sequence) and len(p) == 2 for p in h.pairs)
-    if not are_pairs or sorted(str(n) for pair in h.pairs for n in pair) != sorted(names):
-        raise SignalError(f"the pairs {h.pairs!r} are not the channels: each stands in one pair")
-    quarter = np.zeros_like(R)
-    for a, b in h.pairs:
-        quarter[names.index(a), names.index(b)], quarter[names.index(b), names.index(a)] = -1, 1
-    if not np.allclose(quarter @ R, R @ quarter, rtol=1e-9, atol=0):
-        raise ModelError("R changes when the pairs turn: give both channels of a pair one variance, and no correlation")
 
 
 def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:
@@ -275,19 +268,6 @@ def _factors(of: ca.SX) -> tuple[float, ca.SX]:
     if of.op() == ca.OP_ADD and ca.is_equal(parts[0][1], parts[1][1], 9):
         return parts[0][0] + parts[1][0], parts[0][1]
     return 1.0, of
-
-
-def _check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...]) -> None:
-    m, measured = len(channels), len(channels) + sum(u.prior < inf for u in unknowns)
-    if not unknowns or measured < len(unknowns):
-        raise ModelError(
-            f"{m} channels and the priors are {measured} for {len(unknowns)} unknowns: give as many at least"
-        )
-    if R.shape != (m, m) or not np.isfinite(R).all() or not np.allclose(R, R.T, rtol=1e-12, atol=0):
-        raise ModelError(f"R has shape {R.shape}, or is not finite and symmetric: give a covariance {(m, m)}")
-    spreads = np.sqrt(np.maximum(R.diagonal(), 0))
-    if not spreads.all() or np.linalg.eigvalsh(R / np.outer(spreads, spreads)).min() < 1e-12:
-        raise ModelError("R is not positive definite: each channel needs an error of its own")
 
 
 def _whitening(R: Array) -> tuple[Array, float]:

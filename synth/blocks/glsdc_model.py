@@ -87,6 +87,7 @@ class Phase:
         numeric.above(f"the change of '{self.name}'", self.change, 0, phasor.MAX_ANGLE)
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Unknown:
     """An unknown with its range. Its deviation is resolved up to `largest_deviation`, in the unit of the signal.
@@ -118,6 +119,11 @@ class Unknown:
             raise ModelError(
                 f"'{s.name}' is an angle, and periodic or beyond {phasor.MAX_ANGLE} rad: give angle=False, its cosine "
                 "and sine come with a period"
+            )
+        if self.prior_value is not None and self.prior == inf:
+            raise ModelError(
+                f"the prior value of '{s.name}' is {self.prior_value}, and its prior has no deviation: give the prior, "
+                "or no prior value"
             )
         if not self.prior > 0:
             raise ModelError(f"the prior of '{s.name}' has the deviation {self.prior}: give a positive one, or inf")

@@ -21,7 +21,7 @@ from functools import reduce
 import casadi as ca
 from scipy import optimize
 
-from synth import numeric
+from synth import arguments, numeric
 from synth.block import Constant, Exprs, State, clip
 from synth.blocks.glsdc import Vector
 from synth.blocks.glsdc_model import Unknown
@@ -33,6 +33,7 @@ LOST = Signal("lost", "1", 0, 1, "the track is lost: nothing is valid until init
 TRACKING = Signal("tracking", "1", 0, 1, "a sweep of start points has found a single solution, which is followed")
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Search:
     """The number of `starts` of a sweep, each for `dwell` samples, and the `patience` in samples until a track is lost.

@@ -336,6 +336,12 @@ def test_random_states_and_channels_stay_in_the_declared_ranges() -> None:
         assert (out[s.name] >= np.float32(s.low)).all() and (out[s.name] <= np.float32(s.high)).all()
 
 
+def every(value: Any) -> Any:
+    """Return a measurement of three ranges that all have one value."""
+    return lambda q, k: dict.fromkeys(("range_a", "range_b", "range_c"), value)
+
+
+BEARINGS = [Signal(f"range_{n}", "rad", -4.0, 4.0) for n in "abc"]
 UNKNOWN, EXCLUDING = beacons.UNKNOWNS["x"], Integrity({"x": 1.0}, exclude=True)
 
 
@@ -373,10 +379,29 @@ def test_a_value_out_of_range_is_refused(make: Any, message: str) -> None:
         ({"unknowns": [UNKNOWN, UNKNOWN]}, SignalError, "declared 2 times"),
         ({"integrity": Integrity({"z": 1.0})}, SignalError, "limits are of z"),
         ({"h": lambda q, k: None}, SignalError, "h returns None"),
+        ({"h": every(ca.vertcat(1.0, 2.0))}, SignalError, r"h gives 'range_a' the value .* shape \(2, 1\)"),
+        ({"h": every(ca.MX.sym("w"))}, SignalError, "h gives 'range_a' the value a MX"),
+        ({"h": every("x")}, SignalError, "h gives 'range_a' the value 'x'"),
+        ({"h": every(ca.SX.sym("w"))}, SignalError, "h uses 'w'"),
+        ({"h": every(1.0)}, ModelError, "no channel and no prior depends on 'x'"),
+        ({"h": Implicit(lambda q, y, k: {n: 5 * (v - q["x"]) for n, v in y.items()})}, ModelError, "by 5 m"),
+        (
+            {"phases": [Phase("a", lambda q, k: 9 * q["x"], 1.0, 0.1)]},
+            ModelError,
+            "'a' is .* largest value is 1",
+        ),
+        ({"phases": [Phase("a", lambda q, k: "x", 1.0, 0.1)]}, SignalError, "a phase gives 'a' the value 'x'"),
+        ({"channels": BEARINGS, "angles": ["range_a"]}, SignalError, "give one turn, 6.28318531 rad wide"),
         ({"h": Implicit(lambda q, y, k: {"range_a": y["range_a"]})}, SignalError, "missing"),
         (
             {
-                "h": Implicit(lambda q, y, k: {n: v - q["x"] - y["range_a"] for n, v in y.items()}),
+                "h": Implicit(
+                    lambda q, y, k: {
+                        "range_a": 0.6 * y["range_a"] - 0.8 * y["range_b"] - q["x"],
+                        "range_b": 0.8 * y["range_a"] + 0.6 * y["range_b"] - q["y"],
+                        "range_c": y["range_c"] - q["x"],
+                    }
+                ),
                 "integrity": EXCLUDING,
             },
             ModelError,

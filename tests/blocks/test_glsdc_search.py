@@ -164,6 +164,12 @@ def test_a_search_without_a_test_is_refused() -> None:
         estimator(1, replace(SEARCH, all_groups=True), replace(INTEGRITY, exclude=False))
 
 
+@pytest.mark.parametrize("make", [lambda: Search(2, ["x"], 5), lambda: Integrity(["x"])])  # type: ignore[arg-type]
+def test_names_without_limits_are_refused(make: Any) -> None:
+    with pytest.raises(SignalError, match=r"is \['x'\]: give a mapping"):
+        make()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

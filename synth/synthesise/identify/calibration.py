@@ -204,9 +204,9 @@ def _channels(
     if not isinstance(values, Mapping):
         raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
     laws.require_names("h", list(readings), values)
-    exprs = {n: ca.SX(values[n]) for n in readings}
-    laws.check_numbers("h", exprs, [*q.values(), *k.values()])
+    exprs = laws.scalars("h", {n: values[n] for n in readings})
     laws.check_symbols("h", list(exprs.values()), [*q.values(), *k.values()])
+    laws.check_numbers("h", exprs, [*q.values(), *k.values()])
     column, at, by = ca.vcat(list(exprs.values())), ca.vcat(list(q.values())), ca.vcat(list(k.values()))
     slopes = [ca.densify(ca.jacobian(column, v)) for v in (by, at)]
     return Channels(h, parameters, references, readings, ca.Function("channels", [at, by], [column, *slopes]))
