@@ -61,18 +61,18 @@ typedef struct {
     float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
     float deviation_X;                  /* m, 0 .. 0.00202127: standard deviation of X, limited */
     float deviation_Y;                  /* m, 0 .. 0.00202127: standard deviation of Y, limited */
-    /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared
-     * risk */
+    /* m, 0 .. 0.5: protection level of X: with errors of the covariance R, a fault in one group of channels moves it by
+     * more only with the declared risk */
     float protection_X;
-    /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared
-     * risk */
+    /* m, 0 .. 0.5: protection level of Y: with errors of the covariance R, a fault in one group of channels moves it by
+     * more only with the declared risk */
     float protection_Y;
     float yaw;                          /* rad, -0.20944 .. 0.20944 */
     float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
     float deviation_yaw;                /* rad, 0 .. 0.1: standard deviation of yaw, limited */
     float deviation_amplitude;          /* 1, 0 .. 0.2: standard deviation of amplitude, limited */
-    /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared
-     * risk */
+    /* rad, 0 .. 22: protection level of yaw: with errors of the covariance R, a fault in one group of channels moves it
+     * by more only with the declared risk */
     float protection_yaw;
     float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
     float converged;                    /* 1, 0 .. 1: the last correction is small */
@@ -182,11 +182,11 @@ typedef struct {
     float deviation_phase_y;            /* rad: standard deviation of phase_y, limited */
     /* 1: converged, complete, not weak, and passes the integrity monitor if there is one */
     float phases_valid;
-    /* rad: protection level of phase_x: a fault in one group of channels moves it by more only with the declared
-     * risk */
+    /* rad: protection level of phase_x: with errors of the covariance R, a fault in one group of channels moves it by
+     * more only with the declared risk */
     float protection_phase_x;
-    /* rad: protection level of phase_y: a fault in one group of channels moves it by more only with the declared
-     * risk */
+    /* rad: protection level of phase_y: with errors of the covariance R, a fault in one group of channels moves it by
+     * more only with the declared risk */
     float protection_phase_y;
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */

@@ -21,8 +21,12 @@ def check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...])
         raise ModelError(
             f"{m} channels and the priors are {measured} for {len(unknowns)} unknowns: give as many at least"
         )
-    if R.shape != (m, m) or not np.isfinite(R).all() or not np.allclose(R, R.T, rtol=1e-12, atol=0):
-        raise ModelError(f"R has shape {R.shape}, or is not finite and symmetric: give a covariance {(m, m)}")
+    if R.shape != (m, m):
+        raise ModelError(f"R has shape {R.shape}: give a covariance {(m, m)}, a row for each channel")
+    if not np.isfinite(R).all():
+        raise ModelError(f"R has {np.count_nonzero(~np.isfinite(R))} entries that are not finite: give a covariance")
+    if not np.allclose(R, R.T, rtol=1e-12, atol=0):
+        raise ModelError("R is not symmetric: give a covariance")
     spreads = np.sqrt(np.maximum(R.diagonal(), 0))
     if not spreads.all() or np.linalg.eigvalsh(R / np.outer(spreads, spreads)).min() < 1e-12:
         raise ModelError("R is not positive definite: each channel needs an error of its own")

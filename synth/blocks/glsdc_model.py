@@ -182,7 +182,10 @@ def covariance(noise: ArrayLike, model_error: ArrayLike, inflation: float = 1.0)
         raise ModelError(
             f"the noise is {noise.shape} and the model error {model_error.shape}: give one of each a channel"
         )
+    for what, deviations in (("noise", noise), ("model error", model_error)):
+        if not (np.isfinite(deviations).all() and (deviations >= 0).all()):
+            raise ModelError(f"the {what} is {deviations}: give finite deviations from 0 on")
     variances = numeric.positive("the inflation", inflation) ** 2 * (noise**2 + model_error**2)
-    if not (np.isfinite(variances).all() and (variances > 0).all() and (noise >= 0).all() and (model_error >= 0).all()):
-        raise ModelError(f"the variances are {variances}: give deviations from 0 on, above 0 in each channel")
+    if not (variances > 0).all():
+        raise ModelError("noise and model error are both 0 in a channel: give deviations above 0 in each channel")
     return readonly(np.diag(variances))

@@ -118,7 +118,10 @@ def outputs(of: Monitor) -> list[Signal]:
 
 def _level(of: Monitor, name: str, unit: str) -> Signal:
     fault = "one channel" if all(len(group) == 1 for group in of.groups) else "one group of channels"
-    about = f"protection level of {name}: a fault in {fault} moves it by more only with the declared risk"
+    about = (
+        f"protection level of {name}: with errors of the covariance R, a fault in {fault} moves it by more only with "
+        "the declared risk"
+    )
     return Signal(f"protection_{name}", unit, 0, LEVEL_RANGE * of.integrity.limits[name], about)
 
 
