@@ -1,7 +1,7 @@
 """Conditions on a measurement model that hold over the ranges of its unknowns, checked at sampled points.
 
     |a(q)| <= largest        each Phase is within the range that it declares
-    D'D = I                  an error of one channel of an Implicit model changes its residuals by as much, D = W de/dy
+    |W de/dy_j| = |W_j|      an error of one channel of an Implicit model changes its residuals by as much
     column i of H not 0      each unknown acts on a channel
     largest deviation <= DYNAMIC_RANGE times that of the unknown with all others known
 
@@ -26,7 +26,7 @@ ROUNDING = 1e-6  # relative
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Phases (p, N), Jacobians H (m, N, n) and directions W de/dy (m, N, m) at N points."""
+    """Phases (p, N), Jacobians H (m, N, n) and directions W de/dy_j over |W_j| (m, N, m) at N points."""
 
     phases: Array
     rows: Array
