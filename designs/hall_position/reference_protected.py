@@ -4,7 +4,7 @@
 
 The Jacobian H is that of the prediction. Sensor k at fault: its two residuals are left out, by X = N^-1 H_k' and
 S = 1 - H_k X. The test, the protection levels, the sweep of starts and the track follow from these. An exclusion
-during which several hypotheses have passed, with a level above its limit, is doubted until no sensor is excluded.
+during which another hypothesis has passed, with a level above its limit, is doubted until no sensor is excluded.
 
 Sources: Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors",
 section 3.B; Brown, "A Baseline GPS RAIM Scheme", Navigation 39 (1992).
@@ -173,9 +173,11 @@ def hypotheses(setup: Setup, start: Array, V: Array) -> Hypotheses:
     )
 
 
-def passes(setup: Setup, of: Hypotheses) -> Array:
-    """Return which hypotheses (N, sensors) pass their test."""
-    return np.asarray(of.costs <= limits_of(setup)[3] * scale(setup) ** 2 + ROUNDING * of.cost[:, None])
+def passes(setup: Setup, of: Hypotheses, excluded: Array) -> Array:
+    """Return which hypotheses (N, sensors) pass their test, or are in use."""
+    in_use = excluded[:, None] == np.arange(1, len(setup.positions) + 1)
+    passing = of.costs <= limits_of(setup)[3] * scale(setup) ** 2 + ROUNDING * of.cost[:, None]
+    return np.asarray(passing | in_use)
 
 
 def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
@@ -183,7 +185,7 @@ def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
     _, noncentrality, k, _ = limits_of(setup)
     s, three = scale(setup), slice(0, 3)
     detected = s * np.sqrt(noncentrality * of.added.max(axis=1)) + k * fitted.deviations
-    passing = passes(setup, of)[:, :, None]
+    passing = passes(setup, of, excluded)[:, :, None]
     difference = np.where(passing, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
     separated = difference + k * s * np.sqrt(of.variances + np.where(passing, of.added, 0).max(axis=1))
     level = np.where(excluded[:, None] == 0, detected, separated)[:, three]
@@ -217,7 +219,7 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     accepted = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
     share = np.where(excluded == 0, 1.0, setup.excluded_limits)[:, None]
     within = of.detectable & (level <= share * limits(setup)).all(axis=1)
-    ambiguous = (passes(setup, of).sum(axis=1) > 1) & ~within
+    ambiguous = (passes(setup, of, excluded).sum(axis=1) > 1) & ~within
     doubted = (excluded > 0) & (rejected == 0) & ((x["doubted"] > 0) | ambiguous)
     best = np.where(of.cost <= test * s**2, 0, 1 + of.costs.argmin(axis=1))
     pose = start + fitted.at
@@ -236,6 +238,6 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
         output |= {n: output[n] / setup.wave_number for n in (f"deviation_{axis}", f"protection_{axis}")}
     output |= {f"deviation_{n}": fitted.deviations[:, i] for i, n in ((2, "yaw"), (3, "amplitude"))}
     output |= {"chi_square": fitted.cost / s**2, "converged": fitted.converged, "weak": fitted.weak, "valid": valid}
-    output |= {"excluded": excluded, "tracking": tracking, "lost": lost}
+    output |= {"excluded": excluded, "doubted": doubted, "tracking": tracking, "lost": lost}
     next |= counts | after_metres | {f"{reference_guard.PREFIX}{n}": v for n, v in after.items()}
     return next, {n: 1.0 * v for n, v in output.items()}, word

@@ -38,7 +38,7 @@ LEVEL_LIMITS = {
     config.NAME: {},
     config.THREE: {"X": THREE.position_limit, "Y": THREE.position_limit, "yaw": THREE.yaw_limit},
 }
-DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
+DECISIONS = ("converged", "weak", "excluded", "doubted", "tracking", "lost", "valid")
 MAX_NEAR = 0.005  # share of steps where rounding may decide
 NEAR = 1e-7  # relative change of the voltages
 SINGLE, SINGLE_YAW, SINGLE_LEVEL, OTHER_DECISIONS = 1e-7, 1e-5, 1e-3, 0.01  # m, rad, relative, share

@@ -1077,22 +1077,22 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float costs_1 = full_cost -
         ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
     const float protection_phase_x_sum_5 = 0.053650968f + (1e-05f * full_cost);
-    const bool passing_1 = costs_1 <= protection_phase_x_sum_5;
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 1.0f);
     const float scores_3_times_gains_3 = scores_3 * gains_3;
     const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
         ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const bool passing_2 = costs_2 <= protection_phase_x_sum_5;
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 2.0f);
     const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float protection_phase_x_product_4 = scores_6_phase_x * gains_6;
     const float costs_3 = full_cost -
         ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_product_4));
-    const bool passing_3 = costs_3 <= protection_phase_x_sum_5;
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 3.0f);
     const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
     const float costs_4 = full_cost -
         ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
-    const bool passing_4 = costs_4 <= protection_phase_x_sum_5;
+    const bool passing_4 = (costs_4 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 4.0f);
     float limit = 20.515005f;
     float protection_phase_x_choice;
     float protection_phase_y_choice;
@@ -1182,19 +1182,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_phase_x = hall_position_four_min(protection_phase_x_choice, 61.842377f);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_choice, 61.842377f);
     const float protection_yaw = hall_position_four_min(level, 22.0f);
-    const bool within_phases_valid = detectable && (protection_phase_x <= 0.61842376f) &&
+    const bool within_doubted = detectable && (protection_phase_x <= 0.61842376f) &&
         (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f);
     const uint32_t estimator_doubted = state->estimator_doubted;
-    const uint32_t phases_valid_sum = hall_position_four_flag(passing_1) + hall_position_four_flag(passing_2) +
+    const uint32_t doubted_sum = hall_position_four_flag(passing_1) + hall_position_four_flag(passing_2) +
         hall_position_four_flag(passing_3) + hall_position_four_flag(passing_4);
     const bool doubted = !(none_protection_phase_x || x_certain) &&
-        ((estimator_doubted != 0u) || ((1u < phases_valid_sum) && !within_phases_valid));
+        ((estimator_doubted != 0u) || ((1u < doubted_sum) && !within_doubted));
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes && within_phases_valid && !doubted && tracking &&
+    const bool phases_valid = converged && phases_valid_test && passes && within_doubted && !doubted && tracking &&
         phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
@@ -1205,6 +1205,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->converged = converged ? 1.0f : 0.0f;
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
+    out->doubted = doubted ? 1.0f : 0.0f;
     out->tracking = tracking ? 1.0f : 0.0f;
     const uint32_t metres_counting = state->metres_counting;
     const bool accepted = phases_valid_test && passes;

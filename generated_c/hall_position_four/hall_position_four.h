@@ -22,8 +22,9 @@
  * its range            |                                   |                    |
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
- * voltages within 55 mV rms of the model.
+ * until the first valid sample. A lost track needs init, and so does a body that has left 8 pitches to either side of
+ * the origin along X or Y. Protection levels hold for a fault of one sensor, and for voltages within 55 mV rms of the
+ * model.
  *
  * The gains and numbers in hall_position_four.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -79,6 +80,7 @@ typedef struct {
     /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
     float weak;
     float excluded;                     /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
+    float doubted;                      /* 1, 0 .. 1: another group than the excluded one may be at fault */
     /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
     float tracking;
     float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
@@ -144,11 +146,11 @@ typedef struct {
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_four_input_t) == 32u, "size of hall_position_four_input_t");
-_Static_assert(sizeof(hall_position_four_output_t) == 72u, "size of hall_position_four_output_t");
+_Static_assert(sizeof(hall_position_four_output_t) == 76u, "size of hall_position_four_output_t");
 _Static_assert(sizeof(hall_position_four_state_t) == 192u, "size of hall_position_four_state_t");
 #else
 extern char hall_position_four_input_size_is_32[(sizeof(hall_position_four_input_t) == 32u) ? 1 : -1];
-extern char hall_position_four_output_size_is_72[(sizeof(hall_position_four_output_t) == 72u) ? 1 : -1];
+extern char hall_position_four_output_size_is_76[(sizeof(hall_position_four_output_t) == 76u) ? 1 : -1];
 extern char hall_position_four_state_size_is_192[(sizeof(hall_position_four_state_t) == 192u) ? 1 : -1];
 #endif
 

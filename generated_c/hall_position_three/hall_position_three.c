@@ -894,17 +894,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float costs_1 = full_cost -
         ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
     const float protection_phase_x_sum_4 = 0.0003150073f + (1e-05f * full_cost);
-    const bool passing_1 = costs_1 <= protection_phase_x_sum_4;
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 1.0f);
     const float scores_3_times_gains_3 = scores_3 * gains_3;
     const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
         ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const bool passing_2 = costs_2 <= protection_phase_x_sum_4;
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 2.0f);
     const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
     const float costs_3 = full_cost -
         ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
-    const bool passing_3 = costs_3 <= protection_phase_x_sum_4;
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 3.0f);
     float limit = 16.266235f;
     float protection_phase_x_choice;
     float share = 1.0f;
@@ -983,18 +983,18 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float share_scaled = 0.18552713f * share;
     const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, 18.552713f);
     const float protection_yaw = hall_position_three_min(level, 6.6f);
-    const bool within_phases_valid = detectable && (protection_phase_x <= share_scaled) &&
+    const bool within_doubted = detectable && (protection_phase_x <= share_scaled) &&
         (protection_phase_y <= share_scaled) && (protection_yaw <= (0.066f * share));
     const uint32_t estimator_doubted = state->estimator_doubted;
     const bool doubted = !(none_protection_phase_x || x_certain) &&
         ((estimator_doubted != 0u) || ((1u < (hall_position_three_flag(passing_1) +
-        hall_position_three_flag(passing_2) + hall_position_three_flag(passing_3))) && !within_phases_valid));
+        hall_position_three_flag(passing_2) + hall_position_three_flag(passing_3))) && !within_doubted));
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes && within_phases_valid && !doubted && tracking &&
+    const bool phases_valid = converged && phases_valid_test && passes && within_doubted && !doubted && tracking &&
         phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
@@ -1005,6 +1005,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->converged = converged ? 1.0f : 0.0f;
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
+    out->doubted = doubted ? 1.0f : 0.0f;
     out->tracking = tracking ? 1.0f : 0.0f;
     const uint32_t metres_counting = state->metres_counting;
     const bool accepted = phases_valid_test && passes;

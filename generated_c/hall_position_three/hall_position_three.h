@@ -21,10 +21,11 @@
  * outside its range    |                                   |                    |
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, and for
- * voltages within 5 mV rms of the model. Three sensors need a calibration of the unit to that, gains that stay within
- * 0.3 % of it, and a map of its field. Without it almost nothing is valid, and what is valid may be wrong. If a sensor
- * fails before the first valid sample, little is valid, and that may be wrong.
+ * until the first valid sample. A lost track needs init, and so does a body that has left 8 pitches to either side of
+ * the origin along X or Y. Protection levels hold for a fault of one sensor, and for voltages within 5 mV rms of the
+ * model. Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its
+ * field. Without it almost nothing is valid, and what is valid may be wrong. If a sensor fails before the first valid
+ * sample, little is valid, and that may be wrong.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
@@ -78,6 +79,7 @@ typedef struct {
     /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
     float weak;
     float excluded;                     /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
+    float doubted;                      /* 1, 0 .. 1: another group than the excluded one may be at fault */
     /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
     float tracking;
     float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
@@ -137,11 +139,11 @@ typedef struct {
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_three_input_t) == 24u, "size of hall_position_three_input_t");
-_Static_assert(sizeof(hall_position_three_output_t) == 72u, "size of hall_position_three_output_t");
+_Static_assert(sizeof(hall_position_three_output_t) == 76u, "size of hall_position_three_output_t");
 _Static_assert(sizeof(hall_position_three_state_t) == 172u, "size of hall_position_three_state_t");
 #else
 extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_input_t) == 24u) ? 1 : -1];
-extern char hall_position_three_output_size_is_72[(sizeof(hall_position_three_output_t) == 72u) ? 1 : -1];
+extern char hall_position_three_output_size_is_76[(sizeof(hall_position_three_output_t) == 76u) ? 1 : -1];
 extern char hall_position_three_state_size_is_172[(sizeof(hall_position_three_state_t) == 172u) ? 1 : -1];
 #endif
 

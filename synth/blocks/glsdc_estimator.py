@@ -81,7 +81,7 @@ def estimator(
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
-    channel or group that is left out; with a `search` ``tracking`` and ``lost``.
+    channel or group that is left out, and ``doubted``; with a `search` ``tracking`` and ``lost``.
 
     Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, what
     `glsdc_sampled.check` finds, or integrity without redundancy; SignalError for names that are repeated, an h that
@@ -184,7 +184,7 @@ def _step(
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         next |= dict(judgement.next)
         if monitor.integrity.exclude:
-            output |= {"excluded": x["excluded"]}
+            output |= {"excluded": x["excluded"], "doubted": judgement.next["doubted"]}
         if search:
             good, tracked = _track(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x

@@ -10,7 +10,7 @@ linear about the estimate in use, or with a search about the prediction of the t
 out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
 corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
 
-    doubted        since a group is excluded, several hypotheses have passed in a sample with a level above its limit
+    doubted        since a group is excluded, another hypothesis has passed in a sample with a level above its limit
 
 Which group is at fault is then not known, and following the wrong one takes the prediction out of the range in which
 the right hypothesis is linear: that it fails its test later says nothing. A doubted estimate is not valid until every
@@ -53,8 +53,8 @@ class Monitor:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Whether the sample passes its test, its protection levels by unknown and whether they are within their limits
-    without a doubt, and the next states of the monitor.
+    """Whether the sample passes its test, its protection levels by unknown, whether they are within their limits
+    without a doubt, and with exclusion the next states of the monitor.
     """
 
     passes: ca.SX
@@ -113,7 +113,7 @@ def states(of: Monitor) -> list[State]:
 def outputs(of: Monitor) -> list[Signal]:
     """Return the protection levels and, with exclusion, the number of the excluded channel."""
     levels = [_level(of, u.name, u.signal.unit) for u in of.model.unknowns if u.name in of.integrity.limits]
-    return [*levels, *([excluded_number(of)] if of.integrity.exclude else [])]
+    return [*levels, *([excluded_number(of), DOUBTED] if of.integrity.exclude else [])]
 
 
 def _level(of: Monitor, name: str, unit: str) -> Signal:
@@ -203,7 +203,11 @@ def _judge_hypotheses(
     model, variance = of.model, of.model.scale**2
     faults, full, full_cost = about.faults, about.full, about.cost
     costs = glsdc_integrity.costs(faults, full.scores, full_cost)
-    passing = [c <= limit * variance + ROUNDING * full_cost for c, limit in zip(costs, of.hypothesis, strict=True)]
+    # The excluded group counts as passing: its hypothesis is the estimate in use, whose variance the levels need.
+    passing = [
+        ca.logic_or(c <= limit * variance + ROUNDING * full_cost, x["excluded"] == k)
+        for k, (c, limit) in enumerate(zip(costs, of.hypothesis, strict=True), 1)
+    ]
     none, levels = x["excluded"] == 0, {}
     for i in _limit_indices(of):
         separated = glsdc_integrity.separated_level(

@@ -48,7 +48,8 @@ CALIBRATED_THREE = replace(
 TUNINGS: Mapping[str, Tuning] = MappingProxyType({NAME: USUAL, THREE: CALIBRATED_THREE})
 PRECONDITIONS = (
     "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
-    "rests until the first valid sample. A lost track needs init. Protection levels hold for a fault of one sensor, "
+    "rests until the first valid sample. A lost track needs init, and so does a body that has left {:g} pitches to "
+    "either side of the origin along X or Y. Protection levels hold for a fault of one sensor, "
     "and for voltages within {:g} mV rms of the model."
 )
 CALIBRATE = (
@@ -76,7 +77,8 @@ def block(tuning: Tuning | None = None, name: str = NAME) -> Block:
 
 def preconditions(name: str) -> str:
     """Return for which bodies and voltages the estimate and its protection levels hold."""
-    return PRECONDITIONS.format(1e3 * TUNINGS[name].model_error) + (CALIBRATE if name == THREE else "")
+    of = TUNINGS[name]
+    return PRECONDITIONS.format(of.pitches, 1e3 * of.model_error) + (CALIBRATE if name == THREE else "")
 
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:

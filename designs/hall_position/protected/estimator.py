@@ -24,7 +24,7 @@ from synth.timing import Discrete
 
 DIRECT = (
     *("yaw", "amplitude", "deviation_yaw", "deviation_amplitude", "protection_yaw", "chi_square"),
-    *("converged", "weak", "excluded", "tracking", "lost", "valid"),
+    *("converged", "weak", "excluded", "doubted", "tracking", "lost", "valid"),
 )
 
 
