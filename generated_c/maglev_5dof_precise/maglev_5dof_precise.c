@@ -648,7 +648,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
-        static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group */
+        static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group but one */
         static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
         /* 1; of |r|: least lead over the next E by codes: more than noise of E */
         static const float lead_by_code = 0.05f;

@@ -121,13 +121,14 @@
  * a coordinate that is | status bit 30; in 5 samples in a  | estimates of the   | y sinks to 0.031 m with at most 0.08
  * not measured, in all | row, or more than 1 in 5 for long | observers          | m/s and 2 m/s^2, 0.005 m/s at the
  * rows above that say  |                                   |                    | stop; brakes x at 4 m/s^2 and z at 4
- * `lands`              |                                   |                    | m/s^2; levels theta; leaves phi to
- *                      |                                   |                    | its guide spring; over, and latches,
- *                      |                                   |                    | when the ramp of y, not the body, is
- *                      |                                   |                    | at 0.0314 m; rests on the stop while
- *                      |                                   |                    | y is beyond 0.0305 m; good readings
- *                      |                                   |                    | do not end it; without sufficient
- *                      |                                   |                    | ones it latches in flight
+ * `lands`              |                                   |                    | m/s^2; levels theta with the motors
+ *                      |                                   |                    | that are left; leaves phi to its
+ *                      |                                   |                    | guide spring; over, and latches, when
+ *                      |                                   |                    | the ramp of y, not the body, is at
+ *                      |                                   |                    | 0.0314 m; rests on the stop while y
+ *                      |                                   |                    | is beyond 0.0305 m; good readings do
+ *                      |                                   |                    | not end it; without sufficient ones
+ *                      |                                   |                    | it latches in flight
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * x frozen at rest     | bit 15; 12 samples without a      | its prediction     | as frozen in motion
  *                      | change of its code, then 8 pairs  |                    |

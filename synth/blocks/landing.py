@@ -127,7 +127,8 @@ def _row(courses: Sequence[Course], patience: str) -> Failure:
     course = f"{d.coordinate} sinks to {d.end:g} m with at most {d.speed:g} m/s and {d.acceleration:g} m/s^2, "
     course += f"{d.touch:g} m/s at the stop"
     course += f"; brakes {enumeration(braked, 'and')}" if braked else ""
-    for what, kind in (("levels {}", Levelling), ("leaves {} to its guide spring", Release)):
+    leaving = (("levels {} with the motors that are left", Levelling), ("leaves {} to its guide spring", Release))
+    for what, kind in leaving:
         coordinates = [c.coordinate for c in courses if isinstance(c, kind)]
         course += f"; {what.format(enumeration(coordinates, 'and'))}" if coordinates else ""
     over = f"over, and latches, when the ramp of {d.coordinate}, not the body, is at {d.end + d.beyond:g} m; rests on "

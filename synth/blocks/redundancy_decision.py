@@ -59,7 +59,9 @@ class Decision:
         units = (signals[next(iter(r.weights))].unit for r in relations)
         numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
         groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
-        others = (Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group", ("moving",)) for n in groups)
+        others = (
+            Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group but one", ("moving",)) for n in groups
+        )
         return [
             *numbers, *self._counts(),
             Constant("undecided_from", self.undecided - 1, "1", "contradictions before all are suspects",
