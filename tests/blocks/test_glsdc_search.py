@@ -133,7 +133,7 @@ def test_a_track_is_held_through_fewer_samples_than_its_patience() -> None:
 
 
 def test_each_start_may_take_a_single_sample() -> None:
-    """The usual dwell: two periods of x in the range are two solutions, and one is found."""
+    """A sweep with the usual dwell finds the one solution."""
     rng, x = np.random.default_rng(5), np.full(N, 0.2)
     controller = compile_block(unranged(estimator(1, Search(4 * STARTS, {"x": 0.05}, PATIENCE))))
     states = np.repeat(controller.init()[None], N)

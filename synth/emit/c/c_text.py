@@ -145,7 +145,7 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     p, t = s.polynomial, "t"
     about = f"x {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else "x"
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
-    values = ", ".join(f"{prose(tag)}{' / x' if p.parity == 'odd' else ''}" for tag in s.tag.split(", "))
+    values = ", ".join(f"{prose(tag)}{' / x' if p.parity == 'odd' else ''}" for tag in s.tags)
     argument = about if p.parity == "none" else "x^2"
     text = literal(p.coefficients[-1], layout.scalar).c
     for c in p.coefficients[-2::-1]:

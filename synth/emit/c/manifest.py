@@ -64,7 +64,7 @@ def _struct(struct: Struct) -> dict[str, Any]:
 def _surrogate(s: Surrogate) -> dict[str, Any]:
     p = s.polynomial
     return {
-        "tag": s.tag,
+        "tag": ", ".join(s.tags),
         "function": s.name,
         "variable": s.variable,
         "low": p.low,

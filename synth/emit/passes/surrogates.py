@@ -34,10 +34,10 @@ _WORDS = {"sin": "sine", "cos": "cosine", "tan": "tangent", "atan": "arctangent"
 
 @dataclass(frozen=True)
 class Surrogate:
-    """A polynomial that approximates `tag`, signals or a function of x, in the variable x, with its name in C."""
+    """A polynomial that approximates `tags`, signals or a function of x, in the variable x, with its name in C."""
 
     name: str
-    tag: str
+    tags: tuple[str, ...]
     variable: str
     polynomial: Polynomial
 
@@ -223,13 +223,14 @@ def _rewrite(
     def place_polynomial(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
-            tags = list(dict.fromkeys(names.get(root, "") for root in roots[p]))
-            stem = (words.common(tags) or tags[0]) if all(tags) else _function_name(program, names, k)
+            signals = tuple(dict.fromkeys(names.get(root, "") for root in roots[p]))
+            common = words.common(signals) if all(signals) else ""
+            stem = common or (signals[0] if all(signals) else _function_name(program, names, k))
             name = _unused_name(stem, {s.name for s in surrogates.values()})
             about = _describe_variables(program, names, [*dict.fromkeys(best[root][0] for root in roots[p])])
-            unnamed = wording.function(program, k, variable) or name
-            tag = unnamed if not all(tags) else stem if words.common(tags) else ", ".join(tags)
-            surrogates[p] = Surrogate(name, tag, about, p)
+            function = wording.function(program, k, variable) or name
+            tags = (common,) if common else signals if all(signals) else (function,)
+            surrogates[p] = Surrogate(name, tags, about, p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
         t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t

@@ -354,7 +354,7 @@ def test_a_polynomial_is_printed_by_horner_without_zero_terms() -> None:
     memory_ = layout(memory(), F32)
     for coefficients in ((0.5,), (1.0, -2.0), (0.0, 2.0), (1.5, 0.0, 0.0, -0.25), (0.0, 0.0, 1.0)):
         p = Polynomial(-1, 1, 0.0, 1.0, "none", coefficients, F32, 1e-7)
-        lines = c_text._polynomial(Surrogate("p", "y", "x", p), memory_)
+        lines = c_text._polynomial(Surrogate("p", ("y",), "x", p), memory_)
         (text,) = (line.strip()[len("return ") : -1] for line in lines if "return" in line)
         assert text.count("+") == sum(c != 0 for c in coefficients[:-1])
         for t in (-0.75, 0.0, 0.5):

@@ -21,7 +21,7 @@ from synth.verify.meter import Build
 GENERATED = Path(__file__).parents[4] / "generated_c"
 GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))  # as in test_stimuli of two sensors
-THIN, POSES, MOST = 400, 20_000, 34  # steps of a sequence; poses; decisions that are not seen both ways
+THIN, POSES, MOST = 400, 20_000, 27  # steps of a sequence; poses; decisions that are not seen both ways
 UNREACHED = {
     "information in the dynamic range": r"factors_2|passes = ",
     "amplitude resolved": r"deviation_amplitude|variances_4",
