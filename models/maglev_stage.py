@@ -189,6 +189,14 @@ def numbers(plant: Plant, compensated: Mapping[str, float]) -> list[Constant]:
     ]
 
 
+def inverse_masses(plant: Plant) -> list[Constant]:
+    """Return 1 / M_x and 1 / M_z, which the C of `thrust_accelerations` names."""
+    return [
+        plant.constant("inverse_M_x", "1/kg", lambda p: 1 / p["M_x"]),
+        plant.constant("inverse_M_z", "1/kg", lambda p: 1 / p["M_z"]),
+    ]
+
+
 def direct_currents(
     w: Exprs, x: Exprs, squares: Sequence[ca.SX], motors: Sequence[pmlsm.ForceLaw], p: Exprs
 ) -> DirectCurrents:

@@ -61,7 +61,7 @@ class Constant:
     """A constant of the controller, exact until emission rounds it; `source` names the origin of its value.
 
     A whole number has `of`: words in the names of the counts that it is compared with or given to. `parameters` are
-    those of a plant that its value follows from.
+    those of a plant that its value follows from. A number that `is_limit` is no factor and no term.
     """
 
     name: str
@@ -70,6 +70,7 @@ class Constant:
     source: str
     of: tuple[str, ...] = ()
     parameters: tuple[str, ...] = ()
+    is_limit: bool = False
 
     def __post_init__(self) -> None:
         identifier("constant", self.name)

@@ -22,7 +22,16 @@ from math import hypot, sqrt
 
 import casadi as ca
 
-from designs.maglev.handover import FADE, OF_AXIS, TRANSFER, next_transfer, parts, with_taken_over
+from designs.maglev.handover import (
+    CURRENT_LIMIT,
+    FADE,
+    FADE_STEP,
+    OF_AXIS,
+    TRANSFER,
+    next_transfer,
+    parts,
+    with_taken_over,
+)
 from designs.maglev.platen import (
     BAD_SAMPLES,
     COMMUTATED,
@@ -63,6 +72,11 @@ UNKNOWN = Signal(
     "samples with both positions lost, less those with one",
 )
 PHASES = tuple(replace(s, low=-PEAK, high=PEAK, about=f"{s.about}, instantaneous") for s in maglev_phases.PHASES)
+NUMBERS = [
+    Constant("gone_samples", DESCENT + FADE, "1", "samples until the currents have faded out", ("unknown",)),
+    FADE_STEP,
+    CURRENT_LIMIT,
+]
 HELD = {s.name: replace(s, name=f"{s.name}_held") for s in OUTPUTS}
 
 
@@ -91,10 +105,12 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
         named: NamedExpressions = []
         certified: dict[str, Certificate] = dict.fromkeys(signal_names(PHASES), _phase_bound)
         waves: dict[str, phasor.Phasor] = {}
+        numbers = [*NUMBERS]
         for n, s in acting.items():
             distance = phasor.within_period(u[s.name], s, wave, n)
             named.append((distance.signal, distance.value))
             certified[distance.signal.name] = distance.certificate
+            numbers += distance.numbers
             turned = phasor.by_quarter_angle(
                 distance.value, -wave, n, named, sqrt(2)
             )  # th is 90 degrees less its angle
@@ -105,8 +121,7 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
             current = phasor.Phasor(direct[j], u[f"i_q{j}_held"]).times(waves[n])
             half, other = current.cosine / 2, sqrt(3) / 2 * current.sine
             output |= {f"i_a{j}": current.cosine, f"i_b{j}": other - half, f"i_c{j}": -half - other}
-        gone = Constant("gone_samples", DESCENT + FADE, "1", "samples until the currents have faded out", ("unknown",))
-        return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified, [gone])
+        return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified, numbers)
 
     return build(
         "commutation",

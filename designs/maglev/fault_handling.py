@@ -133,16 +133,12 @@ def _with_free_range(w: Signal) -> Signal:
 def accelerations(plant: Plant) -> Block:
     """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
     values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
-    inverses = [
-        plant.constant("inverse_M_x", "1/kg", lambda p: 1 / p["M_x"]),
-        plant.constant("inverse_M_z", "1/kg", lambda p: 1 / p["M_z"]),
-    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         thrust = {f"u_{n}": u[s.name] for n, s in zip("xz", currents, strict=True)}
         accelerations = maglev_stage.thrust_accelerations(thrust, motors, values)
-        return Step({f"a_{n}": a for n, a in accelerations.items()}, numbers=inverses)
+        return Step({f"a_{n}": a for n, a in accelerations.items()}, numbers=maglev_stage.inverse_masses(plant))
 
     outputs = [acceleration(a) for a in AXES if a.excess]
     return build("accelerations", TIME, law, inputs=[*HELD, *currents], outputs=outputs, tag="F(6)")

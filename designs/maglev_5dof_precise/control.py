@@ -37,7 +37,7 @@ from designs.maglev.platen import (
 from models import maglev_inverse, maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
-from synth.blocks import predictive_servo, predictor, probe
+from synth.blocks import predictive_servo, predictor, probe, range_numbers
 from synth.blocks.axis_regulator import internal_weights
 from synth.emit.c import digits
 from synth.plant import Plant
@@ -184,9 +184,12 @@ def _numbers(plant: Plant) -> list[Constant]:
     """Return the numbers of the inversion that the C names."""
     return [
         *maglev_stage.numbers(plant, COMPENSATED),
+        *maglev_stage.inverse_masses(plant),
         plant.constant("r"),
         *pmlsm.numbers(plant),
+        *(n for s in HELD for n in range_numbers.ends(s)),
         Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
+        Constant("current_limit", CURRENT, "A", "largest current of a motor, rms: 7 A peak", is_limit=True),
         Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),
     ]
 

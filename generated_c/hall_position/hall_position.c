@@ -157,21 +157,55 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
      *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
      *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
      *         bx_part_full, by_part_full
-     *     deviation_X = 8.08507e-06 * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise deviation_Y
+     *     deviation_X = sigma_per_wave_number * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise
+     *         deviation_Y
      *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
-     *     phase_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
-     *         restart, else pose_phase_x
-     *     phase_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
-     *         restart, else pose_phase_y
-     *     start_x_next = (start_x + -1.54015 + two_pi if start_x + -1.54015 < -pi, else start_x + -1.54015) if
-     *         restart, else start_x
-     *     start_y_next = (start_y + -2.70277 + two_pi if start_y + -2.70277 < -pi, else start_y + -2.70277) if
-     *         restart, else start_y
-     *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (0.0436332 if resolved, else
-     *         0.0872665) < size)) */
-    static const float three_quarters_pi = 2.3561945f;          /* 1; 3 pi / 4 */
+     *     phase_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
+     *         start_step_x) if restart, else pose_phase_x; likewise phase_y_next
+     *     start_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
+     *         start_step_x) if restart, else start_x; likewise start_y_next
+     *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (yaw_limit if resolved, else
+     *         yaw_window) < size)) */
+    /* rad; arm of sensor a along x, times 2 pi over the pitch; arm of sensor a along y, times 2 pi over the pitch; arm
+     * of sensor b along x, times 2 pi over the pitch; arm of sensor b along y, times 2 pi over the pitch; of a x, a y,
+     * b x, b y */
+    static const float arm = 2.3561945f;
+    static const float largest_phase = 6.973755f;               /* rad; largest size of a phase; of ax, ay, bx, by */
+    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.0100383 rad of the prior; of x, y */
+    static const float prior_weight_phase = 0.00992376f;
+    static const float largest_L_yaw_phase = 8330.405f;         /* 1; bound of L in row yaw; of x, y */
+    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.000602512 rad of the prior */
+    static const float prior_weight_yaw = 2.7546635f;
+    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.000602512 rad, the largest */
+    static const float least_pivot_yaw = 2.7546635f;
+    static const float largest_step_yaw = 0.10100254f;          /* rad; correction of a sample at most */
+    static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
+    static const float rounding_factor = 1.000002f;             /* 1; of a cost that counts as no higher */
+    static const float slack = 1e-08f; /* V^2; rise of the cost that counts as none: rounding */
+    static const float largest_change = 0.97596323f; /* rad; largest change of a phase in a sample; of ax, ay, bx, by */
+    static const float residual_limit = 0.01f;                  /* V^2; 1 times the square of 0.1 V rms */
+    static const float squared_radius = 11.103305f;             /* rad^2; of the arms of the sensors, sum of squares */
+    static const float squared_gate = 0.0009069143f;            /* rad^2; 3 sigma of the innovation, squared */
+    /* V^2; c^2 s^2, c = 0.1: a smaller predicted decrease has converged */
+    static const float decrease_tolerance = 1e-08f;
+    /* rad; about the last good yaw: there two sensors are unambiguous; before the ambiguity is resolved; also
+     * ambiguous_yaw_limit */
+    static const float yaw_window = 0.08726646f;
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
+    static const float pitch = 0.0508f;                         /* m; of the magnet matrix */
+    static const float yaw_damping = -2.644477f; /* V^2/rad^2; (1 - r^2) times that of the phases, r = 5 */
+    static const float sigma_per_wave_number = 8.085071e-06f;   /* V m/rad; deviation of a voltage, pitch / (2 pi) */
+    static const float channel_sigma = 0.001f;                  /* V; s: deviation of a channel, from R */
+    static const float root_regularisation = 1e-30f;            /* V^2; keeps the argument of a root positive */
+    static const float damped_from = 15.115238f; /* 1/V^2; 0.15 parameters that the prior decides, over the damping */
+    static const float resolved_to = 0.403073f; /* 1/V^2; 0.004 parameters that the prior decides, over the damping */
+    static const float most_pitches = 8.0f;                     /* 1; counted to either side */
+    static const float yaw_limit = 0.04363323f;                 /* rad; of a valid estimate */
+    static const float start_step_x = -1.5401491f; /* rad; from one start to the next, in the negative direction */
+    static const float start_step_y = -2.702773f; /* rad; from one start to the next, in the negative direction */
+    static const float yaw_velocity_gain = 0.1f; /* 1; of a correction, added to the predicted motion of the yaw */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -188,11 +222,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
     const float s_yaw = hall_position_limit(4.0f * (sine * yaw_part_cosine), 2.0f);
     const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
-    const float ax_part_sine_product = three_quarters_pi * heading_cosine;
+    const float arm_times_heading_cosine = arm * heading_cosine;
     const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
-    const float ax_part_sine_product_2 = three_quarters_pi * heading_sine;
-    const float limited_ax = hall_position_limit(prediction_phase_x - ax_part_sine_product + ax_part_sine_product_2,
-        6.973755f);
+    const float arm_times_heading_sine = arm * heading_sine;
+    const float limited_ax = hall_position_limit(prediction_phase_x - arm_times_heading_cosine + arm_times_heading_sine,
+        largest_phase);
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * sine_2;
@@ -206,8 +240,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float estimator_motion_y = state->estimator_motion_y;
     const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
-    const float limited_ay = hall_position_limit(prediction_phase_y - ax_part_sine_product - ax_part_sine_product_2,
-        6.973755f);
+    const float limited_ay = hall_position_limit(prediction_phase_y - arm_times_heading_cosine - arm_times_heading_sine,
+        largest_phase);
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * sine_2_2;
@@ -219,8 +253,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_ay = 8.0f * ay_part_doubled_product;
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float limited_bx = hall_position_limit(prediction_phase_x + ax_part_sine_product - ax_part_sine_product_2,
-        6.973755f);
+    const float limited_bx = hall_position_limit(prediction_phase_x + arm_times_heading_cosine - arm_times_heading_sine,
+        largest_phase);
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_2_3;
@@ -232,8 +266,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_bx = 8.0f * bx_part_doubled_product;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float limited_by = hall_position_limit(prediction_phase_y + ax_part_sine_product + ax_part_sine_product_2,
-        6.973755f);
+    const float limited_by = hall_position_limit(prediction_phase_y + arm_times_heading_cosine + arm_times_heading_sine,
+        largest_phase);
     const float by_part_cosine_argument = limited_by * limited_by;
     const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * sine_2_4;
@@ -255,7 +289,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_2 = ay_part_full_squared * estimator_field_5;
     const float converged_product_3 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + converged_product_2)));
-    const float rows_1_3_converged = (rows_1_1_converged * (ax_part_sine_product + ax_part_sine_product_2)) +
+    const float rows_1_3_converged = (rows_1_1_converged * (arm_times_heading_cosine + arm_times_heading_sine)) +
         converged_product_3;
     const float converged_product_4 = ax_part_full * (estimator_field_1 +
         (ax_part_full_squared * (estimator_field_3 + converged_product)));
@@ -264,7 +298,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_2))));
     const float converged_sum = converged_product_4 -
-        (rows_2_2_converged * (ax_part_sine_product_2 - ax_part_sine_product));
+        (rows_2_2_converged * (arm_times_heading_sine - arm_times_heading_cosine));
     const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_product_3;
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
@@ -275,8 +309,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_6 = by_part_full_squared * estimator_field_5;
     const float converged_product_7 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + converged_product_6)));
-    const float rows_3_3_converged = (rows_3_1_converged * ((-three_quarters_pi * heading_cosine) -
-        ax_part_sine_product_2)) + converged_product_7;
+    const float rows_3_3_converged = (rows_3_1_converged * ((-arm * heading_cosine) - arm_times_heading_sine)) +
+        converged_product_7;
     const float converged_product_8 = bx_part_full * (estimator_field_1 +
         (bx_part_full_squared * (estimator_field_3 + converged_product_5)));
     const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_product_8;
@@ -284,28 +318,29 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_6))));
     const float converged_sum_2 = converged_product_8 -
-        (rows_4_2_converged * (ax_part_sine_product - ax_part_sine_product_2));
+        (rows_4_2_converged * (arm_times_heading_cosine - arm_times_heading_sine));
     const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_product_7;
     const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
         (rows_3_3_converged * rows_3_1_converged);
     const float converged_inverse = 1.0f /
-        ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + 0.00992376f);
-    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, 8330.405f);
+        ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + prior_weight_phase);
+    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, largest_L_yaw_phase);
     const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
         (rows_3_1_converged * residuals_3_converged);
     const float converged_sum_3 = (converged_sum * rows_2_2_converged) + (converged_sum_2 * rows_4_2_converged);
     const float converged_inverse_2 = 1.0f /
-        ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + 0.00992376f);
-    const float row_2_converged = hall_position_limit(-(converged_sum_3 * converged_inverse_2), 8330.405f);
+        ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + prior_weight_phase);
+    const float row_2_converged = hall_position_limit(-(converged_sum_3 * converged_inverse_2), largest_L_yaw_phase);
     const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
         (rows_4_2_converged * residuals_4_converged);
-    const float converged_denominator = hall_position_max((rows_1_3_converged * rows_1_3_converged) + (converged_sum *
-        converged_sum) + (rows_3_3_converged * rows_3_3_converged) + (converged_sum_2 * converged_sum_2) + 2.7546635f -
-        (row_1_converged * left_3_1_converged) + (row_2_converged * converged_sum_3), 2.7546635f);
+    const float converged_denominator = hall_position_max((rows_1_3_converged * rows_1_3_converged) +
+        (converged_sum * converged_sum) + (rows_3_3_converged * rows_3_3_converged) +
+        (converged_sum_2 * converged_sum_2) + prior_weight_yaw - (row_1_converged * left_3_1_converged) +
+        (row_2_converged * converged_sum_3), least_pivot_yaw);
     const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
         (converged_sum * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
         (converged_sum_2 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
-        (row_2_converged * gradient_2_converged)) / converged_denominator, 0.10100254f);
+        (row_2_converged * gradient_2_converged)) / converged_denominator, largest_step_yaw);
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * sine_3_polynomial(then_3_converged_squared);
     const float half_converged = then_3_converged * tangent_polynomial(then_3_converged_squared);
@@ -314,9 +349,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_inverse) -
-        (row_1_converged * then_3_converged), 0.5f);
-    const float converged_product_9 = three_quarters_pi * hall_position_limit(-fall_converged, 0.10100254f);
-    const float converged_product_10 = three_quarters_pi * hall_position_limit(chords_3_sine_converged, 0.10100254f);
+        (row_1_converged * then_3_converged), largest_step_phase);
+    const float converged_product_9 = arm * hall_position_limit(-fall_converged, largest_step_yaw);
+    const float converged_product_10 = arm * hall_position_limit(chords_3_sine_converged, largest_step_yaw);
     const float by_ax_converged = then_1_converged - converged_product_9 + converged_product_10;
     const float cosine_argument = by_ax_converged * by_ax_converged;
     const float by_cosine_ax_converged = cosine_polynomial(cosine_argument);
@@ -330,7 +365,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
         (turns_3_sine_converged * V_ay_held) - converged_product_12;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
-        (row_2_converged * then_3_converged), 0.5f);
+        (row_2_converged * then_3_converged), largest_step_phase);
     const float by_ay_converged = then_2_converged - converged_product_9 - converged_product_10;
     const float cosine_argument_2 = by_ay_converged * by_ay_converged;
     const float by_cosine_ay_converged = cosine_polynomial(cosine_argument_2);
@@ -366,19 +401,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_4 * (estimator_field_3 + converged_product_17)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
         (turns_3_sine_converged * V_bx_held) - converged_product_18;
-    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) +
-        (residuals_2_converged_2 * residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) +
-        (residuals_4_converged_2 * residuals_4_converged_2) + ((0.00992376f * (then_1_converged * then_1_converged)) +
-        (0.00992376f * (then_2_converged * then_2_converged)) + (2.7546635f * then_3_converged_squared));
+    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
+        residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
+        residuals_4_converged_2) + ((prior_weight_phase * (then_1_converged * then_1_converged)) +
+        (prior_weight_phase * (then_2_converged * then_2_converged)) + (prior_weight_yaw * then_3_converged_squared));
     const float squares_converged = (residuals_1_converged * residuals_1_converged) +
         (residuals_2_converged * residuals_2_converged) + (residuals_3_converged * residuals_3_converged) +
         (residuals_4_converged * residuals_4_converged);
-    const bool better_converged = cost_converged <= ((1.000002f * squares_converged) + 1e-08f);
+    const bool better_converged = cost_converged <= ((rounding_factor * squares_converged) + slack);
     const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
         (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
         (converged_square * (estimator_field_3_scaled + (5.0f * converged_product_11))));
-    const float converged_product_19 = three_quarters_pi * turns_3_cosine_converged;
-    const float converged_product_20 = three_quarters_pi * turns_3_sine_converged;
+    const float converged_product_19 = arm * turns_3_cosine_converged;
+    const float converged_product_20 = arm * turns_3_sine_converged;
     const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_product_19 + converged_product_20)) +
         converged_product_14;
     const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
@@ -389,7 +424,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
         (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
         (converged_square_3 * (estimator_field_3_scaled + (5.0f * converged_product_15))));
-    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-three_quarters_pi * turns_3_cosine_converged) -
+    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-arm * turns_3_cosine_converged) -
         converged_product_20)) + converged_product_18;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
         (estimator_field_1 + (converged_square_4 * (estimator_field_3_scaled + (5.0f * converged_product_17))));
@@ -397,17 +432,18 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (rows_4_2_converged_2 * (converged_product_19 - converged_product_20));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
         (rows_3_3_converged_2 * rows_3_1_converged_2);
-    const float converged_inverse_3 = 1.0f /
-        ((rows_1_1_converged_2 * rows_1_1_converged_2) + (rows_3_1_converged_2 * rows_3_1_converged_2) + 0.00992376f);
-    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3, 8330.405f);
+    const float converged_inverse_3 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
+        (rows_3_1_converged_2 * rows_3_1_converged_2) + prior_weight_phase);
+    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3,
+        largest_L_yaw_phase);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
-        (rows_3_1_converged_2 * residuals_3_converged_2) - (0.00992376f * then_1_converged);
+        (rows_3_1_converged_2 * residuals_3_converged_2) - (prior_weight_phase * then_1_converged);
     const float converged_sum_6 = (converged_sum_4 * rows_2_2_converged_2) + (converged_sum_5 * rows_4_2_converged_2);
-    const float converged_inverse_4 = 1.0f /
-        ((rows_2_2_converged_2 * rows_2_2_converged_2) + (rows_4_2_converged_2 * rows_4_2_converged_2) + 0.00992376f);
-    const float row_2_converged_2 = hall_position_limit(-(converged_sum_6 * converged_inverse_4), 8330.405f);
+    const float converged_inverse_4 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
+        (rows_4_2_converged_2 * rows_4_2_converged_2) + prior_weight_phase);
+    const float row_2_converged_2 = hall_position_limit(-(converged_sum_6 * converged_inverse_4), largest_L_yaw_phase);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
-        (rows_4_2_converged_2 * residuals_4_converged_2) - (0.00992376f * then_2_converged);
+        (rows_4_2_converged_2 * residuals_4_converged_2) - (prior_weight_phase * then_2_converged);
     float other_3_converged = then_3_converged;
     float other_1_converged = then_1_converged;
     float other_2_converged = then_2_converged;
@@ -422,16 +458,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged) {
         const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
             (converged_sum_4 * converged_sum_4) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-            (converged_sum_5 * converged_sum_5) + 2.7546635f - (row_1_converged_2 * left_3_1_converged_2) +
-            (row_2_converged_2 * converged_sum_6), 2.7546635f);
+            (converged_sum_5 * converged_sum_5) + prior_weight_yaw - (row_1_converged_2 * left_3_1_converged_2) +
+            (row_2_converged_2 * converged_sum_6), least_pivot_yaw);
         converged_choice_2 = then_3_converged + (((rows_1_3_converged_2 * residuals_1_converged_2) -
             (converged_sum_4 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
-            (converged_sum_5 * residuals_4_converged_2) - (2.7546635f * then_3_converged) - (row_1_converged_2 *
+            (converged_sum_5 * residuals_4_converged_2) - (prior_weight_yaw * then_3_converged) - (row_1_converged_2 *
             gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2)) / converged_denominator_2);
     } else {
         converged_choice_2 = 0.5f * (then_3_converged + other_3_converged);
     }
-    const float then_3_converged_2 = hall_position_limit(converged_choice_2, 0.10100254f);
+    const float then_3_converged_2 = hall_position_limit(converged_choice_2, largest_step_yaw);
     const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
     const float sine_converged_2 = then_3_converged_2 * sine_3_polynomial(then_3_converged_2_squared);
     const float half_converged_2 = then_3_converged_2 * tangent_polynomial(then_3_converged_2_squared);
@@ -451,11 +487,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         converged_choice_3 = 0.5f * (then_1_converged + other_1_converged);
         converged_choice_4 = 0.5f * (then_2_converged + other_2_converged);
     }
-    const float then_1_converged_2 = hall_position_limit(converged_choice_3, 0.5f);
-    const float converged_product_21 = three_quarters_pi * hall_position_limit(-fall_converged_2, 0.10100254f);
-    const float converged_product_22 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_2, 0.10100254f);
+    const float then_1_converged_2 = hall_position_limit(converged_choice_3, largest_step_phase);
+    const float converged_product_21 = arm * hall_position_limit(-fall_converged_2, largest_step_yaw);
+    const float converged_product_22 = arm * hall_position_limit(chords_3_sine_converged_2, largest_step_yaw);
     const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_product_21 +
-        converged_product_22, 0.97596323f);
+        converged_product_22, largest_change);
     const float cosine_argument_5 = by_ax_converged_2 * by_ax_converged_2;
     const float by_cosine_ax_converged_2 = cosine_polynomial(cosine_argument_5);
     const float by_sine_ax_converged_2 = by_ax_converged_2 * sine_4_polynomial(cosine_argument_5);
@@ -467,9 +503,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_5 * (estimator_field_3 + converged_product_23)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
         (turns_3_sine_converged_2 * V_ay_held) - converged_product_24;
-    const float then_2_converged_2 = hall_position_limit(converged_choice_4, 0.5f);
+    const float then_2_converged_2 = hall_position_limit(converged_choice_4, largest_step_phase);
     const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_product_21 -
-        converged_product_22, 0.97596323f);
+        converged_product_22, largest_change);
     const float cosine_argument_6 = by_ay_converged_2 * by_ay_converged_2;
     const float by_cosine_ay_converged_2 = cosine_polynomial(cosine_argument_6);
     const float by_sine_ay_converged_2 = by_ay_converged_2 * sine_4_polynomial(cosine_argument_6);
@@ -482,7 +518,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
         (turns_3_sine_converged_2 * V_ax_held) - converged_product_26;
     const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_product_21 -
-        converged_product_22, 0.97596323f);
+        converged_product_22, largest_change);
     const float cosine_argument_7 = by_bx_converged_2 * by_bx_converged_2;
     const float by_cosine_bx_converged_2 = cosine_polynomial(cosine_argument_7);
     const float by_sine_bx_converged_2 = by_bx_converged_2 * sine_4_polynomial(cosine_argument_7);
@@ -495,7 +531,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
         (turns_3_sine_converged_2 * V_by_held) - converged_product_28;
     const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_product_21 + converged_product_22,
-        0.97596323f);
+        largest_change);
     const float cosine_argument_8 = by_converged_2 * by_converged_2;
     const float by_cosine_converged_2 = cosine_polynomial(cosine_argument_8);
     const float by_sine_converged_2 = by_converged_2 * sine_4_polynomial(cosine_argument_8);
@@ -507,16 +543,17 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_8 * (estimator_field_3 + converged_product_29)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
         (turns_3_sine_converged_2 * V_bx_held) - converged_product_30;
-    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) + (residuals_2_converged_3 *
-        residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) + (residuals_4_converged_3 *
-        residuals_4_converged_3) + ((0.00992376f * (then_1_converged_2 * then_1_converged_2)) +
-        (0.00992376f * (then_2_converged_2 * then_2_converged_2)) + (2.7546635f * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((1.000002f * converged_choice) + 1e-08f);
+    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) +
+        (residuals_2_converged_3 * residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) +
+        (residuals_4_converged_3 * residuals_4_converged_3) +
+        ((prior_weight_phase * (then_1_converged_2 * then_1_converged_2)) + (prior_weight_phase *
+        (then_2_converged_2 * then_2_converged_2)) + (prior_weight_yaw * then_3_converged_2_squared));
+    const bool better_converged_2 = cost_converged_2 <= ((rounding_factor * converged_choice) + slack);
     const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
         (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
         (converged_square_5 * (estimator_field_3_scaled + (5.0f * converged_product_23))));
-    const float converged_product_31 = three_quarters_pi * turns_3_cosine_converged_2;
-    const float converged_product_32 = three_quarters_pi * turns_3_sine_converged_2;
+    const float converged_product_31 = arm * turns_3_cosine_converged_2;
+    const float converged_product_32 = arm * turns_3_sine_converged_2;
     const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_product_31 + converged_product_32)) +
         converged_product_26;
     const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
@@ -527,7 +564,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
         (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
         (converged_square_7 * (estimator_field_3_scaled + (5.0f * converged_product_27))));
-    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-three_quarters_pi * turns_3_cosine_converged_2) -
+    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-arm * turns_3_cosine_converged_2) -
         converged_product_32)) + converged_product_30;
     const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
         (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
@@ -536,17 +573,18 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (rows_4_2_converged_3 * (converged_product_31 - converged_product_32));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
         (rows_3_3_converged_3 * rows_3_1_converged_3);
-    const float converged_inverse_5 = 1.0f /
-        ((rows_1_1_converged_3 * rows_1_1_converged_3) + (rows_3_1_converged_3 * rows_3_1_converged_3) + 0.00992376f);
-    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5, 8330.405f);
+    const float converged_inverse_5 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
+        (rows_3_1_converged_3 * rows_3_1_converged_3) + prior_weight_phase);
+    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5,
+        largest_L_yaw_phase);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
-        (rows_3_1_converged_3 * residuals_3_converged_3) - (0.00992376f * then_1_converged_2);
+        (rows_3_1_converged_3 * residuals_3_converged_3) - (prior_weight_phase * then_1_converged_2);
     const float converged_sum_9 = (converged_sum_7 * rows_2_2_converged_3) + (converged_sum_8 * rows_4_2_converged_3);
-    const float converged_inverse_6 = 1.0f /
-        ((rows_2_2_converged_3 * rows_2_2_converged_3) + (rows_4_2_converged_3 * rows_4_2_converged_3) + 0.00992376f);
-    const float row_2_converged_3 = hall_position_limit(-(converged_sum_9 * converged_inverse_6), 8330.405f);
+    const float converged_inverse_6 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
+        (rows_4_2_converged_3 * rows_4_2_converged_3) + prior_weight_phase);
+    const float row_2_converged_3 = hall_position_limit(-(converged_sum_9 * converged_inverse_6), largest_L_yaw_phase);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
-        (rows_4_2_converged_3 * residuals_4_converged_3) - (0.00992376f * then_2_converged_2);
+        (rows_4_2_converged_3 * residuals_4_converged_3) - (prior_weight_phase * then_2_converged_2);
     float other_3_converged_2 = then_3_converged_2;
     float other_1_converged_2 = then_1_converged_2;
     float other_2_converged_2 = then_2_converged_2;
@@ -561,16 +599,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged_2) {
         const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
             (converged_sum_7 * converged_sum_7) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-            (converged_sum_8 * converged_sum_8) + 2.7546635f - (row_1_converged_3 * left_3_1_converged_3) +
-            (row_2_converged_3 * converged_sum_9), 2.7546635f);
+            (converged_sum_8 * converged_sum_8) + prior_weight_yaw - (row_1_converged_3 * left_3_1_converged_3) +
+            (row_2_converged_3 * converged_sum_9), least_pivot_yaw);
         converged_choice_6 = then_3_converged_2 + (((rows_1_3_converged_3 * residuals_1_converged_3) -
             (converged_sum_7 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
-            (converged_sum_8 * residuals_4_converged_3) - (2.7546635f * then_3_converged_2) - (row_1_converged_3 *
+            (converged_sum_8 * residuals_4_converged_3) - (prior_weight_yaw * then_3_converged_2) - (row_1_converged_3 *
             gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3)) / converged_denominator_3);
     } else {
         converged_choice_6 = 0.5f * (then_3_converged_2 + other_3_converged_2);
     }
-    const float then_3_converged_3 = hall_position_limit(converged_choice_6, 0.10100254f);
+    const float then_3_converged_3 = hall_position_limit(converged_choice_6, largest_step_yaw);
     const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
     const float sine_converged_3 = then_3_converged_3 * sine_3_polynomial(then_3_converged_3_squared);
     const float half_converged_3 = then_3_converged_3 * tangent_polynomial(then_3_converged_3_squared);
@@ -590,11 +628,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         converged_choice_7 = 0.5f * (then_1_converged_2 + other_1_converged_2);
         converged_choice_8 = 0.5f * (then_2_converged_2 + other_2_converged_2);
     }
-    const float then_1_converged_3 = hall_position_limit(converged_choice_7, 0.5f);
-    const float converged_product_33 = three_quarters_pi * hall_position_limit(-fall_converged_3, 0.10100254f);
-    const float converged_product_34 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_3, 0.10100254f);
+    const float then_1_converged_3 = hall_position_limit(converged_choice_7, largest_step_phase);
+    const float converged_product_33 = arm * hall_position_limit(-fall_converged_3, largest_step_yaw);
+    const float converged_product_34 = arm * hall_position_limit(chords_3_sine_converged_3, largest_step_yaw);
     const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_product_33 +
-        converged_product_34, 0.97596323f);
+        converged_product_34, largest_change);
     const float cosine_argument_9 = by_ax_converged_3 * by_ax_converged_3;
     const float by_cosine_ax_converged_3 = cosine_polynomial(cosine_argument_9);
     const float by_sine_ax_converged_3 = by_ax_converged_3 * sine_4_polynomial(cosine_argument_9);
@@ -606,9 +644,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_9 * (estimator_field_3 + converged_product_35)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
         (turns_3_sine_converged_3 * V_ay_held) - converged_product_36;
-    const float then_2_converged_3 = hall_position_limit(converged_choice_8, 0.5f);
+    const float then_2_converged_3 = hall_position_limit(converged_choice_8, largest_step_phase);
     const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_product_33 -
-        converged_product_34, 0.97596323f);
+        converged_product_34, largest_change);
     const float cosine_argument_10 = by_ay_converged_3 * by_ay_converged_3;
     const float by_cosine_ay_converged_3 = cosine_polynomial(cosine_argument_10);
     const float by_sine_ay_converged_3 = by_ay_converged_3 * sine_4_polynomial(cosine_argument_10);
@@ -621,7 +659,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
         (turns_3_sine_converged_3 * V_ax_held) - converged_product_38;
     const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_product_33 -
-        converged_product_34, 0.97596323f);
+        converged_product_34, largest_change);
     const float cosine_argument_11 = by_bx_converged_3 * by_bx_converged_3;
     const float by_cosine_bx_converged_3 = cosine_polynomial(cosine_argument_11);
     const float by_sine_bx_converged_3 = by_bx_converged_3 * sine_4_polynomial(cosine_argument_11);
@@ -634,7 +672,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
         (turns_3_sine_converged_3 * V_by_held) - converged_product_40;
     const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_product_33 + converged_product_34,
-        0.97596323f);
+        largest_change);
     const float cosine_argument_12 = by_converged_3 * by_converged_3;
     const float by_cosine_converged_3 = cosine_polynomial(cosine_argument_12);
     const float by_sine_converged_3 = by_converged_3 * sine_4_polynomial(cosine_argument_12);
@@ -646,16 +684,17 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_12 * (estimator_field_3 + converged_product_41)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
         (turns_3_sine_converged_3 * V_bx_held) - converged_product_42;
-    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) + (residuals_2_converged_4 *
-        residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) + (residuals_4_converged_4 *
-        residuals_4_converged_4) + ((0.00992376f * (then_1_converged_3 * then_1_converged_3)) +
-        (0.00992376f * (then_2_converged_3 * then_2_converged_3)) + (2.7546635f * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((1.000002f * converged_choice_5) + 1e-08f);
+    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) +
+        (residuals_2_converged_4 * residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) +
+        (residuals_4_converged_4 * residuals_4_converged_4) +
+        ((prior_weight_phase * (then_1_converged_3 * then_1_converged_3)) + (prior_weight_phase *
+        (then_2_converged_3 * then_2_converged_3)) + (prior_weight_yaw * then_3_converged_3_squared));
+    const bool better_converged_3 = cost_converged_3 <= ((rounding_factor * converged_choice_5) + slack);
     const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
         (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
         (converged_square_9 * (estimator_field_3_scaled + (5.0f * converged_product_35))));
-    const float converged_product_43 = three_quarters_pi * turns_3_cosine_converged_3;
-    const float converged_product_44 = three_quarters_pi * turns_3_sine_converged_3;
+    const float converged_product_43 = arm * turns_3_cosine_converged_3;
+    const float converged_product_44 = arm * turns_3_sine_converged_3;
     const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_product_43 + converged_product_44)) +
         converged_product_38;
     const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
@@ -666,7 +705,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
         (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
         (converged_square_11 * (estimator_field_3_scaled + (5.0f * converged_product_39))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-three_quarters_pi * turns_3_cosine_converged_3) -
+    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-arm * turns_3_cosine_converged_3) -
         converged_product_44)) + converged_product_42;
     const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
         (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
@@ -675,18 +714,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (rows_4_2_converged_4 * (converged_product_43 - converged_product_44));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
         (rows_3_3_converged_4 * rows_3_1_converged_4);
-    const float converged_inverse_7 = 1.0f /
-        ((rows_1_1_converged_4 * rows_1_1_converged_4) + (rows_3_1_converged_4 * rows_3_1_converged_4) + 0.00992376f);
-    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7, 8330.405f);
+    const float converged_inverse_7 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
+        (rows_3_1_converged_4 * rows_3_1_converged_4) + prior_weight_phase);
+    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7,
+        largest_L_yaw_phase);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
-        (rows_3_1_converged_4 * residuals_3_converged_4) - (0.00992376f * then_1_converged_3);
+        (rows_3_1_converged_4 * residuals_3_converged_4) - (prior_weight_phase * then_1_converged_3);
     const float converged_sum_12 = (converged_sum_10 * rows_2_2_converged_4) +
         (converged_sum_11 * rows_4_2_converged_4);
-    const float converged_inverse_8 = 1.0f /
-        ((rows_2_2_converged_4 * rows_2_2_converged_4) + (rows_4_2_converged_4 * rows_4_2_converged_4) + 0.00992376f);
-    const float row_2_converged_4 = hall_position_limit(-(converged_sum_12 * converged_inverse_8), 8330.405f);
+    const float converged_inverse_8 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
+        (rows_4_2_converged_4 * rows_4_2_converged_4) + prior_weight_phase);
+    const float row_2_converged_4 = hall_position_limit(-(converged_sum_12 * converged_inverse_8), largest_L_yaw_phase);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
-        (rows_4_2_converged_4 * residuals_4_converged_4) - (0.00992376f * then_2_converged_3);
+        (rows_4_2_converged_4 * residuals_4_converged_4) - (prior_weight_phase * then_2_converged_3);
     float other_3_converged_3 = then_3_converged_3;
     float other_1_converged_3 = then_1_converged_3;
     float other_2_converged_3 = then_2_converged_3;
@@ -701,16 +741,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged_3) {
         const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
             (converged_sum_10 * converged_sum_10) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-            (converged_sum_11 * converged_sum_11) + 2.7546635f - (row_1_converged_4 * left_3_1_converged_4) +
-            (row_2_converged_4 * converged_sum_12), 2.7546635f);
+            (converged_sum_11 * converged_sum_11) + prior_weight_yaw - (row_1_converged_4 * left_3_1_converged_4) +
+            (row_2_converged_4 * converged_sum_12), least_pivot_yaw);
         converged_choice_10 = then_3_converged_3 + (((rows_1_3_converged_4 * residuals_1_converged_4) -
             (converged_sum_10 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
-            (converged_sum_11 * residuals_4_converged_4) - (2.7546635f * then_3_converged_3) - (row_1_converged_4 *
-            gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) / converged_denominator_4);
+            (converged_sum_11 * residuals_4_converged_4) - (prior_weight_yaw * then_3_converged_3) - (row_1_converged_4
+            * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) / converged_denominator_4);
     } else {
         converged_choice_10 = 0.5f * (then_3_converged_3 + other_3_converged_3);
     }
-    const float then_3_converged_4 = hall_position_limit(converged_choice_10, 0.10100254f);
+    const float then_3_converged_4 = hall_position_limit(converged_choice_10, largest_step_yaw);
     const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
     const float sine_converged_4 = then_3_converged_4 * sine_3_polynomial(then_3_converged_4_squared);
     const float half_converged_4 = then_3_converged_4 * tangent_polynomial(then_3_converged_4_squared);
@@ -730,11 +770,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         converged_choice_11 = 0.5f * (then_1_converged_3 + other_1_converged_3);
         converged_choice_12 = 0.5f * (then_2_converged_3 + other_2_converged_3);
     }
-    const float then_1_converged_4 = hall_position_limit(converged_choice_11, 0.5f);
-    const float converged_product_45 = three_quarters_pi * hall_position_limit(-fall_converged_4, 0.10100254f);
-    const float converged_product_46 = three_quarters_pi * hall_position_limit(chords_3_sine_converged_4, 0.10100254f);
+    const float then_1_converged_4 = hall_position_limit(converged_choice_11, largest_step_phase);
+    const float converged_product_45 = arm * hall_position_limit(-fall_converged_4, largest_step_yaw);
+    const float converged_product_46 = arm * hall_position_limit(chords_3_sine_converged_4, largest_step_yaw);
     const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_product_45 +
-        converged_product_46, 0.97596323f);
+        converged_product_46, largest_change);
     const float cosine_argument_13 = by_ax_converged_4 * by_ax_converged_4;
     const float by_cosine_ax_converged_4 = cosine_polynomial(cosine_argument_13);
     const float by_sine_ax_converged_4 = by_ax_converged_4 * sine_4_polynomial(cosine_argument_13);
@@ -746,9 +786,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (converged_square_13 * (estimator_field_3 + converged_product_47)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
         (turns_3_sine_converged_4 * V_ay_held) - converged_product_48;
-    const float then_2_converged_4 = hall_position_limit(converged_choice_12, 0.5f);
+    const float then_2_converged_4 = hall_position_limit(converged_choice_12, largest_step_phase);
     const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_product_45 -
-        converged_product_46, 0.97596323f);
+        converged_product_46, largest_change);
     const float cosine_argument_14 = by_ay_converged_4 * by_ay_converged_4;
     const float by_cosine_ay_converged_4 = cosine_polynomial(cosine_argument_14);
     const float by_sine_ay_converged_4 = by_ay_converged_4 * sine_4_polynomial(cosine_argument_14);
@@ -761,7 +801,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
         (turns_3_sine_converged_4 * V_ax_held) - converged_product_50;
     const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_product_45 -
-        converged_product_46, 0.97596323f);
+        converged_product_46, largest_change);
     const float cosine_argument_15 = by_bx_converged_4 * by_bx_converged_4;
     const float by_cosine_bx_converged_4 = cosine_polynomial(cosine_argument_15);
     const float by_sine_bx_converged_4 = by_bx_converged_4 * sine_4_polynomial(cosine_argument_15);
@@ -774,7 +814,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
         (turns_3_sine_converged_4 * V_by_held) - converged_product_52;
     const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_product_45 + converged_product_46,
-        0.97596323f);
+        largest_change);
     const float cosine_argument_16 = by_converged_4 * by_converged_4;
     const float by_cosine_converged_4 = cosine_polynomial(cosine_argument_16);
     const float by_sine_converged_4 = by_converged_4 * sine_4_polynomial(cosine_argument_16);
@@ -792,12 +832,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
-    const bool gate_exceeded = 0.0009069143f <
-        (then_1_converged_4_squared + then_2_converged_4_squared + (11.103305f * then_3_converged_4_squared));
+    const bool gate_exceeded = squared_gate <
+        (then_1_converged_4_squared + then_2_converged_4_squared + (squared_radius * then_3_converged_4_squared));
     const uint32_t estimator_searching = state->estimator_searching;
-    const bool better_converged_4 = (squares_converged_2 + ((0.00992376f * then_1_converged_4_squared) +
-        (0.00992376f * then_2_converged_4_squared) + (2.7546635f * then_3_converged_4_squared))) <=
-        ((1.000002f * converged_choice_9) + 1e-08f);
+    const bool better_converged_4 = (squares_converged_2 + ((prior_weight_phase * then_1_converged_4_squared) +
+        (prior_weight_phase * then_2_converged_4_squared) + (prior_weight_yaw * then_3_converged_4_squared))) <=
+        ((rounding_factor * converged_choice_9) + slack);
     const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
         (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
         (converged_square_13 * (estimator_field_3_scaled + (5.0f * converged_product_47))));
@@ -805,9 +845,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
         (converged_square_15 * (estimator_field_3_scaled + (5.0f * converged_product_51))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
-        (rows_3_1_converged_5 * residuals_3_converged_5) - (0.00992376f * then_1_converged_4);
-    const float inverse_1 = 1.0f /
-        ((rows_1_1_converged_5 * rows_1_1_converged_5) + (rows_3_1_converged_5 * rows_3_1_converged_5) + 0.00992376f);
+        (rows_3_1_converged_5 * residuals_3_converged_5) - (prior_weight_phase * then_1_converged_4);
+    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
+        (rows_3_1_converged_5 * rows_3_1_converged_5) + prior_weight_phase);
     const float converged_product_55 = gradient_1_converged_5 * inverse_1;
     const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
         (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
@@ -816,45 +856,48 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
         (converged_square_16 * (estimator_field_3_scaled + (5.0f * converged_product_53))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
-        (rows_4_2_converged_5 * residuals_4_converged_5) - (0.00992376f * then_2_converged_4);
-    const float inverse_2 = 1.0f /
-        ((rows_2_2_converged_5 * rows_2_2_converged_5) + (rows_4_2_converged_5 * rows_4_2_converged_5) + 0.00992376f);
+        (rows_4_2_converged_5 * residuals_4_converged_5) - (prior_weight_phase * then_2_converged_4);
+    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
+        (rows_4_2_converged_5 * rows_4_2_converged_5) + prior_weight_phase);
     const float converged_product_56 = gradient_2_converged_5 * inverse_2;
-    const float converged_product_57 = three_quarters_pi * turns_3_cosine_converged_4;
-    const float converged_product_58 = three_quarters_pi * turns_3_sine_converged_4;
+    const float converged_product_57 = arm * turns_3_cosine_converged_4;
+    const float converged_product_58 = arm * turns_3_sine_converged_4;
     const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_product_57 + converged_product_58)) +
         converged_product_50;
     const float converged_sum_13 = converged_product_48 -
         (rows_2_2_converged_5 * (converged_product_58 - converged_product_57));
-    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-three_quarters_pi * turns_3_cosine_converged_4) -
+    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-arm * turns_3_cosine_converged_4) -
         converged_product_58)) + converged_product_54;
     const float converged_sum_14 = converged_product_52 -
         (rows_4_2_converged_5 * (converged_product_57 - converged_product_58));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
         (rows_3_3_converged_5 * rows_3_1_converged_5);
-    const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, 8330.405f);
+    const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, largest_L_yaw_phase);
     const float converged_sum_15 = (converged_sum_13 * rows_2_2_converged_5) +
         (converged_sum_14 * rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(converged_sum_15 * inverse_2), 8330.405f);
+    const float by_yaw_Y = hall_position_limit(-(converged_sum_15 * inverse_2), largest_L_yaw_phase);
     const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
         (converged_sum_13 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_sum_14 * residuals_4_converged_5) - (2.7546635f * then_3_converged_4) -
+        (converged_sum_14 * residuals_4_converged_5) - (prior_weight_yaw * then_3_converged_4) -
         (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
     const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_sum_13 *
         converged_sum_13) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_sum_14 * converged_sum_14) +
-        2.7546635f - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_sum_15), 2.7546635f);
+        prior_weight_yaw - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_sum_15), least_pivot_yaw);
     const float step_converged = forward_3_converged / pivot;
-    const bool converged = better_converged_4 && (((gradient_1_converged_5 * converged_product_55) +
-        (gradient_2_converged_5 * converged_product_56) + (forward_3_converged * step_converged)) <= 1e-08f);
+    const bool converged = better_converged_4 &&
+        (((gradient_1_converged_5 * converged_product_55) + (gradient_2_converged_5 * converged_product_56) +
+        (forward_3_converged * step_converged)) <= decrease_tolerance);
     float at_3;
     float at_1;
     float at_2;
     if (converged) {
-        const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, 0.10100254f);
+        const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, largest_step_yaw);
         at_3 = untried_3;
         const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_limit(then_1_converged_4 + (converged_product_55 - (by_yaw_X * moves_3_X)), 0.5f);
-        at_2 = hall_position_limit(then_2_converged_4 + (converged_product_56 - (by_yaw_Y * moves_3_X)), 0.5f);
+        at_1 = hall_position_limit(then_1_converged_4 + (converged_product_55 - (by_yaw_X * moves_3_X)),
+            largest_step_phase);
+        at_2 = hall_position_limit(then_2_converged_4 + (converged_product_56 - (by_yaw_Y * moves_3_X)),
+            largest_step_phase);
     } else if (better_converged_4) {
         at_3 = then_3_converged_4;
         at_1 = then_1_converged_4;
@@ -865,8 +908,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         at_2 = other_2_converged_3;
     }
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
-    const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= 0.08726646f;
-    const bool integrity_residual_fault = (0.01f < squares_converged_2) ||
+    const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= yaw_window;
+    const bool integrity_residual_fault = (residual_limit < squares_converged_2) ||
         ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
     const bool tracking = estimator_searching == 0u;
     float by_phase_x = 0.0f;
@@ -881,7 +924,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         yaw_2 = at_3;
         estimator_motion_x_change = 0.5f * at_1;
         estimator_motion_y_change = 0.5f * at_2;
-        estimator_motion_yaw_change = 0.1f * at_3;
+        estimator_motion_yaw_change = yaw_velocity_gain * at_3;
     }
     const float moved_x = prediction_phase_x + by_phase_x;
     const bool turns_x_X = pi < moved_x;
@@ -898,7 +941,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const uint32_t estimator_acquired = state->estimator_acquired;
     const float pose_pitch_x = state->estimator_pitch_x + ((estimator_acquired != 0u) ? turns_x_X_2 : 0.0f);
-    const float X = (0.008085071f * pose_phase_x) + (0.0508f * pose_pitch_x);
+    const float X = (length_per_phase * pose_phase_x) + (pitch * pose_pitch_x);
     const float moved_y = prediction_phase_y + by_phase_y;
     const bool turns_y_Y = pi < moved_y;
     float angle_y = moved_y;
@@ -913,7 +956,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
     const float pose_pitch_y = state->estimator_pitch_y + ((estimator_acquired != 0u) ? turns_y_Y_2 : 0.0f);
-    const float Y = (0.008085071f * pose_phase_y) + (0.0508f * pose_pitch_y);
+    const float Y = (length_per_phase * pose_phase_y) + (pitch * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
     float angle = prediction_yaw_plus_yaw_2;
     if (pi < prediction_yaw_plus_yaw_2) {
@@ -924,28 +967,29 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         yaw = angle + two_pi;
     }
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
-    const float yaw_variance = 1.0f / (pivot + -2.644477f);
-    const float deviation_X = 8.085071e-06f * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance));
+    const float yaw_variance = 1.0f / (pivot + yaw_damping);
+    const float deviation_X = sigma_per_wave_number * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance));
     out->deviation_X = deviation_X;
     const float by_yaw_Y_squared = by_yaw_Y * by_yaw_Y;
-    const float deviation_Y = 8.085071e-06f * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance));
+    const float deviation_Y = sigma_per_wave_number * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance));
     out->deviation_Y = deviation_Y;
-    const float deviation_yaw = 0.001f * sqrtf(yaw_variance);
+    const float deviation_yaw = channel_sigma * sqrtf(yaw_variance);
     out->deviation_yaw = deviation_yaw;
-    const float residual = sqrtf(1e-30f + squares_converged_2);
+    const float residual = sqrtf(root_regularisation + squares_converged_2);
     out->residual = residual;
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float weight = ((11.103305f + by_yaw_X_squared + by_yaw_Y_squared) * yaw_variance) + inverse_1 + inverse_2;
-    const bool damped = 15.115238f < weight;
+    const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_variance) + inverse_1 +
+        inverse_2;
+    const bool damped = damped_from < weight;
     out->damped = damped ? 1.0f : 0.0f;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
-    const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
+    const bool counted = (fabsf(pose_pitch_x) <= most_pitches) && (fabsf(pose_pitch_y) <= most_pitches);
     const float size = fabsf(yaw);
-    const bool inside = counted && (size <= 0.04363323f);
-    const bool resolved = (integrity_good && in_window && tracking && (weight <= 0.403073f) && complete && inside) ||
+    const bool inside = counted && (size <= yaw_limit);
+    const bool resolved = (integrity_good && in_window && tracking && (weight <= resolved_to) && complete && inside) ||
         ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
     const bool valid = integrity_good && resolved && (estimator_lock_lost == 0u) && inside && complete;
@@ -954,7 +998,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool restart = integrity_residual_fault && exhausted;
     const bool faultless = !integrity_residual_fault;
     if (restart) {
-        const float start_x = state->estimator_start_x + -1.5401491f;
+        const float start_x = state->estimator_start_x + start_step_x;
         if (start_x < -pi) {
             state->estimator_phase_x = start_x + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
@@ -962,7 +1006,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             state->estimator_phase_x = start_x;
             state->estimator_start_x = start_x;
         }
-        const float start_y = state->estimator_start_y + -2.702773f;
+        const float start_y = state->estimator_start_y + start_step_y;
         if (start_y < -pi) {
             state->estimator_phase_y = start_y + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
@@ -985,8 +1029,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (resolved && faultless) {
         state->estimator_yaw_last_good = yaw;
     }
-    state->estimator_pitch_x = hall_position_limit(pose_pitch_x, 8.0f);
-    state->estimator_pitch_y = hall_position_limit(pose_pitch_y, 8.0f);
+    state->estimator_pitch_x = hall_position_limit(pose_pitch_x, most_pitches);
+    state->estimator_pitch_y = hall_position_limit(pose_pitch_y, most_pitches);
     float continued_motion_x = 0.0f;
     float continued_motion_y = 0.0f;
     float continued_motion_yaw = 0.0f;
@@ -995,14 +1039,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         continued_motion_y = estimator_motion_y + estimator_motion_y_change;
         continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_change;
     }
-    state->estimator_motion_x = hall_position_limit(continued_motion_x, 0.5f);
-    state->estimator_motion_y = hall_position_limit(continued_motion_y, 0.5f);
-    state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, 0.10100254f);
+    state->estimator_motion_x = hall_position_limit(continued_motion_x, largest_step_phase);
+    state->estimator_motion_y = hall_position_limit(continued_motion_y, largest_step_phase);
+    state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, largest_step_yaw);
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
     state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) ||
-        ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? 0.04363323f : 0.08726646f) < size))));
+        ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? yaw_limit : yaw_window) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 

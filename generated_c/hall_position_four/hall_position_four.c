@@ -148,7 +148,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 #endif
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
+    /* rad; largest sigma that is reported; correction of a sample at most; of deviation, step */
+    static const float largest_yaw = 0.1f;
     static const uint32_t starts = 24u;                         /* 1; of a sweep */
+    static const float most_pitches = 8.0f;                     /* 1; counted to either side */
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -207,15 +211,20 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else (4 if flags_4, else 0)))) if
      *         screened, else 0
      *     screened = flag + flags_2 + flags_3 + flags_4 <= 1
-     *     repeats_1_next = min(repeats_1 + 1, 6) if |V_ax_held - last_V_ax| <= 0 or |V_ay_held - last_V_ay| <=
-     *         0, else 0; likewise repeats_2_next, repeats_3_next, repeats_4_next */
+     *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
+     *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next,
+     *         repeats_3_next, repeats_4_next */
+    static const uint32_t most_repeats = 6u;                    /* 1; samples in a row with the same code: frozen */
     bool screened_test = false;
     if ((fabsf(V_ax_held - state->screen_last_V_ax) <= 0.0f) || (fabsf(V_ay_held - state->screen_last_V_ay) <= 0.0f)) {
         const uint32_t screen_repeats_1 = state->screen_repeats_1;
-        const uint32_t screened_sum = screen_repeats_1 + 1u;
-        const float screened_limited = hall_position_four_min((float)screened_sum, 6.0f);
-        screened_test = 6.0f <= screened_limited;
-        state->screen_repeats_1 = (uint32_t)screened_limited;
+        uint32_t screened_choice = screen_repeats_1;
+        if (screen_repeats_1 < most_repeats) {
+            const uint32_t screened_sum = screen_repeats_1 + 1u;
+            screened_choice = screened_sum;
+            state->screen_repeats_1 = screened_sum;
+        }
+        screened_test = most_repeats <= screened_choice;
     } else {
         state->screen_repeats_1 = 0u;
     }
@@ -223,10 +232,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     bool screened_test_2 = false;
     if ((fabsf(V_bx_held - state->screen_last_V_bx) <= 0.0f) || (fabsf(V_by_held - state->screen_last_V_by) <= 0.0f)) {
         const uint32_t screen_repeats_2 = state->screen_repeats_2;
-        const uint32_t screened_sum_2 = screen_repeats_2 + 1u;
-        const float screened_limited_2 = hall_position_four_min((float)screened_sum_2, 6.0f);
-        screened_test_2 = 6.0f <= screened_limited_2;
-        state->screen_repeats_2 = (uint32_t)screened_limited_2;
+        uint32_t screened_choice_2 = screen_repeats_2;
+        if (screen_repeats_2 < most_repeats) {
+            const uint32_t screened_sum_2 = screen_repeats_2 + 1u;
+            screened_choice_2 = screened_sum_2;
+            state->screen_repeats_2 = screened_sum_2;
+        }
+        screened_test_2 = most_repeats <= screened_choice_2;
     } else {
         state->screen_repeats_2 = 0u;
     }
@@ -234,10 +246,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     bool screened_test_3 = false;
     if ((fabsf(V_cx_held - state->screen_last_V_cx) <= 0.0f) || (fabsf(V_cy_held - state->screen_last_V_cy) <= 0.0f)) {
         const uint32_t screen_repeats_3 = state->screen_repeats_3;
-        const uint32_t screened_sum_3 = screen_repeats_3 + 1u;
-        const float screened_limited_3 = hall_position_four_min((float)screened_sum_3, 6.0f);
-        screened_test_3 = 6.0f <= screened_limited_3;
-        state->screen_repeats_3 = (uint32_t)screened_limited_3;
+        uint32_t screened_choice_3 = screen_repeats_3;
+        if (screen_repeats_3 < most_repeats) {
+            const uint32_t screened_sum_3 = screen_repeats_3 + 1u;
+            screened_choice_3 = screened_sum_3;
+            state->screen_repeats_3 = screened_sum_3;
+        }
+        screened_test_3 = most_repeats <= screened_choice_3;
     } else {
         state->screen_repeats_3 = 0u;
     }
@@ -245,10 +260,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     bool frozen = false;
     if ((fabsf(V_dx_held - state->screen_last_V_dx) <= 0.0f) || (fabsf(V_dy_held - state->screen_last_V_dy) <= 0.0f)) {
         const uint32_t screen_repeats_4 = state->screen_repeats_4;
-        const uint32_t screened_sum_4 = screen_repeats_4 + 1u;
-        const float count = hall_position_four_min((float)screened_sum_4, 6.0f);
-        frozen = 6.0f <= count;
-        state->screen_repeats_4 = (uint32_t)count;
+        uint32_t count = screen_repeats_4;
+        if (screen_repeats_4 < most_repeats) {
+            const uint32_t screened_sum_4 = screen_repeats_4 + 1u;
+            count = screened_sum_4;
+            state->screen_repeats_4 = screened_sum_4;
+        }
+        frozen = most_repeats <= count;
     } else {
         state->screen_repeats_4 = 0u;
     }
@@ -274,8 +292,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     state->screen_last_V_dy = V_dy_held;
 
     /* estimator: weighted least squares
-     *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, 0.20944))
-     *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, 0.20944))
+     *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, highest_yaw))
+     *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, highest_yaw))
      *     ax_part_sine = 4 * sin(0.25 * limited_ax); likewise ay_part_sine
      *     ax_part_cosine = cos(0.25 * limited_ax); likewise ay_part_cosine
      *     ax_part_doubled = limit(4 * (sin(0.25 * limited_ax) * ax_part_cosine), 2.002); likewise
@@ -290,25 +308,79 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         dx_part_doubled, dy_part_doubled
      *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * sines_2_bx^2), 1.001); likewise by_part_full,
      *         cx_part_full, cy_part_full, dx_part_full, dy_part_full
-     *     weak = not factors_2 or 20.6541 <= variances_1 or 20.6541 <= variances_2 or 3.30466 <= variances_3
-     *         or 13.2186 <= variances_4
-     *     start_number_next = starts if tracking, else (24 * unique if last, else min(start_number + ends,
-     *         23))
-     *     missed_next = (0 if accepted and not lost, else min(missed + 1, 8)) if tracking, else 0
-     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
-     *     begin_phase_x_next = begin_phase_x if tracking, else ((begin_phase_x + 5.14701 - two_pi if pi <
-     *         begin_phase_x + 5.14701, else begin_phase_x + 5.14701) if converged or last_age <= age, else
-     *         begin_phase_x)
-     *     begin_phase_y_next = begin_phase_y if tracking, else ((begin_phase_y + 4.21629 - two_pi if pi <
-     *         begin_phase_y + 4.21629, else begin_phase_y + 4.21629) if converged or last_age <= age, else
-     *         begin_phase_y)
-     *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + 0.230258 - 0.418879 if 0.20944 <
-     *         begin_yaw + 0.230258, else begin_yaw + 0.230258) if converged or last_age <= age, else
-     *         begin_yaw) */
+     *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
+     *         last_start <= start_number, else start_number + ends)))
+     *     missed_next = (0 if accepted and not lost, else (missed if lost, else missed + 1)) if tracking, else
+     *         0
+     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else age + 1)
+     *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
+     *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
+     *         else begin_yaw) */
+    static const float highest_yaw = 0.20943952f;               /* rad; end of its range; also lowest_yaw */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const float arm_a_x = 0.28902653f; /* rad; arm of sensor a along x, times 2 pi over the pitch */
+    static const float arm_a_y = -0.45238933f; /* rad; arm of sensor a along y, times 2 pi over the pitch */
+    static const float arm_b_x = -1.118407f; /* rad; arm of sensor b along x, times 2 pi over the pitch */
+    static const float arm_b_y = -1.7404423f; /* rad; arm of sensor b along y, times 2 pi over the pitch */
+    static const float arm_c_x = -2.506991f; /* rad; arm of sensor c along x, times 2 pi over the pitch */
+    static const float arm_c_y = -3.0033627f; /* rad; arm of sensor c along y, times 2 pi over the pitch */
+    static const float arm_d_x = 1.627345f; /* rad; arm of sensor d along x, times 2 pi over the pitch */
+    static const float arm_d_y = 0.76654863f; /* rad; arm of sensor d along y, times 2 pi over the pitch */
+    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.25 rad, the largest; of x, y */
+    static const float least_pivot_phase = 0.048416f;
+    static const float largest_L_yaw_phase = 1250.0f;           /* 1; bound of L in row yaw; of x, y */
+    static const float least_pivot_yaw = 0.3026f; /* V^2/rad^2; s^2 / sigma^2, sigma = 0.1 rad, the largest */
+    static const float largest_L_amplitude_phase = 625.0f;      /* rad; bound of L in row amplitude; of x, y */
+    static const float largest_L_amplitude_yaw = 250.0f;        /* rad; bound of L in row amplitude */
+    static const float prior_weight_amplitude = 0.84055555f;    /* V^2; s^2 / sigma^2, sigma = 0.06 of the prior */
+    static const float least_pivot_amplitude = 0.07565f;        /* V^2; s^2 / sigma^2, sigma = 0.2, the largest */
+    /* 1; a smaller s_j is not resolved: the fault looks like a motion */
+    static const float least_separability = 0.001f;
+    static const float largest_mixing = 31.622776f;             /* 1; bound of L of a group's own factors */
+    static const float largest_step_amplitude = 0.125f;         /* 1; correction of a sample at most */
+    static const float highest_amplitude = 1.25f;               /* 1; end of its range */
+    static const float lowest_amplitude = 0.75f;                /* 1; end of its range */
+    static const float largest_projection = 1845.4835f;         /* V; bound of |x_j'g|, which never acts */
+    static const float channel_sigma = 0.05500909f;             /* V; s: deviation of a channel, from R */
+    static const float largest_deviation_phase = 0.25f;         /* rad; largest sigma that is reported; of x, y */
+    static const float largest_deviation_amplitude = 0.2f;      /* 1; largest sigma that is reported */
+    static const float inverse_channel_variance = 330.46927f;   /* 1/V^2; 1 / s^2 */
+    static const float largest_chi_square = 1e+09f;             /* 1; weighted sum that is reported at most */
+    /* V^2; c^2 s^2, c = 0.1: a smaller predicted decrease has converged */
+    static const float decrease_tolerance = 3.026e-05f;
+    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot; of x, y */
+    static const float largest_information_phase = 12104.0f;
+    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot */
+    static const float largest_information_yaw = 75650.0f;
+    /* V^2; a larger N_ii is not resolved: 500^2 times the least pivot */
+    static const float largest_information_amplitude = 18912.5f;
+    static const float weak_from_phase = 20.654123f; /* rad^2/V^2; variance over s^2 at sigma = 0.25 rad; of x, y */
+    static const float weak_from_yaw = 3.3046596f;              /* rad^2/V^2; variance over s^2 at sigma = 0.1 rad */
+    static const float weak_from_amplitude = 13.218638f;        /* 1/V^2; variance over s^2 at sigma = 0.2 */
+    static const float test_threshold = 20.515005f; /* 1; T: chi-square of 5 degrees of freedom, false alarm 0.001 */
+    /* 1; T_1: chi-square of 3 degrees of freedom, half of risk 0.001 */
+    static const float hypothesis_threshold = 17.729996f;
+    static const float channel_variance = 0.003026f;            /* V^2; s^2: variance of a channel, from R */
+    static const float largest_gain = 999.99f;                  /* 1; 1 / s_j of a fault that is detectable */
+    static const float undetected = 0.40003738f; /* V; s L^(1/2): a fault that passes the test with risk 0.001 */
+    static const float level_sigmas = 3.4807565f;               /* 1; k: deviations of a protection level, risk 0.001 */
+    static const float cancellation = 1e-05f;                   /* 1; relative error of c_j by rounding */
+    /* V^2; T_1 s^2, T_1: chi-square of 3 degrees of freedom, half of risk 0.001 */
+    static const float hypothesis_cost = 0.053650968f;
+    static const float level_noise = 0.19147325f; /* V; k s, k: deviations of a protection level, risk 0.001 */
+    static const float largest_level_phase = 61.842377f; /* rad; protection level that is reported at most; of x, y */
+    static const float limit_phase = 0.61842376f;               /* rad; of a valid protection level; of x, y */
+    static const float largest_level_yaw = 22.0f;               /* rad; protection level that is reported at most */
+    static const float limit_yaw = 0.22f;                       /* rad; of a valid protection level */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
     static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
+    static const float agreement_phase = 0.15f; /* rad; solutions closer than this count as one; of x, y */
+    static const float agreement_yaw = 0.05f;                   /* rad; solutions closer than this count as one */
+    static const float increment_phase_x = 5.1470127f;          /* rad; from one start to the next: Roberts' sequence */
+    static const float increment_phase_y = 4.2162914f;          /* rad; from one start to the next: Roberts' sequence */
+    static const float increment_yaw = 0.230258f;               /* rad; from one start to the next: Roberts' sequence */
+    static const float width_yaw = 0.41887903f;                 /* rad; width of its range */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -316,7 +388,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
-    const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, 0.20943952f);
+    const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, highest_yaw);
     const float cos_yaw_argument = starts_3 * starts_3;
     const float cos_yaw = cosine_polynomial(cos_yaw_argument);
     const float sin_yaw = starts_3 * sine_polynomial(cos_yaw_argument);
@@ -330,9 +402,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     if (ax_part_sine_choice < -pi) {
         starts_1 = ax_part_sine_choice + two_pi;
     }
-    const float cos_yaw_scaled = 0.28902653f * cos_yaw;
-    const float sin_yaw_scaled = 0.45238933f * sin_yaw;
-    const float limited_ax = starts_1 + cos_yaw_scaled + sin_yaw_scaled;
+    const float arm_a_x_times_cos_yaw = arm_a_x * cos_yaw;
+    const float arm_a_y_times_sin_yaw = arm_a_y * sin_yaw;
+    const float limited_ax = starts_1 + arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 4.0f * sine_2;
@@ -351,9 +423,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     if (ay_part_sine_choice < -pi) {
         starts_2 = ay_part_sine_choice + two_pi;
     }
-    const float cos_yaw_scaled_2 = 0.45238933f * cos_yaw;
-    const float sin_yaw_scaled_2 = 0.28902653f * sin_yaw;
-    const float limited_ay = starts_2 - cos_yaw_scaled_2 + sin_yaw_scaled_2;
+    const float arm_a_y_times_cos_yaw = -arm_a_y * cos_yaw;
+    const float arm_a_x_times_sin_yaw = arm_a_x * sin_yaw;
+    const float limited_ay = starts_2 - arm_a_y_times_cos_yaw + arm_a_x_times_sin_yaw;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 4.0f * sine_2_2;
@@ -362,9 +434,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
     const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (ay_part_sine * ay_part_sine)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float cos_yaw_scaled_3 = 1.118407f * cos_yaw;
-    const float sin_yaw_scaled_3 = 1.7404423f * sin_yaw;
-    const float limited_bx = starts_1 - cos_yaw_scaled_3 + sin_yaw_scaled_3;
+    const float arm_b_x_times_cos_yaw = arm_b_x * cos_yaw;
+    const float arm_b_y_times_sin_yaw = -arm_b_y * sin_yaw;
+    const float limited_bx = starts_1 + arm_b_x_times_cos_yaw + arm_b_y_times_sin_yaw;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_3 = limited_bx * sine_3_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_3;
@@ -376,9 +448,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_bx = 8.0f * sine_3_times_bx_part_cosine;
     const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float cos_yaw_scaled_4 = 1.7404423f * cos_yaw;
-    const float sin_yaw_scaled_4 = 1.118407f * sin_yaw;
-    const float limited_by = starts_2 - cos_yaw_scaled_4 - sin_yaw_scaled_4;
+    const float arm_b_y_times_cos_yaw = -arm_b_y * cos_yaw;
+    const float arm_b_x_times_sin_yaw = arm_b_x * sin_yaw;
+    const float limited_by = starts_2 - arm_b_y_times_cos_yaw + arm_b_x_times_sin_yaw;
     const float by_part_cosine_argument = limited_by * limited_by;
     const float sine_3_2 = limited_by * sine_3_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * sine_3_2;
@@ -390,9 +462,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_by = 8.0f * by_part_doubled_product;
     const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
-    const float cos_yaw_scaled_5 = 2.506991f * cos_yaw;
-    const float sin_yaw_scaled_5 = 3.0033627f * sin_yaw;
-    const float limited_cx = starts_1 - cos_yaw_scaled_5 + sin_yaw_scaled_5;
+    const float arm_c_x_times_cos_yaw = arm_c_x * cos_yaw;
+    const float arm_c_y_times_sin_yaw = -arm_c_y * sin_yaw;
+    const float limited_cx = starts_1 + arm_c_x_times_cos_yaw + arm_c_y_times_sin_yaw;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
     const float sine_3_3 = limited_cx * sine_3_polynomial(cx_part_cosine_argument);
     const float cx_part_sine = 8.0f * sine_3_3;
@@ -404,9 +476,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_cx = 8.0f * cx_part_doubled_product;
     const float cx_part_full = cx_part_doubled * (1.0f - (0.125f * (sines_2_cx * sines_2_cx)));
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
-    const float cos_yaw_scaled_6 = 3.0033627f * cos_yaw;
-    const float sin_yaw_scaled_6 = 2.506991f * sin_yaw;
-    const float limited_cy = starts_2 - cos_yaw_scaled_6 - sin_yaw_scaled_6;
+    const float arm_c_y_times_cos_yaw = -arm_c_y * cos_yaw;
+    const float arm_c_x_times_sin_yaw = arm_c_x * sin_yaw;
+    const float limited_cy = starts_2 - arm_c_y_times_cos_yaw + arm_c_x_times_sin_yaw;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
     const float sine_3_4 = limited_cy * sine_3_polynomial(cy_part_cosine_argument);
     const float cy_part_sine = 8.0f * sine_3_4;
@@ -418,9 +490,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_cy = 8.0f * cy_part_doubled_product;
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (sines_2_cy * sines_2_cy)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
-    const float cos_yaw_scaled_7 = 1.627345f * cos_yaw;
-    const float sin_yaw_scaled_7 = 0.76654863f * sin_yaw;
-    const float limited_dx = starts_1 + cos_yaw_scaled_7 - sin_yaw_scaled_7;
+    const float arm_d_x_times_cos_yaw = arm_d_x * cos_yaw;
+    const float arm_d_y_times_sin_yaw = arm_d_y * sin_yaw;
+    const float limited_dx = starts_1 + arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw;
     const float dx_part_cosine_argument = limited_dx * limited_dx;
     const float sine_3_5 = limited_dx * sine_3_polynomial(dx_part_cosine_argument);
     const float dx_part_sine = 8.0f * sine_3_5;
@@ -432,8 +504,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_dx = 8.0f * dx_part_doubled_product;
     const float dx_part_full = dx_part_doubled * (1.0f - (0.125f * (sines_2_dx * sines_2_dx)));
     /*@ admit -1.001f <= dx_part_full <= 1.001f; */
-    const float sin_yaw_scaled_8 = 1.627345f * sin_yaw;
-    const float limited_dy = starts_2 + (0.76654863f * cos_yaw) + sin_yaw_scaled_8;
+    const float arm_d_x_times_sin_yaw = arm_d_x * sin_yaw;
+    const float limited_dy = starts_2 + (arm_d_y * cos_yaw) + arm_d_x_times_sin_yaw;
     const float dy_part_cosine_argument = limited_dy * limited_dy;
     const float sine_3_6 = limited_dy * sine_3_polynomial(dy_part_cosine_argument);
     const float dy_part_sine = 8.0f * sine_3_6;
@@ -485,24 +557,24 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_5_1 * residuals_5_phase_x) + (rows_7_1 * residuals_7_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) +
         (rows_7_1 * rows_7_1);
-    const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1, 0.048416f);
+    const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1, least_pivot_phase);
     const float phase_x_product_4 = gradient_1_phase_x * terms_1_phase_x;
     const float phase_x_sum_5 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
-    const float rows_1_3 = phase_x_sum_5 + (rows_1_1 * (cos_yaw_scaled_2 - sin_yaw_scaled_2));
+    const float rows_1_3 = phase_x_sum_5 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
     const float phase_x_sum_6 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
-    const float rows_3_3 = phase_x_sum_6 + (rows_3_1 * (cos_yaw_scaled_4 + sin_yaw_scaled_4));
+    const float rows_3_3 = phase_x_sum_6 + (rows_3_1 * (arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw));
     const float phase_x_sum_7 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
-    const float rows_5_3 = phase_x_sum_7 + (rows_5_1 * (cos_yaw_scaled_6 + sin_yaw_scaled_6));
+    const float rows_5_3 = phase_x_sum_7 + (rows_5_1 * (arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw));
     const float phase_x_sum_8 = (cos_yaw * V_dy_held) + (sin_yaw * V_dx_held);
-    const float rows_7_3 = phase_x_sum_8 + (rows_7_1 * ((-0.76654863f * cos_yaw) - sin_yaw_scaled_8));
+    const float rows_7_3 = phase_x_sum_8 + (rows_7_1 * ((-arm_d_y * cos_yaw) - arm_d_x_times_sin_yaw));
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
         (rows_7_3 * rows_7_1);
-    const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1 * terms_1_phase_x, 1250.0f);
+    const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1 * terms_1_phase_x, largest_L_yaw_phase);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float rows_2_2 = start_cosine_ay * (phase_x_product +
         (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_9 = phase_x_sum - (rows_2_2 * (cos_yaw_scaled + sin_yaw_scaled));
+    const float phase_x_sum_9 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
     const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
     const float residuals_2_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_2_4);
@@ -510,7 +582,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float by_part_full_squared = by_part_full * by_part_full;
     const float rows_4_2 = start_cosine_by * (phase_x_product +
         (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_10 = phase_x_sum_2 - (rows_4_2 * (sin_yaw_scaled_3 - cos_yaw_scaled_3));
+    const float phase_x_sum_10 = phase_x_sum_2 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
     const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
     const float residuals_4_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_4_4);
@@ -518,7 +590,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float rows_6_2 = start_cosine_cy * (phase_x_product +
         (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_11 = phase_x_sum_3 - (rows_6_2 * (sin_yaw_scaled_5 - cos_yaw_scaled_5));
+    const float phase_x_sum_11 = phase_x_sum_3 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
     const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
     const float residuals_6_phase_x = phase_x_sum_7 - (estimator_amplitude * rows_6_4);
@@ -526,7 +598,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dy_part_full_squared = dy_part_full * dy_part_full;
     const float rows_8_2 = start_cosine_dy * (phase_x_product +
         (dy_part_full_squared * (phase_x_product_2 + (5.0f * (dy_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_12 = phase_x_sum_4 - (rows_8_2 * (cos_yaw_scaled_7 - sin_yaw_scaled_7));
+    const float phase_x_sum_12 = phase_x_sum_4 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
     const float rows_8_4 = dy_part_full * (estimator_field_1 +
         (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
     const float residuals_8_phase_x = phase_x_sum_8 - (estimator_amplitude * rows_8_4);
@@ -534,8 +606,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (phase_x_sum_11 * rows_6_2) + (phase_x_sum_12 * rows_8_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
         (rows_8_2 * rows_8_2);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, 0.048416f);
-    const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_13 * terms_1_phase_x_3), 1250.0f);
+    const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, least_pivot_phase);
+    const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_13 * terms_1_phase_x_3),
+        largest_L_yaw_phase);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x) + (rows_8_2 * residuals_8_phase_x);
     const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_sum_9 * residuals_2_phase_x) +
@@ -546,29 +619,30 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (phase_x_sum_10 * phase_x_sum_10) + (rows_5_3 * rows_5_3) + (phase_x_sum_11 * phase_x_sum_11) +
         (rows_7_3 * rows_7_3) + (phase_x_sum_12 * phase_x_sum_12);
     const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_sum_13), 0.3026f);
+        (terms_1_phase_x_4 * phase_x_sum_13), least_pivot_yaw);
     const float phase_x_product_5 = forward_3_phase_x * terms_1_phase_x_5;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) +
         (rows_7_4 * rows_7_1);
-    const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1 * terms_1_phase_x, 625.0f);
+    const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1 * terms_1_phase_x, largest_L_amplitude_phase);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2) +
         (rows_8_4 * rows_8_2);
-    const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2 * terms_1_phase_x_3, 625.0f);
+    const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2 * terms_1_phase_x_3, largest_L_amplitude_phase);
     const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_sum_9) + (rows_3_4 * rows_3_3) -
         (rows_4_4 * phase_x_sum_10) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_sum_11) + (rows_7_4 * rows_7_3) -
         (rows_8_4 * phase_x_sum_12) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_sum_13);
-    const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5, 250.0f);
+    const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5,
+        largest_L_amplitude_yaw);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
-        (0.84055555f * offsets_4_phase_x) - (terms_1_phase_x_6 * gradient_1_phase_x) -
+        (prior_weight_amplitude * offsets_4_phase_x) - (terms_1_phase_x_6 * gradient_1_phase_x) -
         (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
-        (rows_8_4 * rows_8_4) + 0.84055555f;
+        (rows_8_4 * rows_8_4) + prior_weight_amplitude;
     const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
-        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), 0.07565f);
+        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), least_pivot_amplitude);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
     const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
@@ -586,7 +660,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_1_1_phase_x = phase_x_product_6 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
         (terms_1_phase_x_6 * moves_1_4_phase_x);
     const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_1_1 * phase_x_product_6) +
-        (b_3_phase_x * phase_x_product_7) + (b_4_phase_x * moves_1_4_phase_x)), 0.001f);
+        (b_3_phase_x * phase_x_product_7) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
     const float scores_1_phase_x = residuals_1_phase_x -
         ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
     const float phase_x_sum_14 = phase_x_sum_9 + (terms_1_phase_x_4 * rows_2_2);
@@ -595,13 +669,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
     const float phase_x_sum_15 = phase_x_product_8 + (terms_1_phase_x_8 * weighted_4_phase_x);
     const float phase_x_sum_16 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_product_8 * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_four_limit(-(phase_x_sum_16 * gains_1_phase_x), 31.622776f);
+    const float lower_2_1_phase_x = hall_position_four_limit(-(phase_x_sum_16 * gains_1_phase_x), largest_mixing);
     const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_sum_15) - (terms_1_phase_x_6 * weighted_4_phase_x) -
         (lower_2_1_phase_x * moves_1_1_phase_x);
     const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
     const float gains_2_phase_x = 1.0f /
         hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_sum_14 * phase_x_product_8) +
-        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_sum_16), 0.001f);
+        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_sum_16), least_separability);
     const float phase_x_product_9 = gradient_2_phase_x * terms_1_phase_x_3;
     const float steps_2_phase_x = phase_x_product_9 - (terms_1_phase_x_4 * steps_3_phase_x) -
         (terms_1_phase_x_7 * steps_4_phase_x);
@@ -618,8 +692,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
     const float moves_3_3 = phase_x_product_11 - (terms_1_phase_x_8 * moves_3_4);
     const float moves_3_1 = phase_x_product_10 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
-    const float gains_3 = 1.0f / hall_position_four_max(1.0f -
-        ((rows_3_1 * phase_x_product_10) + (b_3_phase_x_2 * phase_x_product_11) + (b_4_phase_x_2 * moves_3_4)), 0.001f);
+    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((rows_3_1 * phase_x_product_10) +
+        (b_3_phase_x_2 * phase_x_product_11) + (b_4_phase_x_2 * moves_3_4)), least_separability);
     const float scores_3 = residuals_3_phase_x -
         ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
     const float phase_x_sum_19 = phase_x_sum_10 + (terms_1_phase_x_4 * rows_4_2);
@@ -628,13 +702,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
     const float phase_x_sum_20 = phase_x_product_12 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
     const float phase_x_sum_21 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_product_12 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_four_limit(-(phase_x_sum_21 * gains_3), 31.622776f);
+    const float lower_2_1_phase_x_2 = hall_position_four_limit(-(phase_x_sum_21 * gains_3), largest_mixing);
     const float moves_4_1 = (terms_1_phase_x_2 * phase_x_sum_20) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
     const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
     const float gains_4 = 1.0f /
         hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_sum_19 * phase_x_product_12) +
-        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_sum_21), 0.001f);
+        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_sum_21), least_separability);
     const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
         (phase_x_sum_10 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
     const float phase_x_sum_22 = phase_x_sum_20 + (lower_2_1_phase_x_2 * moves_3_3);
@@ -648,8 +722,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
     const float moves_5_3 = phase_x_product_14 - (terms_1_phase_x_8 * moves_5_4);
     const float moves_5_1 = phase_x_product_13 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
-    const float gains_5 = 1.0f / hall_position_four_max(1.0f -
-        ((rows_5_1 * phase_x_product_13) + (b_3_phase_x_3 * phase_x_product_14) + (b_4_phase_x_3 * moves_5_4)), 0.001f);
+    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((rows_5_1 * phase_x_product_13) +
+        (b_3_phase_x_3 * phase_x_product_14) + (b_4_phase_x_3 * moves_5_4)), least_separability);
     const float scores_5 = residuals_5_phase_x -
         ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
     const float phase_x_sum_24 = phase_x_sum_11 + (terms_1_phase_x_4 * rows_6_2);
@@ -658,13 +732,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
     const float phase_x_sum_25 = phase_x_product_15 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
     const float phase_x_sum_26 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_product_15 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_four_limit(-(phase_x_sum_26 * gains_5), 31.622776f);
+    const float lower_2_1_phase_x_3 = hall_position_four_limit(-(phase_x_sum_26 * gains_5), largest_mixing);
     const float moves_6_1 = (terms_1_phase_x_2 * phase_x_sum_25) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
     const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
     const float gains_6 = 1.0f /
         hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_sum_24 * phase_x_product_15) +
-        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_sum_26), 0.001f);
+        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_sum_26), least_separability);
     const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
         (phase_x_sum_11 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float phase_x_sum_27 = phase_x_sum_25 + (lower_2_1_phase_x_3 * moves_5_3);
@@ -678,8 +752,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float moves_7_4 = b_4_phase_x_4 * diagonal_4;
     const float moves_7_3 = phase_x_product_17 - (terms_1_phase_x_8 * moves_7_4);
     const float moves_7_1 = phase_x_product_16 - (terms_1_phase_x_2 * moves_7_3) - (terms_1_phase_x_6 * moves_7_4);
-    const float gains_7 = 1.0f / hall_position_four_max(1.0f -
-        ((rows_7_1 * phase_x_product_16) + (b_3_phase_x_4 * phase_x_product_17) + (b_4_phase_x_4 * moves_7_4)), 0.001f);
+    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((rows_7_1 * phase_x_product_16) +
+        (b_3_phase_x_4 * phase_x_product_17) + (b_4_phase_x_4 * moves_7_4)), least_separability);
     const float scores_7 = residuals_7_phase_x -
         ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
     const float phase_x_sum_29 = phase_x_sum_12 + (terms_1_phase_x_4 * rows_8_2);
@@ -688,13 +762,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float weighted_4_phase_x_4 = forward_4_phase_x_5 * diagonal_4;
     const float phase_x_sum_30 = phase_x_product_18 + (terms_1_phase_x_8 * weighted_4_phase_x_4);
     const float phase_x_sum_31 = (weighted_4_phase_x_4 * b_4_phase_x_4) - (phase_x_product_18 * b_3_phase_x_4);
-    const float lower_2_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_31 * gains_7), 31.622776f);
+    const float lower_2_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_31 * gains_7), largest_mixing);
     const float moves_8_1 = (terms_1_phase_x_2 * phase_x_sum_30) - (terms_1_phase_x_6 * weighted_4_phase_x_4) -
         (lower_2_1_phase_x_4 * moves_7_1);
     const float weighted_2_phase_x_4 = rows_8_2 * terms_1_phase_x_3;
     const float gain = 1.0f /
         hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) + (phase_x_sum_29 * phase_x_product_18) +
-        (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_sum_31), 0.001f);
+        (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_sum_31), least_separability);
     const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
         (phase_x_sum_12 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
     const float phase_x_sum_32 = phase_x_sum_30 + (lower_2_1_phase_x_4 * moves_7_3);
@@ -812,25 +886,25 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
-    const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, 0.5f);
-    const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, 0.1f);
-    const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, 0.20943952f);
+    const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
+    const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, largest_yaw);
+    const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, highest_yaw);
     const float cosine_argument = moved_3_2 * moved_3_2;
     const float turns_3_cosine = cosine_polynomial(cosine_argument);
     const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
-    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, 0.1f);
-    const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, 0.125f);
-    const float phase_x_limited = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4, 1.25f),
-        0.75f);
-    const float best_2 = hall_position_four_limit(steps_2_phase_x + added_2_phase_x, 0.5f);
+    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, largest_yaw);
+    const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, largest_step_amplitude);
+    const float phase_x_limited = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4,
+        highest_amplitude), lowest_amplitude);
+    const float best_2 = hall_position_four_limit(steps_2_phase_x + added_2_phase_x, largest_step_phase);
     float terms_1_phase_x_9 = 0.0f;
     float phase_x_choice = 0.0f;
     float terms_2_phase_x = 0.0f;
     float phase_x_choice_2 = 0.0f;
     float chi_square_choice = 0.0f;
     if (weights_1) {
-        const float by_ax = best_1 + (0.28902653f * limited_3_cosine) + (0.45238933f * limited_3_sine);
+        const float by_ax = best_1 + (arm_a_x * limited_3_cosine) - (arm_a_y * limited_3_sine);
         const float cosine_2_argument = by_ax * by_ax;
         const float phasors_1_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
             (start_cosine_ax * (by_ax * sine_4_polynomial(cosine_2_argument)));
@@ -839,7 +913,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
         terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
-        const float by_ay = best_2 - (0.45238933f * limited_3_cosine) + (0.28902653f * limited_3_sine);
+        const float by_ay = best_2 + (arm_a_y * limited_3_cosine) + (arm_a_x * limited_3_sine);
         const float cosine_2_argument_2 = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
             (start_cosine_ay * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
@@ -862,7 +936,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_3_chi_square = 0.0f;
     float terms_4_chi_square = 0.0f;
     if (weights_3) {
-        const float by_bx = best_1 - (1.118407f * limited_3_cosine) + (1.7404423f * limited_3_sine);
+        const float by_bx = best_1 + (arm_b_x * limited_3_cosine) - (arm_b_y * limited_3_sine);
         const float cosine_2_argument_3 = by_bx * by_bx;
         const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
             (start_cosine_bx * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
@@ -872,7 +946,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
         terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
         terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
-        const float by = best_2 - (1.7404423f * limited_3_cosine) - (1.118407f * limited_3_sine);
+        const float by = best_2 + (arm_b_y * limited_3_cosine) + (arm_b_x * limited_3_sine);
         const float cosine_2_argument_4 = by * by;
         const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
             (start_cosine_by * (by * sine_4_polynomial(cosine_2_argument_4)));
@@ -896,7 +970,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_5_chi_square = 0.0f;
     float terms_6_chi_square = 0.0f;
     if (weights_5) {
-        const float by_cx = best_1 - (2.506991f * limited_3_cosine) + (3.0033627f * limited_3_sine);
+        const float by_cx = best_1 + (arm_c_x * limited_3_cosine) - (arm_c_y * limited_3_sine);
         const float cosine_2_argument_5 = by_cx * by_cx;
         const float phasors_5_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
             (start_cosine_cx * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
@@ -906,7 +980,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
         terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
         terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
-        const float by_cy = best_2 - (3.0033627f * limited_3_cosine) - (2.506991f * limited_3_sine);
+        const float by_cy = best_2 + (arm_c_y * limited_3_cosine) + (arm_c_x * limited_3_sine);
         const float cosine_2_argument_6 = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
             (start_cosine_cy * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
@@ -930,7 +1004,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float terms_7_chi_square = 0.0f;
     float terms_8_chi_square = 0.0f;
     if (weights_7) {
-        const float by_dx = best_1 + (1.627345f * limited_3_cosine) - (0.76654863f * limited_3_sine);
+        const float by_dx = best_1 + (arm_d_x * limited_3_cosine) - (arm_d_y * limited_3_sine);
         const float cosine_2_argument_7 = by_dx * by_dx;
         const float phasors_7_sine = (dx_part_full * cosine_2_polynomial(cosine_2_argument_7)) +
             (start_cosine_dx * (by_dx * sine_4_polynomial(cosine_2_argument_7)));
@@ -940,7 +1014,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
         terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
         terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
-        const float by_dy = best_2 + (0.76654863f * limited_3_cosine) + (1.627345f * limited_3_sine);
+        const float by_dy = best_2 + (arm_d_y * limited_3_cosine) + (arm_d_x * limited_3_sine);
         const float cosine_2_argument_8 = by_dy * by_dy;
         const float phasors_8_sine = (dy_part_full * cosine_2_polynomial(cosine_2_argument_8)) +
             (start_cosine_dy * (by_dy * sine_4_polynomial(cosine_2_argument_8)));
@@ -965,7 +1039,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_product_22 = forward_3_phase_x_2 * terms_1_phase_x_5;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
     const float gradient_4_phase_x = phase_x_choice_2 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
-        terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (0.84055555f * offsets_4_phase_x_2);
+        terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (prior_weight_amplitude * offsets_4_phase_x_2);
     const float forward_4_phase_x_6 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
         (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
@@ -978,11 +1052,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     if (!none_phase_x) {
         const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-            (moves_1_4_phase_x_2 * gradient_4_phase_x), 1845.4835f);
+            (moves_1_4_phase_x_2 * gradient_4_phase_x), largest_projection);
         const float phase_x_product_23 = gains_1_phase_x_2 * projections_1;
         const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-            (moves_2_4_phase_x * gradient_4_phase_x), 1845.4835f);
+            (moves_2_4_phase_x * gradient_4_phase_x), largest_projection);
         const float phase_x_product_24 = gains_2_phase_x_2 * projections_2;
         added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_23) + (moves_2_1_phase_x_2 * phase_x_product_24);
         added_2_phase_y = (moves_1_2_phase_x * phase_x_product_23) + (moves_2_2_phase_x_2 * phase_x_product_24);
@@ -991,8 +1065,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
             (gains_2_phase_x_2 * (projections_2 * projections_2));
     }
-    const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_21 -
-        (terms_1_phase_x_2 * steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + added_1_phase_x_2), 0.5f);
+    const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_21 - (terms_1_phase_x_2 *
+        steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
     const float starts_1_plus_moved_1 = starts_1 + moved_1;
     float phase_x_choice_3 = starts_1_plus_moved_1;
     if (pi < starts_1_plus_moved_1) {
@@ -1005,7 +1079,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x = hall_position_four_limit(phase_x_unlimited, pi);
     const float phase_y_product = gradient_2_phase_x_2 * terms_1_phase_x_3;
     const float moved_2 = hall_position_four_limit(best_2 + (phase_y_product - (terms_1_phase_x_4 * steps_3_phase_x_2) -
-        (terms_1_phase_x_7 * steps_4_phase_x_2) + added_2_phase_y), 0.5f);
+        (terms_1_phase_x_7 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
     const float starts_2_plus_moved_2 = starts_2 + moved_2;
     float phase_y_choice = starts_2_plus_moved_2;
     if (pi < starts_2_plus_moved_2) {
@@ -1016,36 +1090,38 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_y_unlimited = phase_y_choice + two_pi;
     }
     const float phase_y = hall_position_four_limit(phase_y_unlimited, pi);
-    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), 0.1f);
-    const float yaw = hall_position_four_limit(starts_3 + moved_3, 0.20943952f);
-    const float amplitude = hall_position_four_max(hall_position_four_min(estimator_amplitude +
-        hall_position_four_limit(best_4 + (steps_4_phase_x_2 + added_4_amplitude), 0.125f), 1.25f), 0.75f);
+    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_yaw);
+    const float yaw = hall_position_four_limit(starts_3 + moved_3, highest_yaw);
+    const float amplitude_unlimited = hall_position_four_min(estimator_amplitude + hall_position_four_limit(best_4 +
+        (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
+    const float amplitude = hall_position_four_max(amplitude_unlimited, lowest_amplitude);
     const float deviation_phase_x_sum = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
     const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
-    const float deviation_phase_x = hall_position_four_min(0.05500909f * sqrtf(variances_1), 0.25f);
+    const float deviation_phase_x = hall_position_four_min(channel_sigma * sqrtf(variances_1), largest_deviation_phase);
     const float deviation_phase_y_sum = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
     const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
         (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
-    const float deviation_phase_y = hall_position_four_min(0.05500909f * sqrtf(variances_2), 0.25f);
+    const float deviation_phase_y = hall_position_four_min(channel_sigma * sqrtf(variances_2), largest_deviation_phase);
     const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float deviation_yaw = hall_position_four_min(0.05500909f * sqrtf(variances_3), 0.1f);
+    const float deviation_yaw = hall_position_four_min(channel_sigma * sqrtf(variances_3), largest_yaw);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const float deviation_amplitude = hall_position_four_min(0.05500909f * sqrtf(variances_4), 0.2f);
+    const float deviation_amplitude = hall_position_four_min(channel_sigma * sqrtf(variances_4),
+        largest_deviation_amplitude);
     const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_21) + (gradient_2_phase_x_2 * phase_y_product)
         + (forward_3_phase_x_2 * phase_x_product_22) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
     const float cost_chi_square = hall_position_four_max(chi_square_choice + terms_3_chi_square + terms_4_chi_square +
         terms_5_chi_square + terms_6_chi_square + terms_7_chi_square + terms_8_chi_square +
-        (0.84055555f * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
-    const float chi_square = hall_position_four_min(330.46927f * cost_chi_square, 1e+09f);
-    const bool converged = chi_square_sum <= 3.026e-05f;
-    const bool factors_2 = (left_1_1 <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <= 75650.0f) &&
-        (left_4_4_phase_x <= 18912.5f);
-    const bool weak = !factors_2 || (20.654123f <= variances_1) || (20.654123f <= variances_2) ||
-        (3.3046596f <= variances_3) || (13.218638f <= variances_4);
+        (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
+    const float chi_square = hall_position_four_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
+    const bool converged = chi_square_sum <= decrease_tolerance;
+    const bool factors_2 = (left_1_1 <= largest_information_phase) && (left_2_2_phase_x <= largest_information_phase) &&
+        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information_amplitude);
+    const bool weak = !factors_2 || (weak_from_phase <= variances_1) || (weak_from_phase <= variances_2) ||
+        (weak_from_yaw <= variances_3) || (weak_from_amplitude <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const bool none_protection_phase_x = hall_position_four_equal(excluded, 0.0f);
     const float protection_phase_x_limited = hall_position_four_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
@@ -1065,18 +1141,19 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (phase_x_sum_22 * phase_x_sum_22 * gains_4);
     const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_sum_27 * phase_x_sum_27 * gains_6);
     const float protection_yaw_sum_3 = (moves_7_3 * moves_7_3 * gains_7) + (phase_x_sum_32 * phase_x_sum_32 * gain);
-    const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) + (residuals_2_phase_x *
-        residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) + (residuals_4_phase_x * residuals_4_phase_x)
-        + (residuals_5_phase_x * residuals_5_phase_x) + (residuals_6_phase_x * residuals_6_phase_x) +
-        (residuals_7_phase_x * residuals_7_phase_x) + (residuals_8_phase_x * residuals_8_phase_x) + (0.84055555f *
-        (offsets_4_phase_x * offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x *
-        phase_x_product_9) + (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
+    const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) +
+        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
+        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
+        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
+        (residuals_8_phase_x * residuals_8_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_9) +
+        (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_four_max(protection_phase_x_sum_4, 0.0f);
     const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
     const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
     const float costs_1 = full_cost -
         ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
-    const float protection_phase_x_sum_5 = 0.053650968f + (1e-05f * full_cost);
+    const float protection_phase_x_sum_5 = hypothesis_cost + (cancellation * full_cost);
     const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 1.0f);
     const float scores_3_times_gains_3 = scores_3 * gains_3;
     const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
@@ -1093,24 +1170,24 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float costs_4 = full_cost -
         ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
     const bool passing_4 = (costs_4 <= protection_phase_x_sum_5) || hall_position_four_equal(excluded, 4.0f);
-    float limit = 20.515005f;
+    float limit = test_threshold;
     float protection_phase_x_choice;
     float protection_phase_y_choice;
     float level;
     if (none_protection_phase_x) {
-        protection_phase_x_choice = (0.40003738f *
+        protection_phase_x_choice = (undetected *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_limited,
             protection_phase_x_sum), protection_phase_x_sum_2), protection_phase_x_sum_3))) +
-            (3.4807565f * deviation_phase_x);
-        protection_phase_y_choice = (0.40003738f *
+            (level_sigmas * deviation_phase_x);
+        protection_phase_y_choice = (undetected *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_limited,
             protection_phase_y_sum), protection_phase_y_sum_2), protection_phase_y_sum_3))) +
-            (3.4807565f * deviation_phase_y);
-        level = (0.40003738f *
+            (level_sigmas * deviation_phase_y);
+        level = (undetected *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_yaw_limited,
-            protection_yaw_sum), protection_yaw_sum_2), protection_yaw_sum_3))) + (3.4807565f * deviation_yaw);
+            protection_yaw_sum), protection_yaw_sum_2), protection_yaw_sum_3))) + (level_sigmas * deviation_yaw);
     } else {
-        limit = 17.729996f;
+        limit = hypothesis_threshold;
         const float protection_phase_x_sum_6 = steps_1_phase_x - moved_1;
         const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
@@ -1166,24 +1243,25 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_3);
         }
         protection_phase_x_choice = apart_protection_phase_x +
-            (0.19147325f * sqrtf(diagonal_1 + added_protection_phase_x));
+            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x));
         protection_phase_y_choice = apart_protection_phase_y +
-            (0.19147325f * sqrtf(diagonal_2 + added_protection_phase_y));
-        level = apart_protection_yaw + (0.19147325f * sqrtf(diagonal_3 + added_protection_yaw));
+            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y));
+        level = apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw));
     }
-    const bool passes = factors_2 && (cost_chi_square <= (0.003026f * limit));
-    const bool detectable = (gains_1_phase_x < 999.99f) && (gains_2_phase_x < 999.99f) && (gains_3 < 999.99f) &&
-        (gains_4 < 999.99f) && (gains_5 < 999.99f) && (gains_6 < 999.99f) && (gains_7 < 999.99f) && (gain < 999.99f);
+    const bool passes = factors_2 && (cost_chi_square <= (channel_variance * limit));
+    const bool detectable = (gains_1_phase_x < largest_gain) && (gains_2_phase_x < largest_gain) &&
+        (gains_3 < largest_gain) && (gains_4 < largest_gain) && (gains_5 < largest_gain) && (gains_6 < largest_gain) &&
+        (gains_7 < largest_gain) && (gain < largest_gain);
     if (!detectable) {
-        protection_phase_x_choice = 61.842377f;
-        protection_phase_y_choice = 61.842377f;
-        level = 22.0f;
+        protection_phase_x_choice = largest_level_phase;
+        protection_phase_y_choice = largest_level_phase;
+        level = largest_level_yaw;
     }
-    const float protection_phase_x = hall_position_four_min(protection_phase_x_choice, 61.842377f);
-    const float protection_phase_y = hall_position_four_min(protection_phase_y_choice, 61.842377f);
-    const float protection_yaw = hall_position_four_min(level, 22.0f);
-    const bool within_doubted = detectable && (protection_phase_x <= 0.61842376f) &&
-        (protection_phase_y <= 0.61842376f) && (protection_yaw <= 0.22f);
+    const float protection_phase_x = hall_position_four_min(protection_phase_x_choice, largest_level_phase);
+    const float protection_phase_y = hall_position_four_min(protection_phase_y_choice, largest_level_phase);
+    const float protection_yaw = hall_position_four_min(level, largest_level_yaw);
+    const bool within_doubted = detectable && (protection_phase_x <= limit_phase) &&
+        (protection_phase_y <= limit_phase) && (protection_yaw <= limit_yaw);
     const uint32_t estimator_doubted = state->estimator_doubted;
     const uint32_t doubted_sum = hall_position_four_flag(passing_1) + hall_position_four_flag(passing_2) +
         hall_position_four_flag(passing_3) + hall_position_four_flag(passing_4);
@@ -1218,15 +1296,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
         /* metres
-         *     X = 0.00808507 * phase_x + (0.0508 * (limit(turned_x, 9) if |pitch_x| <= 8 and counting, else
-         *         pitch_x) if tracking, else 0); likewise Y
-         *     valid = phases_valid and |pitch_x_next| <= 8 and |pitch_y_next| <= 8
+         *     valid = phases_valid and |pitch_x_next| <= most_pitches and |pitch_y_next| <= most_pitches
          *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
-         *         last_x, else pitch_x), 9) if |pitch_x| <= 8 and counting, else pitch_x) if tracking, else 0;
-         *         likewise pitch_y_next */
+         *         last_x, else pitch_x), end_of_count) if |pitch_x| <= most_pitches and counting, else pitch_x) if
+         *         tracking, else 0; likewise pitch_y_next */
+        static const float end_of_count = 9.0f;                 /* 1; pitches at which counting stays */
+        static const float pitch = 0.0508f;                     /* m; of the magnet matrix */
         const float metres_pitch_x = state->metres_pitch_x;
         float X_if_tracking = metres_pitch_x;
-        if ((fabsf(metres_pitch_x) <= 8.0f) && (metres_counting != 0u)) {
+        if ((fabsf(metres_pitch_x) <= most_pitches) && (metres_counting != 0u)) {
             const float change_x = phase_x - state->metres_last_x;
             float turned_x;
             if (change_x < -pi) {
@@ -1236,12 +1314,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             } else {
                 turned_x = metres_pitch_x;
             }
-            X_if_tracking = hall_position_four_limit(turned_x, 9.0f);
+            X_if_tracking = hall_position_four_limit(turned_x, end_of_count);
         }
-        X_choice = 0.0508f * X_if_tracking;
+        X_choice = pitch * X_if_tracking;
         const float metres_pitch_y = state->metres_pitch_y;
         float Y_if_tracking = metres_pitch_y;
-        if ((fabsf(metres_pitch_y) <= 8.0f) && (metres_counting != 0u)) {
+        if ((fabsf(metres_pitch_y) <= most_pitches) && (metres_counting != 0u)) {
             const float change_y = phase_y - state->metres_last_y;
             float turned_y;
             if (change_y < -pi) {
@@ -1251,25 +1329,27 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             } else {
                 turned_y = metres_pitch_y;
             }
-            Y_if_tracking = hall_position_four_limit(turned_y, 9.0f);
+            Y_if_tracking = hall_position_four_limit(turned_y, end_of_count);
         }
-        Y_choice = 0.0508f * Y_if_tracking;
+        Y_choice = pitch * Y_if_tracking;
         count_x = X_if_tracking;
         count_y = Y_if_tracking;
 
         /* estimator: weighted least squares (continued) */
+        /* V^2; T s^2, T: chi-square of 5 degrees of freedom, false alarm 0.001 */
+        static const float test_cost = 0.06207841f;
         if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
             state->estimator_yaw = yaw;
             state->estimator_amplitude = amplitude;
-            if (fabsf(moved_1) < 0.5f) {
+            if (fabsf(moved_1) < largest_step_phase) {
                 tracked_2_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
             }
-            if (fabsf(moved_2) < 0.5f) {
+            if (fabsf(moved_2) < largest_step_phase) {
                 tracked_2_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
             }
-            if (fabsf(moved_3) < 0.1f) {
+            if (fabsf(moved_3) < largest_yaw) {
                 tracked_2_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
             }
         } else {
@@ -1281,7 +1361,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             tracked_2_motion_yaw = estimator_motion_yaw;
         }
         float best = 0.0f;
-        if (!(full_cost <= 0.06207841f)) {
+        if (!(full_cost <= test_cost)) {
             const float costs_2_min_costs_1 = hall_position_four_min(costs_2, costs_1);
             if (costs_4 < hall_position_four_min(costs_3, costs_2_min_costs_1)) {
                 best = 4.0f;
@@ -1293,14 +1373,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         state->estimator_doubted = hall_position_four_flag(doubted);
         state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
-        const uint32_t estimator_missed_sum = estimator_missed + 1u;
-        state->estimator_missed = (uint32_t)((accepted && phases_valid_test_2) ? 0.0f :
-            hall_position_four_min((float)estimator_missed_sum, 8.0f));
+        state->estimator_missed = (accepted && phases_valid_test_2) ? 0u :
+            ((lost) ? estimator_missed : (estimator_missed + 1u));
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
         const bool ends = converged || (last_age <= estimator_age);
-        const bool last = ends && (last_start <= estimator_start_number);
+        const bool start_number_at_least_23 = last_start <= estimator_start_number;
+        const bool last = ends && start_number_at_least_23;
         const uint32_t estimator_candidates = state->estimator_candidates;
         const bool solves = converged && accepted;
         const bool first = estimator_candidates == 0u;
@@ -1309,9 +1389,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
         const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
         const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-        const float estimator_phase_x_sum = 2.0f - ((first || ((hall_position_four_min(apart_phase_x,
-            fabsf(apart_phase_x - two_pi)) <= 0.15f) && (hall_position_four_min(apart_phase_y, fabsf(apart_phase_y -
-            two_pi)) <= 0.15f) && (fabsf(yaw - estimator_candidate_yaw) <= 0.05f))) ? 1.0f : 0.0f);
+        const float estimator_phase_x_sum = 2.0f -
+            ((first || ((hall_position_four_min(apart_phase_x, fabsf(apart_phase_x - two_pi)) <= agreement_phase) &&
+            (hall_position_four_min(apart_phase_y, fabsf(apart_phase_y - two_pi)) <= agreement_phase) &&
+            (fabsf(yaw - estimator_candidate_yaw) <= agreement_yaw))) ? 1.0f : 0.0f);
         const float count_2 = hall_position_four_max((float)estimator_candidates,
             (solves ? 1.0f : 0.0f) * estimator_phase_x_sum);
         const bool unique = last && hall_position_four_equal(count_2, 1.0f);
@@ -1335,7 +1416,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         float estimator_yaw_if_not_unique = yaw;
         float estimator_amplitude_choice = 1.0f;
         if (ends) {
-            const float estimator_phase_x_sum_2 = state->estimator_begin_phase_x + 5.1470127f;
+            const float estimator_phase_x_sum_2 = state->estimator_begin_phase_x + increment_phase_x;
             if (pi < estimator_phase_x_sum_2) {
                 const float estimator_phase_x_sum_3 = estimator_phase_x_sum_2 - two_pi;
                 estimator_phase_x_choice = estimator_phase_x_sum_3;
@@ -1344,7 +1425,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 estimator_phase_x_choice = estimator_phase_x_sum_2;
                 state->estimator_begin_phase_x = estimator_phase_x_sum_2;
             }
-            const float estimator_phase_y_sum = state->estimator_begin_phase_y + 4.2162914f;
+            const float estimator_phase_y_sum = state->estimator_begin_phase_y + increment_phase_y;
             if (pi < estimator_phase_y_sum) {
                 const float estimator_phase_y_sum_2 = estimator_phase_y_sum - two_pi;
                 estimator_phase_y_choice = estimator_phase_y_sum_2;
@@ -1353,63 +1434,59 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 estimator_phase_y_choice = estimator_phase_y_sum;
                 state->estimator_begin_phase_y = estimator_phase_y_sum;
             }
-            const float estimator_yaw_sum = state->estimator_begin_yaw + 0.230258f;
-            if (0.20943952f < estimator_yaw_sum) {
-                const float estimator_yaw_sum_2 = estimator_yaw_sum - 0.41887903f;
-                estimator_yaw_if_not_unique = estimator_yaw_sum_2;
-                state->estimator_begin_yaw = estimator_yaw_sum_2;
-            } else {
+            const float begin_yaw_plus_increment_yaw = state->estimator_begin_yaw + increment_yaw;
+            if (highest_yaw < begin_yaw_plus_increment_yaw) {
+                const float estimator_yaw_sum = begin_yaw_plus_increment_yaw - width_yaw;
                 estimator_yaw_if_not_unique = estimator_yaw_sum;
                 state->estimator_begin_yaw = estimator_yaw_sum;
+            } else {
+                estimator_yaw_if_not_unique = begin_yaw_plus_increment_yaw;
+                state->estimator_begin_yaw = begin_yaw_plus_increment_yaw;
             }
             state->estimator_age = 0u;
         } else {
             estimator_amplitude_choice = amplitude;
-            const uint32_t estimator_age_sum = estimator_age + 1u;
-            state->estimator_age = (uint32_t)hall_position_four_min((float)estimator_age_sum, 3.0f);
+            state->estimator_age = estimator_age + 1u;
         }
         if (unique) {
             state->estimator_phase_x = candidate_phase_x;
             state->estimator_phase_y = candidate_phase_y;
             state->estimator_yaw = candidate_yaw;
             state->estimator_amplitude = candidate_amplitude;
+            state->estimator_start_number = starts;
         } else {
             state->estimator_phase_x = estimator_phase_x_choice;
             state->estimator_phase_y = estimator_phase_y_choice;
             state->estimator_yaw = estimator_yaw_if_not_unique;
             state->estimator_amplitude = estimator_amplitude_choice;
+            state->estimator_start_number = (last) ? 0u :
+                ((start_number_at_least_23) ? last_start : (estimator_start_number + hall_position_four_flag(ends)));
         }
         state->estimator_excluded = 0u;
         state->estimator_doubted = 0u;
-        if (last) {
-            const float unique_scaled = 24.0f * (unique ? 1.0f : 0.0f);
-            state->estimator_start_number = (uint32_t)unique_scaled;
-        } else {
-            const uint32_t start_number_plus_ends = estimator_start_number + hall_position_four_flag(ends);
-            state->estimator_start_number = (uint32_t)hall_position_four_min((float)start_number_plus_ends, 23.0f);
-        }
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
         state->estimator_missed = 0u;
     }
-    state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, 0.5f);
-    state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, 0.5f);
-    state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, 0.1f);
+    state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, largest_step_phase);
+    state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, largest_step_phase);
+    state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, largest_yaw);
     out->lost = lost ? 1.0f : 0.0f;
 
     /* metres (continued) */
-    const float X = (0.008085071f * phase_x) + X_choice;
+    static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
+    const float X = (length_per_phase * phase_x) + X_choice;
     out->X = X;
-    const float Y = (0.008085071f * phase_y) + Y_choice;
+    const float Y = (length_per_phase * phase_y) + Y_choice;
     out->Y = Y;
-    const float deviation_X = 0.008085071f * deviation_phase_x;
+    const float deviation_X = length_per_phase * deviation_phase_x;
     out->deviation_X = deviation_X;
-    const float deviation_Y = 0.008085071f * deviation_phase_y;
+    const float deviation_Y = length_per_phase * deviation_phase_y;
     out->deviation_Y = deviation_Y;
-    const float protection_X = 0.008085071f * protection_phase_x;
+    const float protection_X = length_per_phase * protection_phase_x;
     out->protection_X = protection_X;
-    const float protection_Y = 0.008085071f * protection_phase_y;
+    const float protection_Y = length_per_phase * protection_phase_y;
     out->protection_Y = protection_Y;
-    const bool valid = phases_valid && (fabsf(count_x) <= 8.0f) && (fabsf(count_y) <= 8.0f);
+    const bool valid = phases_valid && (fabsf(count_x) <= most_pitches) && (fabsf(count_y) <= most_pitches);
     state->metres_last_x = phase_x;
     state->metres_last_y = phase_y;
     state->metres_pitch_x = count_x;
@@ -1429,7 +1506,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         diagnostics->phases_valid = phases_valid ? 1.0f : 0.0f;
         diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
         diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
-        diagnostics->saturated |= (fabsf(yaw) >= 0.20943952f) ? 0x00000004u : 0u;
+        diagnostics->saturated |= (fabsf(yaw) >= highest_yaw) ? 0x00000004u : 0u;
         diagnostics->faults = faults;
         if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = faults;

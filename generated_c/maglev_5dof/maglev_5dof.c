@@ -617,6 +617,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
         static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
         static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
+        static const float highest_y1_y3 = 0.0322f;             /* m; end of its range */
+        static const float lowest_y1_y3 = 0.0168f;              /* m; end of its range */
+        static const float highest_y2_y4 = 0.0366f;             /* m; end of its range */
+        static const float lowest_y2_y4 = 0.0124f;              /* m; end of its range */
         static const uint32_t excluded_from = 2u;               /* 1; contradictions or jumps before the last */
         static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -710,14 +714,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspect_y3 = (maglev_5dof_flag(isolated_y3) + waited) != 0u;
                 const bool isolated_y4 = least <= score_y4;
                 suspect_y4 = (maglev_5dof_flag(isolated_y4) + waited) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1) ? residual_0 : 0.0f), 0.0322f),
-                    0.0168f);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2) ? residual_0 : 0.0f), 0.0366f),
-                    0.0124f);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3) ? residual_0 : 0.0f), 0.0322f),
-                    0.0168f);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4) ? residual_0 : 0.0f), 0.0366f),
-                    0.0124f);
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1) ? residual_0 : 0.0f),
+                    highest_y1_y3), lowest_y1_y3);
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2) ? residual_0 : 0.0f),
+                    highest_y2_y4), lowest_y2_y4);
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3) ? residual_0 : 0.0f),
+                    highest_y1_y3), lowest_y1_y3);
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4) ? residual_0 : 0.0f),
+                    highest_y2_y4), lowest_y2_y4);
                 bool left_out_now_y1 = isolated_y1;
                 bool left_out_now_y2 = isolated_y2;
                 bool left_out_now_y3 = isolated_y3;
@@ -771,10 +775,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             } else {
                 predicted_y4 = y4_expected;
             }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, 0.0322f), 0.0168f);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, 0.0366f), 0.0124f);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, 0.0322f), 0.0168f);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, 0.0366f), 0.0124f);
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, highest_y1_y3),
+                lowest_y1_y3);
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, highest_y2_y4),
+                lowest_y2_y4);
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, highest_y1_y3),
+                lowest_y1_y3);
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, highest_y2_y4),
+                lowest_y2_y4);
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_excluded_y1_next = maglev_5dof_flag((redundancy_excluded_y1 != 0u) && !readmitted_y1);
             redundancy_excluded_y2_next = maglev_5dof_flag((redundancy_excluded_y2 != 0u) && !readmitted_y2);
@@ -1316,7 +1324,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; of x, z */
+        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; I_z / (2 r), r = 0.397 m, I_z = 0.5268 kg
+         * m^2/rad; of x, z */
         static const float half_I_over_r = 0.66347605f;
         static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
         /* A; largest direct current, rms: a little below the current limit */

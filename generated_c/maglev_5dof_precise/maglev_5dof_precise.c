@@ -1,5 +1,4 @@
 /* maglev_5dof_precise. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise.h"
 #include <float.h>
 #include <math.h>
@@ -349,6 +348,7 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     static const float c2 = 8.8825785e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
     static const float c3 = 0.00019985616f;
+    static const float squared_memory = 16.0f;                  /* m^2; limit of |eta|^2 */
 
     const float sum = state->sum;
     const float e_2 = maglev_5dof_precise_limit(e, parameters->largest_error);
@@ -367,14 +367,7 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     const float q3_next = q3 - p3_next + e_2;
     const float sum_sum = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
         (q2_next * q2_next) + (p3_next * p3_next) + (q3_next * q3_next);
-    if (sum_sum <= 16.0f) {
-        /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p2_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q2_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= p3_next <= 4.0000005f; */
-        /*@ admit -4.0000005f <= q3_next <= 4.0000005f; */
+    if (sum_sum <= squared_memory) {
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -500,12 +493,14 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     static const float T = 0.001f;                              /* s; sample period */
     static const float half_T = 0.0005f;                        /* s; half the sample period */
     static const float least_position = 0.0145f;                /* m; bound of the prediction */
-    /* rad; a larger error counts as this in the internal models; of error, step */
+    /* rad; a larger error counts as this in the internal models; a larger change of the set-point has no rate; of
+     * error, step */
     static const float servo_phi_fast_largest = 1e-04f;
     static const uint32_t first_push_end = 1u;                  /* 1; last sample of the first push of a pair */
     static const uint32_t quiet_samples = 12u;                  /* 1; without a change of the code until it probes */
     static const uint32_t last_push_end = 4u;                   /* 1; last sample of the second push */
     static const uint32_t reverse_push_end = 3u;                /* 1; last sample of the push to the other side */
+    static const float current_limit = 4.9497476f;              /* A; largest current of a motor, rms: 7 A peak */
     static const uint32_t pair_samples = 7u;                    /* 1; of a pair with its answer */
     /* m/s^2; acceleration of the first pair, which moves the body by 2.2e-06 m and back in 4 samples */
     static const float first_push = 2.2f;
@@ -657,6 +652,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
         static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
         static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
+        static const float highest_y1_y3 = 0.0322f;             /* m; end of its range */
+        static const float lowest_y1_y3 = 0.0168f;              /* m; end of its range */
+        static const float highest_y2_y4 = 0.0366f;             /* m; end of its range */
+        static const float lowest_y2_y4 = 0.0124f;              /* m; end of its range */
         static const uint32_t excluded_from = 2u;               /* 1; contradictions or jumps before the last */
         static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
         const bool good_y1 = (faults & 0x00000001u) == 0u;
@@ -752,13 +751,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const bool isolated_y4 = least <= score_y4;
                 suspect_y4 = (maglev_5dof_precise_flag(isolated_y4) + waited) != 0u;
                 y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
-                    ((isolated_y1) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
+                    ((isolated_y1) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
                 y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
-                    ((isolated_y2) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
+                    ((isolated_y2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
                 y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
-                    ((isolated_y3) ? residual_0 : 0.0f), 0.0322f), 0.0168f);
+                    ((isolated_y3) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
                 y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
-                    ((isolated_y4) ? residual_0 : 0.0f), 0.0366f), 0.0124f);
+                    ((isolated_y4) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
                 bool left_out_now_y1 = isolated_y1;
                 bool left_out_now_y2 = isolated_y2;
                 bool left_out_now_y3 = isolated_y3;
@@ -814,13 +813,13 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 predicted_y4 = y4_expected;
             }
             y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y1) ? y1_accepted : predicted_y1,
-                0.0322f), 0.0168f);
+                highest_y1_y3), lowest_y1_y3);
             y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y2) ? y2_accepted : predicted_y2,
-                0.0366f), 0.0124f);
+                highest_y2_y4), lowest_y2_y4);
             y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y3) ? y3_accepted : predicted_y3,
-                0.0322f), 0.0168f);
+                highest_y1_y3), lowest_y1_y3);
             y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y4) ? y4_accepted : predicted_y4,
-                0.0366f), 0.0124f);
+                highest_y2_y4), lowest_y2_y4);
             determined = missing_at_most_1 && (doubted == 0u);
             redundancy_excluded_y1_next = maglev_5dof_precise_flag((redundancy_excluded_y1 != 0u) && !readmitted_y1);
             redundancy_excluded_y2_next = maglev_5dof_precise_flag((redundancy_excluded_y2 != 0u) && !readmitted_y2);
@@ -1213,10 +1212,11 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* servo_phi_fast: predictive servo with internal models
          *     e = limit(e_phi, largest)
-         *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16
+         *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= squared_memory
          *     sum_next = sum + e if inside, else sum
          *     p1_next = p1 + c1 * q1 if inside, else p1
          *     q1_next = q1 - (p1 + c1 * q1) + e if inside, else q1 */
+        static const float squared_memory = 16.0f;              /* m^2; limit of |eta|^2 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
@@ -1228,10 +1228,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e;
         const float servo_phi_fast_sum_sum = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
-        if (servo_phi_fast_sum_sum <= 16.0f) {
-            /*@ admit -4.0000005f <= servo_phi_fast_sum_next <= 4.0000005f; */
-            /*@ admit -4.0000005f <= servo_phi_fast_p1_next <= 4.0000005f; */
-            /*@ admit -4.0000005f <= servo_phi_fast_q1_next <= 4.0000005f; */
+        if (servo_phi_fast_sum_sum <= squared_memory) {
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;
@@ -1495,14 +1492,19 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         i_d4_balanced^2))); likewise u_z_computed */
         static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
         static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
+        static const float highest_y1_held = 0.0322f;           /* m; end of its range; also highest_y3_held */
+        static const float lowest_y1_held = 0.0168f;            /* m; end of its range; also lowest_y3_held */
         static const float gap_offset = 0.009233333f;           /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
         static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
         /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
         static const float half_c_over_h2 = 0.0007232277f;
         static const float M_z = 8.6f;                          /* kg; Table I */
+        static const float highest_y2_held = 0.0366f;           /* m; end of its range; also highest_y4_held */
+        static const float lowest_y2_held = 0.0124f;            /* m; end of its range; also lowest_y4_held */
         static const float M_x = 10.6f;                         /* kg; Table I */
         static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; of x, z */
+        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; I_z / (2 r), r = 0.397 m, I_z = 0.5268 kg
+         * m^2/rad; of x, z */
         static const float half_I_over_r = 0.66347605f;
         static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
         /* 1; 4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4) */
@@ -1510,40 +1512,46 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         /* A; largest direct current, rms: a little below the current limit */
         static const float direct_limit = 4.9492526f;
         static const float squared_current_limit = 24.5f;       /* A^2; square of the current limit, 7 A peak */
+        static const float inverse_M_x = 0.094339624f;          /* 1/kg; 1 / M_x, M_x = 10.6 kg */
+        static const float inverse_M_z = 0.11627907f;           /* 1/kg; 1 / M_z, M_z = 8.6 kg */
         const float tilts_3 = r * observer_phi_fast.fast_ahead;
-        const float slot_effect_y1_held = slot_pull /
-            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_1_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3,
+            highest_y1_held), lowest_y1_held) + gap_offset;
+        const float slot_effect_y1_held = slot_pull / thrust_per_ampere_1_sum;
         const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
         const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
         const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
-        const float slot_effect_y3_held = slot_pull /
-            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3, 0.0322f), 0.0168f) + gap_offset);
+        const float thrust_per_ampere_3_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3,
+            highest_y1_held), lowest_y1_held) + gap_offset;
+        const float slot_effect_y3_held = slot_pull / thrust_per_ampere_3_sum;
         const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
         const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
         const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z / h_z;
-        const float i_q_1_3 = maglev_5dof_precise_limit(u_z_demand, 4.9497476f);
+        const float i_q_1_3 = maglev_5dof_precise_limit(u_z_demand, current_limit);
         const float i_q_1_3_squared = i_q_1_3 * i_q_1_3;
         const float half_1 = motors_1_half_a + (motors_1_half_c * i_q_1_3_squared);
         const float tilts_2 = r * observer_theta_fast.fast_ahead;
-        const float slot_effect_y2_held = slot_pull /
-            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_2_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2,
+            highest_y2_held), lowest_y2_held) + gap_offset;
+        const float slot_effect_y2_held = slot_pull / thrust_per_ampere_2_sum;
         const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
         const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
         const float motors_2_half_a = thrust_per_ampere_2_squared * half_a_over_h2_2;
         const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
-        const float slot_effect_y4_held = slot_pull /
-            (maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2, 0.0366f), 0.0124f) + gap_offset);
+        const float thrust_per_ampere_4_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2,
+            highest_y2_held), lowest_y2_held) + gap_offset;
+        const float slot_effect_y4_held = slot_pull / thrust_per_ampere_4_sum;
         const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
         const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
         const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x / h_x;
-        const float i_q_2_4 = maglev_5dof_precise_limit(u_x_demand, 4.9497476f);
+        const float i_q_2_4 = maglev_5dof_precise_limit(u_x_demand, current_limit);
         const float i_q_2_4_squared = i_q_2_4 * i_q_2_4;
         const float half_2 = motors_2_half_a + (motors_2_half_c * i_q_2_4_squared);
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
@@ -1595,8 +1603,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float u_z_computed_radicand = squared_current_limit -
             maglev_5dof_precise_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced);
         const float u_z_computed = maglev_5dof_precise_limit(u_z_demand, sqrtf(u_z_computed_radicand));
-        const float a_x = -0.094339624f * (u_x_computed * h_x);
-        const float a_z = -0.11627907f * (u_z_computed * h_z);
+        const float a_x = -inverse_M_x * (u_x_computed * h_x);
+        const float a_z = -inverse_M_z * (u_z_computed * h_z);
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
         out->i_q2 = u_x_computed;
@@ -1624,8 +1632,6 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
         static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
         static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
-        /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
-        static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;
         if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
             const float target = (lost_x && (lost_z || (observer_y_q < held_by_spring))) ? handover_transfer :

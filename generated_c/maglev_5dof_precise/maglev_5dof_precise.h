@@ -173,11 +173,11 @@
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
- * Named constants that follow from parameters of the plant, by parameter: G: G; M_x: M_x; M_z: M_z; k_s_phi:
- * compensated_k_s_phi, spring_phi; k_s_theta: compensated_k_s_theta; mu_rec: gap_offset; h_m: gap_offset,
- * half_c_over_h2, slot_pull; b0, t1: gap_offset, slot_pull; I_x, I_z: half_I_over_r; r: half_I_over_r, r; M_y:
- * half_M_y; H_c, L_A, W, mu0, p, p_m, tau, tau_p, w_c, z1: half_c_over_h2, slot_pull. Gains, polynomials and bounds may
- * follow from them too.
+ * Named constants that follow from parameters of the plant, by parameter: G: G; M_x: M_x, inverse_M_x; M_z: M_z,
+ * inverse_M_z; k_s_phi: compensated_k_s_phi, spring_phi; k_s_theta: compensated_k_s_theta; mu_rec: gap_offset; h_m:
+ * gap_offset, half_c_over_h2, slot_pull; b0, t1: gap_offset, slot_pull; I_x, I_z: half_I_over_r; r: half_I_over_r, r;
+ * M_y: half_M_y; H_c, L_A, W, mu0, p, p_m, tau, tau_p, w_c, z1: half_c_over_h2, slot_pull. Gains, polynomials and
+ * bounds may follow from them too.
  *
  * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.

@@ -114,13 +114,15 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         0x00000200u, &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
-     *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
-     *         z_acting
+     *     x_acting = last_x_next + samples_ahead * (last_x_next - (last_x if 1 <= left_x, else x_held));
+     *         likewise z_acting
      *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
      *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
      *         else x_held) - 0.001); likewise last_z_next
      *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
      *         likewise left_z_next */
+    static const float step = 0.001f;                           /* m; 1 m/s times 0.001 s; of x, z */
+    static const float samples_ahead = 1.5f;                    /* 1; from the measurement until the current acts */
     static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_choice = x_held;
@@ -129,8 +131,8 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         advance_last_x_choice = state->advance_last_x;
         advance_left_x_choice = advance_left_x - 1u;
     }
-    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_choice, x_held, 0.001f);
-    const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_choice));
+    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_choice, x_held, step);
+    const float x_acting = advance_last_x_next + (samples_ahead * (advance_last_x_next - advance_last_x_choice));
     const bool good_x = (faults & 0x00000100u) == 0u;
     const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
     const uint32_t advance_left_z = state->advance_left_z;
@@ -140,8 +142,8 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         last = state->advance_last_z;
         advance_left_z_choice = advance_left_z - 1u;
     }
-    const float position = maglev_5dof_precise_phase_slew(last, z_held, 0.001f);
-    const float z_acting = position + (1.5f * (position - last));
+    const float position = maglev_5dof_precise_phase_slew(last, z_held, step);
+    const float z_acting = position + (samples_ahead * (position - last));
     const bool good_z = (faults & 0x00000200u) == 0u;
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
@@ -160,26 +162,33 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     }
 
     /* commutation: phase currents, inverse Park
-     *     n_x = floor(8.74891 * x_acting + 4.5) - 4; likewise n_z
-     *     active = lost_x or lost_z or (0 < |transfer| or 1 <= unknown)
-     *     both = lost_x and lost_z
-     *     distance_x = limit(x_acting - 0.114288 * n_x - 1.16699e-05 * n_x, 0.0572643); likewise distance_z
+     *     distance_x = limit(x_acting - period_high * (floor(inverse_period * x_acting + 4.5) - 4) -
+     *         period_low * (floor(inverse_period * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
      *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
-     *     transfer_next = max(min(transfer if both, else (1 if lost_x is set, else (-1 if lost_z is set, else
-     *         0)), transfer + 0.04), transfer - 0.04) if active, else 0
-     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if both, else (unknown - 1 if
-     *         1 <= unknown, else 0)) if active, else 0 */
+     *     transfer_next = max(min(target, transfer + fade_step), transfer - fade_step) if lost_x or lost_z or
+     *         (0 < |transfer| or 1 <= unknown), else 0
+     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
+     *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
+     *         else 0 */
+    static const float inverse_period = 8.748906f;              /* 1/m; 1 over the period, 0.1143 m */
+    static const float period_high = 0.11428833f; /* m; the period, 0.1143 m, in 12 bits: its multiples are exact */
+    static const float period_low = 1.1669922e-05f;             /* m; the period, 0.1143 m, less period_high */
+    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
+    /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
+    static const float current_limit = 4.9497476f;
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
+    static const float eight_root_2 = 11.313708f;               /* 1; 8 sqrt(2) */
+    static const float four_root_2 = 5.656854f;                 /* 1; 4 sqrt(2) */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    const float distance_x_sum = (8.748906f * x_acting) + 4.5f;
+    const float distance_x_sum = (inverse_period * x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
-    const float distance_x = x_acting - (0.11428833f * n_x) - (1.1669922e-05f * n_x);
+    const float distance_x = x_acting - (period_high * n_x) - (period_low * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_polynomial(distance_x * distance_x);
-    const float distance_z_sum = (8.748906f * z_acting) + 4.5f;
+    const float distance_z_sum = (inverse_period * z_acting) + 4.5f;
     const float n_z = (float)(uint32_t)distance_z_sum - 4.0f;
-    const float distance_z = z_acting - (0.11428833f * n_z) - (1.1669922e-05f * n_z);
+    const float distance_z = z_acting - (period_high * n_z) - (period_low * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
@@ -187,12 +196,12 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     const bool unknown_at_least_1 = 1u <= commutation_unknown;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
-    const float turned_sine = h_z * (5.656854f - (11.313708f * quarter_sine_z_squared));
-    const float turned_cosine = root_2 - (11.313708f * (h_z * h_z));
+    const float turned_sine = h_z * (four_root_2 - (eight_root_2 * quarter_sine_z_squared));
+    const float turned_cosine = root_2 - (eight_root_2 * (h_z * h_z));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
     const float h_x = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
-    const float waves_x_cosine_i_a2 = h_x * (5.656854f - (11.313708f * quarter_sine_x_squared));
-    const float waves_x_sine_i_a2 = root_2 - (11.313708f * (h_x * h_x));
+    const float waves_x_cosine_i_a2 = h_x * (four_root_2 - (eight_root_2 * quarter_sine_x_squared));
+    const float waves_x_sine_i_a2 = root_2 - (eight_root_2 * (h_x * h_x));
     float cosine_z_i_a1 = i_d1_held;
     float waves_z_cosine = turned_sine;
     float waves_z_sine = turned_cosine;
@@ -215,24 +224,24 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
                 state->commutation_unknown = 0u;
             }
         }
-        const float transfer = maglev_5dof_precise_phase_slew(commutation_transfer, target, 0.04f);
+        const float transfer = maglev_5dof_precise_phase_slew(commutation_transfer, target, fade_step);
         const bool of_x = 0.0f < transfer;
         const float part = fabsf(transfer);
         const float part_x = (of_x) ? part : 0.0f;
         const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
-        cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
-        const float whole = maglev_5dof_precise_phase_min(0.04f * (105.0f - (float)commutation_unknown), 1.0f);
+        cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, current_limit - fabsf(i_q1_held));
+        const float whole = maglev_5dof_precise_phase_min(fade_step * (105.0f - (float)commutation_unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
         waves_z_cosine = share_z * turned_sine;
         waves_z_sine = share_z * turned_cosine;
         const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
-        cosine_x_i_a2 = maglev_5dof_precise_phase_limit(i_d2_held + handed_x, 4.9497476f - fabsf(i_q2_held));
+        cosine_x_i_a2 = maglev_5dof_precise_phase_limit(i_d2_held + handed_x, current_limit - fabsf(i_q2_held));
         const float share_x = whole * (1.0f - part_x);
         waves_x_cosine_i_a2_2 = share_x * waves_x_cosine_i_a2;
         waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
-        cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
-        cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
+        cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, current_limit - fabsf(i_q3_held));
+        cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, current_limit - fabsf(i_q4_held));
         state->commutation_transfer = transfer;
     } else {
         state->commutation_transfer = 0.0f;

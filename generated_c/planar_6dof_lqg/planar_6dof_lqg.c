@@ -723,7 +723,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
          *     phi_rate_next = limit(advance_phi, phi_limit) */
-        static const float phi_limit = 0.05f; /* rad; largest position that is predicted; of position, rate */
+        /* rad; largest position that is predicted; 40 rad/s times T: largest rate that is predicted; of position,
+         * rate */
+        static const float phi_limit = 0.05f;
         static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
         static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
         static const float reckoning_x_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */

@@ -22,7 +22,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
-from synth.signals import Signal
+from synth.signals import Signal, per_second
 from synth.timing import Discrete
 
 NAME = "advance"
@@ -67,12 +67,18 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
             "more, at least one bad sample, and positive speeds"
         )
 
-    patience = Constant("advance_patience", bad_samples, "1", "bad samples until a position is lost", ("left",))
+    T = time.period_s
+    numbers = [Constant("advance_patience", bad_samples, "1", "bad samples until a position is lost", ("left",))]
+    for p in positions:
+        speed, unit = f"{p.speed:g} {per_second(p.signal.unit)}", p.signal.unit
+        numbers.append(Constant(f"step_{p.signal.name}", p.speed * T, unit, f"{speed} times {T:g} s", is_limit=True))
+    if samples:
+        numbers.append(Constant("samples_ahead", samples, "1", "from the measurement until the current acts"))
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output, next = {}, {}
         for p in positions:
-            name, most = p.signal.name, p.speed * time.period_s
+            name, most = p.signal.name, p.speed * T
             measured, left, refused = u[f"{name}_held"], x[f"left_{name}"], u[f"fault_{name}"]
             known = left >= 1
             last = ca.if_else(known, x[f"last_{name}"], measured)
@@ -81,7 +87,7 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
             output[lost(p.signal).name] = ca.if_else(refused, left <= 1, 0)
             next[f"last_{name}"] = position
             next[f"left_{name}"] = ca.if_else(refused, ca.if_else(known, left - 1, 0), bad_samples)
-        return Step(output, next, numbers=[patience])
+        return Step(output, next, numbers=numbers)
 
     signals = [p.signal for p in positions]
     nearest = {s.name: min(max(0.0, s.low), s.high) for s in signals}

@@ -28,7 +28,15 @@ from numpy.typing import ArrayLike
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_sampled, glsdc_search, safety
+from synth.blocks import (
+    glsdc_jacobian,
+    glsdc_linearisation,
+    glsdc_monitor,
+    glsdc_numbers,
+    glsdc_sampled,
+    glsdc_search,
+    safety,
+)
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_exclusion import Separation
 from synth.blocks.glsdc_integrity import Integrity
@@ -43,7 +51,6 @@ from synth.errors import ModelError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
-ROUNDING = 1e-5  # relative, of a variance at its limit
 CHI_SQUARE = Signal("chi_square", "1", 0, 1e9, "weighted sum of squared residuals, and of the priors")
 COMPLETE = Signal("complete", "1", 0, 1, "every channel was accepted in this sample")
 FLAGS = (
@@ -69,6 +76,7 @@ def estimator(
     iteration: Iteration | None = None,
     integrity: Integrity | None = None,
     search: Search | None = None,
+    numbers: Sequence[Constant] = (),
     tag: str = "weighted least squares",
 ) -> Block:
     """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
@@ -77,7 +85,7 @@ def estimator(
     sin_q too. R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model
     error. `angles` are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`,
     too. With a `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each
-    unknown.
+    unknown. `numbers` are those of h and of the phases that the C names.
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
@@ -91,6 +99,12 @@ def estimator(
     glsdc_sampled.check(of, constants)
     monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
     _check_search(of, monitor, search)
+    own_numbers = [
+        Constant("largest_chi_square", CHI_SQUARE.high, "1", "weighted sum that is reported at most", is_limit=True),
+        *glsdc_numbers.of_solution(of, iteration or Iteration()),
+        *(glsdc_numbers.of_monitor(monitor) if monitor else []),
+        *(glsdc_numbers.of_search(search, of.unknowns) if search else []),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
@@ -98,7 +112,8 @@ def estimator(
         weights = glsdc_monitor.weights(monitor, x) if monitor else None
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
         solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
-        return _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
+        step = _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
+        return replace(step, numbers=[*numbers, *own_numbers])
 
     return build(
         name,
@@ -191,7 +206,7 @@ def _step(
             )
             output, next = output | dict(tracked[0]), next | dict(tracked[1])
     output |= {"converged": solution.converged, "weak": weak, "valid": good}
-    return Step(output, next, named, problem.prediction.certified, search.counts() if search else [])
+    return Step(output, next, named, problem.prediction.certified)
 
 
 def _track(
@@ -212,8 +227,8 @@ def _track(
 
 def _is_weak(of: Model, normal: Normal, variances: Vector) -> ca.SX:
     weak = ca.logic_not(normal.in_range)
-    for variance, floor in zip(variances, of.floors, strict=True):
-        weak = ca.logic_or(weak, variance >= (1 - ROUNDING) / floor)
+    for variance, least in zip(variances, of.weak_from, strict=True):
+        weak = ca.logic_or(weak, variance >= least)
     return weak
 
 

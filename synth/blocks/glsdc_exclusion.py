@@ -96,8 +96,7 @@ def solve(
     whole = glsdc_solution.trial(of_all, [ca.SX(0)] * len(of.offsets), begin, factors)
     separation = _separation(of.model, groups, *factors, whole, replace(begin, directions=axes))
     removal, scores = _removal(groups, separation, excluded)
-    # A projection is at most |e|, and what the factors of its group add; the bound keeps its square finite.
-    most = (1 + 1 / sqrt(glsdc_integrity.DETECTABLE)) * glsdc_solution.residual_bound(of.model)
+    most = largest_projection(of.model)
     bound = Signal("projection", "1", -most, most)
 
     def trial(i: int, at: Vector) -> Trial[Reduced]:
@@ -114,6 +113,11 @@ def solve(
         return Trial(at, one.residuals, one.squares, one.cost, normal)
 
     return glsdc_solution.iterate(of.model, iteration, trial), separation
+
+
+def largest_projection(of: Model) -> float:
+    """Return the bound of |x_j'g|: at most |e|, and what the factors of its group add; it keeps the square finite."""
+    return (1 + 1 / sqrt(glsdc_integrity.DETECTABLE)) * glsdc_solution.residual_bound(of)
 
 
 def linearise(of: Problem, at: Vector) -> Linearisation:

@@ -35,6 +35,7 @@ from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
 MOST_POWER = 6  # of a polynomial in a sine, in the Jacobian
+ROUNDING = 1e-5  # relative, of a variance at its limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,11 @@ class Model:
     def floors(self) -> tuple[float, ...]:
         """The least pivots: s^2 / largest_deviation^2."""
         return tuple((self.scale / u.largest_deviation) ** 2 for u in self.unknowns)
+
+    @property
+    def weak_from(self) -> tuple[float, ...]:
+        """The variances over s^2 from which an unknown is not determined to its largest deviation."""
+        return tuple((1 - ROUNDING) / floor for floor in self.floors)
 
     @property
     def is_diagonal(self) -> bool:

@@ -193,7 +193,7 @@ def judge(
         for i in _limit_indices(of)
     }
     passes = cost <= of.thresholds.test * of.model.scale**2
-    return _judgement(of, passes, levels, faults, 1.0)
+    return _judgement(of, passes, levels, faults, ca.SX(1))
 
 
 def _judge_hypotheses(
@@ -220,8 +220,7 @@ def _judge_hypotheses(
     passes = ca.logic_and(about.in_range, cost <= limit * variance)
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
     excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
-    share = of.integrity.excluded_limits
-    made = _judgement(of, passes, levels, faults, share if share == 1 else ca.if_else(none, 1, share))
+    made = _judgement(of, passes, levels, faults, none)
     ambiguous = ca.logic_and(glsdc.total(passing) > 1, ca.logic_not(made.within))
     doubted = ca.logic_or(x[DOUBTED.name], ambiguous)
     doubted = ca.logic_and(ca.logic_not(ca.logic_or(none, x["certain"])), doubted)
@@ -255,14 +254,17 @@ def _limit_indices(of: Monitor) -> list[int]:
     return [i for i, u in enumerate(of.model.unknowns) if u.name in of.integrity.limits]
 
 
-def _judgement(
-    of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, share: ca.SX | float
-) -> Judgement:
-    """Return the judgement with levels within a share of their limits."""
+def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, none: ca.SX) -> Judgement:
+    """Return the judgement with levels within their limits, or those while a group is excluded unless `none` is."""
     by_name, within = {}, faults.detectable
     for i, level in levels.items():
         u = of.model.unknowns[i]
-        signal = _level(of, u.name, u.signal.unit)
+        signal, limit = _level(of, u.name, u.signal.unit), of.integrity.limits[u.name]
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
-        within = ca.logic_and(within, by_name[signal.name] <= share * of.integrity.limits[u.name])
+        within = ca.logic_and(within, by_name[signal.name] <= ca.if_else(none, limit, excluded_limit(of, u.name)))
     return Judgement(passes, by_name, within, {})
+
+
+def excluded_limit(of: Monitor, name: str) -> float:
+    """Return the limit of the protection level of an unknown while a group is excluded, in its unit."""
+    return of.integrity.excluded_limits * of.integrity.limits[name]

@@ -155,11 +155,13 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
             f"candidate_{u.name}": ca.if_else(tracking, x[f"candidate_{u.name}"], candidate),
             u.name: ca.if_else(tracking, track, sweep),
         }
-    following = ca.if_else(last, of.starts * unique, ca.fmin(x["start_number"] + ends, of.starts - 1))
-    missed = ca.fmin(x["missed"] + 1, of.patience)
+    number, final = x["start_number"], of.starts - 1
+    going_on = ca.if_else(number >= final, final, number + ends)
+    following = ca.if_else(unique, of.starts, ca.if_else(last, 0, going_on))
+    missed = ca.if_else(is_lost(of, x), x["missed"], x["missed"] + 1)
     kept = ca.logic_or(ca.logic_not(last), unique)
     if of.dwell > 1:
-        age = ca.if_else(ends, 0, ca.fmin(x["age"] + 1, of.dwell - 1))
+        age = ca.if_else(ends, 0, x["age"] + 1)
         next["age"] = ca.if_else(tracking, 0, age)
     followed = ca.logic_and(accepted, ca.logic_not(is_lost(of, x)))
     return next | {

@@ -27,10 +27,10 @@ from math import ceil, frexp, ldexp, log2, pi
 
 import casadi as ca
 
-from synth.block import Certificate, clip
+from synth.block import Certificate, Constant, clip
 from synth.blocks.glsdc import NamedExpressions
 from synth.errors import SignalError
-from synth.signals import Signal
+from synth.signals import Signal, quotient_unit
 
 MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
 HIGH_BITS = 12  # bits of the leading part of a period
@@ -58,11 +58,15 @@ class Phasor:
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """The distance of a position from the nearest whole multiple of a period, with its certificate for `Step`."""
+    """The distance of a position from the nearest whole multiple of a period, with its certificate for `Step`.
+
+    `numbers` are those of the period that the C names.
+    """
 
     signal: Signal
     value: ca.SX
     certificate: Certificate
+    numbers: tuple[Constant, ...]
 
 
 def of(angle: ca.SX) -> Phasor:
@@ -134,7 +138,13 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
     half = period / 2 * (1 + MARGIN)
     signal = Signal(f"distance_{name}", bounds.unit, -half, half, f"of {bounds.name} from a whole period")
     value = clip((position - n * high) - n * (period - high), signal)
-    return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u))
+    unit, about = bounds.unit, f"the period, {period:.9g} {bounds.unit}"
+    numbers = (
+        Constant("inverse_period", 1 / period, quotient_unit("1", unit), f"1 over {about}"),
+        Constant("period_high", high, unit, f"{about}, in {HIGH_BITS} bits: its multiples are exact"),
+        Constant("period_low", period - high, unit, f"{about}, less period_high"),
+    )
+    return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u), numbers)
 
 
 def quarter_angle_error(u: float, e: float) -> float:

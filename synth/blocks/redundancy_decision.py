@@ -7,7 +7,7 @@ from math import inf, sqrt
 from synth import arguments
 from synth.analyse.parity import Relation
 from synth.block import Constant
-from synth.blocks import isolation
+from synth.blocks import isolation, range_numbers
 from synth.blocks.isolation import FRESH, STILL
 from synth.errors import SignalError
 from synth.signals import Signal
@@ -64,6 +64,7 @@ class Decision:
         )
         return [
             *numbers, *self._counts(),
+            *(n for r in relations for name in r.weights for n in range_numbers.ends(signals[name])),
             Constant("undecided_from", self.undecided - 1, "1", "contradictions before all are suspects",
                      ("contradictions",)),
             Constant("most_contradictions", self.undecided, "1", "contradictions that are counted",

@@ -18,7 +18,7 @@ from functools import reduce
 import casadi as ca
 
 from synth import arguments, numeric
-from synth.block import Block, Exprs, State, Step, build
+from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -39,13 +39,15 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
     if sorted(names) != sorted(listed) or not all(groups):
         raise SignalError(f"the groups have {', '.join(listed)}: give each of {', '.join(names)} in one group")
     limit = numeric.whole("the number of repeats", repeats, 1, MOST_REPEATS)
+    most = Constant("most_repeats", limit, "1", "samples in a row with the same code: frozen", ("repeats",))
     rejected = Signal("rejected", "1", 0, len(groups), "number of the group of channels that is refused or frozen")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         next, flags = {f"last_{name}": u[f"{name}_held"] for name in names}, []
         for index, group in enumerate(groups, 1):
             same = reduce(ca.logic_or, [ca.fabs(u[f"{name}_held"] - x[f"last_{name}"]) <= 0 for name in group])
-            count = ca.fmin(x[f"repeats_{index}"] + 1, limit)
+            before = x[f"repeats_{index}"]
+            count = ca.if_else(before >= limit, before, before + 1)
             frozen = ca.if_else(same, count >= limit, 0)
             refused = reduce(ca.logic_or, [u[f"fault_{name}"] for name in group])
             flags.append(ca.logic_or(refused, frozen))
@@ -54,7 +56,7 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
         number = ca.SX(0)
         for index, flag in reversed(list(enumerate(flags, 1))):
             number = ca.if_else(flag, index, number)
-        return Step({"rejected": ca.if_else(single, number, 0), SCREENED.name: single}, next)
+        return Step({"rejected": ca.if_else(single, number, 0), SCREENED.name: single}, next, numbers=[most])
 
     held = [replace(s, name=f"{s.name}_held") for s in channels]
     faults = [Signal(f"fault_{name}", "1", 0, 1, "refused this sample") for name in names]

@@ -27,7 +27,7 @@ INNER = {  # modules whose functions take what others have read
     *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
     *("glsdc_model", "glsdc_jacobian", "glsdc_linearisation", "glsdc_solution", "glsdc_integrity", "glsdc_monitor"),
     *("glsdc_exclusion", "isolation", "redundancy_failures", "redundancy_signals", "guard_failures"),
-    *("safety_numbers", "bad_samples", "glsdc_declared", "glsdc_sampled"),
+    *("safety_numbers", "bad_samples", "glsdc_declared", "glsdc_sampled", "glsdc_numbers", "range_numbers"),
 }
 
 

@@ -29,8 +29,8 @@ from designs.hall_position.glsdc import channels, planar, tracking
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import Problem
 from models.hall_two_waves import PlanarArray
-from synth.block import Block, Exprs, Step, build
-from synth.blocks import glsdc_estimator, phasor
+from synth.block import Block, Constant, Exprs, Step, build
+from synth.blocks import glsdc_estimator, glsdc_numbers, phasor
 from synth.blocks.glsdc import NamedExpressions
 from synth.blocks.glsdc_solution import Normal
 from synth.blocks.phasor import Phasor
@@ -61,6 +61,12 @@ def guarded_estimator(
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
     """Return the Block from held voltages and ``complete`` to X, Y and yaw."""
     problem = planar.problem(array, tuning)
+    numbers = [
+        *glsdc_numbers.of_solution(problem.model, problem.iteration),
+        *planar.arm_numbers(array.arms),
+        *tracking.numbers(problem),
+        *_numbers(problem),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
@@ -79,7 +85,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]}
-        return Step(output, after.next, named, predicted.certified)
+        return Step(output, after.next, named, predicted.certified, numbers)
 
     return build(
         "estimator",
@@ -91,6 +97,20 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         constants=planar.field_constants(array),
         tag="GLSDC, Fig. 9",
     )
+
+
+def _numbers(of: Problem) -> list[Constant]:
+    """Return the numbers of the position, its deviations and the prior that the C names."""
+    array, r = of.array, of.tuning.yaw_damping_ratio
+    least, w = of.damping * array.radius**2, array.wave_number
+    return [
+        Constant("pitch", array.pitch, "m", "of the magnet matrix"),
+        Constant("length_per_phase", 1 / w, "m/rad", "pitch / (2 pi)"),
+        Constant("sigma_per_wave_number", array.deviation / w, "V m/rad", "deviation of a voltage, pitch / (2 pi)"),
+        Constant("squared_radius", array.radius**2, "rad^2", "of the arms of the sensors, sum of squares"),
+        Constant("yaw_damping", (1 - r**2) * least, "V^2/rad^2", f"(1 - r^2) times that of the phases, r = {r:g}"),
+        Constant("root_regularisation", channels.ROOT_REGULARISATION, "V^2", "keeps the argument of a root positive"),
+    ]
 
 
 def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:

@@ -106,6 +106,16 @@ def _phase(axis: str, arm: Pair) -> Callable[[Exprs, Exprs], ca.SX]:
     return phase
 
 
+def arm_numbers(arms: Sequence[Pair]) -> list[Constant]:
+    """Return the arms of the sensors as numbers that the C names, rad of phase."""
+    return [
+        Constant(f"arm_{letter}_{axis}", arm, "rad", f"arm of sensor {letter} along {axis}, times 2 pi over the pitch")
+        for letter, each in zip(ascii_lowercase, arms, strict=False)
+        for axis, arm in zip(AXES, each, strict=True)
+        if arm
+    ]
+
+
 def in_body_axes(of: Measurement, sensors: int) -> RotatedMeasurement:
     """Return the model of sensors in a field, by its voltages in fixed axes."""
     return RotatedMeasurement(of, "yaw", [(f"V_{letter}x", f"V_{letter}y") for letter in ascii_lowercase[:sensors]])

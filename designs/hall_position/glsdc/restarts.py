@@ -8,7 +8,7 @@ from math import pi
 
 import casadi as ca
 
-from synth.block import Exprs, State
+from synth.block import Constant, Exprs, State
 from synth.blocks.glsdc import Vector
 from synth.signals import Signal
 
@@ -22,6 +22,17 @@ LOCK_LOST = Signal("lock_lost", "1", 0, 1, "position lock has been lost since it
 def states(reals: list[Signal], counts: list[Signal]) -> list[State]:
     """Return the states after `init`: all 0 except `searching`, which is 1."""
     return [*(State(s, 0.0) for s in reals), *(State(s, int(s is SEARCHING), True) for s in counts)]
+
+
+def numbers() -> list[Constant]:
+    """Return the numbers of the starts that the C names."""
+    about = "from one start to the next, in the negative direction"
+    return [Constant(f"start_step_{axis}", _step(axis), "rad", about) for axis in FRACTIONS]
+
+
+def _step(axis: str) -> float:
+    """Return the step from one start to the next, rad of phase."""
+    return -2 * pi * (1 - FRACTIONS[axis])
 
 
 def count_faults(residual_fault: ca.SX, x: Exprs) -> tuple[ca.SX, ca.SX]:
@@ -40,8 +51,8 @@ def gate_correction(residual_fault: ca.SX, names: tuple[str, ...], at: Vector, x
 def next_phases(restart: ca.SX, pose: Exprs, x: Exprs) -> dict[str, ca.SX]:
     """Return the next phases and starts: those of the pose, or on a restart those of the next start."""
     next: dict[str, ca.SX] = {}
-    for axis, fraction in FRACTIONS.items():
-        start = x[f"start_{axis}"] + -2 * pi * (1 - fraction)  # in the negative direction, which crosses one end only
+    for axis in FRACTIONS:
+        start = x[f"start_{axis}"] + _step(axis)  # in the negative direction, which crosses one end only
         start = ca.if_else(start < -pi, start + 2 * pi, start)
         next[f"start_{axis}"] = ca.if_else(restart, start, x[f"start_{axis}"])
         next[f"phase_{axis}"] = ca.if_else(restart, start, pose[f"phase_{axis}"])

@@ -24,7 +24,7 @@ import casadi as ca
 from designs.hall_position.glsdc import channels, restarts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import AXES, POSE, Problem
-from synth.block import Exprs, State
+from synth.block import Constant, Exprs, State
 from synth.blocks.glsdc import Solution
 from synth.blocks.glsdc_solution import Normal
 from synth.signals import Signal
@@ -79,6 +79,52 @@ def states(problem: Problem) -> list[State]:
     return restarts.states(reals, counts)
 
 
+def numbers(of: Problem) -> list[Constant]:
+    """Return the numbers of the gates, the ambiguity and the restarts that the C names."""
+    array, tuning = of.array, of.tuning
+    freedom, limit = channels.freedom(len(array.positions), 3), valid_yaw_limit(tuning)
+    yaw_gain = tuning.velocity_gain / tuning.yaw_damping_ratio
+    decided = "parameters that the prior decides, over the damping"
+    return [
+        _limit("damped_from", tuning.max_prior_weight / of.damping, "1/V^2", f"{tuning.max_prior_weight:g} {decided}"),
+        _limit(
+            "resolved_to", tuning.ambiguity_threshold / of.damping, "1/V^2", f"{tuning.ambiguity_threshold:g} {decided}"
+        ),
+        _limit(
+            "squared_gate",
+            _gate(of) ** 2,
+            "rad^2",
+            f"{tuning.innovation_gate_sigma:g} sigma of the innovation, squared",
+        ),
+        _limit(
+            "residual_limit",
+            _residual_limit(of),
+            "V^2",
+            f"{freedom} times the square of {tuning.residual_limit:g} V rms",
+        ),
+        _limit("yaw_window", tuning.yaw_window, "rad", "about the last good yaw: there two sensors are unambiguous"),
+        _limit("yaw_limit", limit, "rad", "of a valid estimate"),
+        _limit("ambiguous_yaw_limit", 2 * limit, "rad", "before the ambiguity is resolved"),
+        _limit("most_pitches", tuning.pitches, "1", "counted to either side"),
+        Constant("yaw_velocity_gain", yaw_gain, "1", "of a correction, added to the predicted motion of the yaw"),
+        *restarts.numbers(),
+    ]
+
+
+def _limit(name: str, value: float, unit: str, source: str) -> Constant:
+    return Constant(name, value, unit, source, is_limit=True)
+
+
+def _gate(of: Problem) -> float:
+    """Return the largest innovation that a motion explains, rad."""
+    return of.tuning.innovation_gate_sigma * of.array.deviation / sqrt(of.damping)
+
+
+def _residual_limit(of: Problem) -> float:
+    """Return the largest sum of squared residuals without a fault, V^2."""
+    return channels.freedom(len(of.array.positions), 3) * of.tuning.residual_limit**2
+
+
 def predict(x: Exprs, problem: Problem) -> Exprs:
     """Return the predicted phases and yaw."""
     return {n: x[n] + x[m] if problem.tuning.velocity_gain else x[n] for n, m in zip(POSE, MOTION, strict=True)}
@@ -102,11 +148,9 @@ def check_integrity(
 ) -> Integrity:
     """Return the integrity flags of a sample that ends at a yaw; the prior decides damping * `weight` parameters."""
     array, tuning, last = problem.array, problem.tuning, solution.last
-    freedom = channels.freedom(len(array.positions), 3)
     damped = weight > tuning.max_prior_weight / problem.damping
-    gate = tuning.innovation_gate_sigma * array.deviation / sqrt(problem.damping)  # rad
-    gate_exceeded = last.at[0] ** 2 + last.at[1] ** 2 + array.radius**2 * last.at[2] ** 2 > gate**2
-    residuals_large = last.squares > freedom * tuning.residual_limit**2
+    gate_exceeded = last.at[0] ** 2 + last.at[1] ** 2 + array.radius**2 * last.at[2] ** 2 > _gate(problem) ** 2
+    residuals_large = last.squares > _residual_limit(problem)
     in_window = in_yaw_window(yaw, x, tuning)
     lost = ca.if_else(x["ambiguity_resolved"], gate_exceeded, ca.logic_and(x["searching"], ca.logic_not(in_window)))
     fault = ca.logic_or(residuals_large, lost)

@@ -73,6 +73,7 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning) -> Block
         iteration=Iteration(tuning.corrections, held_jacobian=True),
         integrity=integrity(array, tuning),
         search=search(tuning),
+        numbers=planar.arm_numbers(arms),
     )
 
 

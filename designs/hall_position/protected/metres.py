@@ -9,7 +9,7 @@ from math import pi
 import casadi as ca
 
 from models.hall_two_waves import PlanarArray, SpatialArray
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -30,6 +30,13 @@ def metres(array: PlanarArray | SpatialArray, time: Discrete, pitches: int, phas
     sizes = [Signal(n, "m", s.low / rounded, s.high / rounded, about[n]) for n, s in scaled.items()]
     counts = {a: Signal(f"pitch_{a}", "1", -pitches - 1, pitches + 1, f"pitches along {a}") for a in AXES}
 
+    numbers = [
+        Constant("pitch", array.pitch, "m", "of the magnet matrix"),
+        Constant("length_per_phase", 1 / array.wave_number, "m/rad", "pitch / (2 pi)"),
+        Constant("most_pitches", pitches, "1", "counted to either side", is_limit=True),
+        Constant("end_of_count", pitches + 1, "1", "pitches at which counting stays", is_limit=True),
+    ]
+
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output = {name: u[s.name] / array.wave_number for name, s in scaled.items()}
         next: dict[str, ca.SX] = {}
@@ -43,7 +50,7 @@ def metres(array: PlanarArray | SpatialArray, time: Discrete, pitches: int, phas
             output[axis] = u[f"phase_{a}"] / array.wave_number + array.pitch * count
             valid = ca.logic_and(valid, ca.fabs(count) <= pitches)
             next |= {f"last_{a}": u[f"phase_{a}"], f"pitch_{a}": count}
-        return Step(output | {"valid": valid}, next | {"counting": u["tracking"]})
+        return Step(output | {"valid": valid}, next | {"counting": u["tracking"]}, numbers=numbers)
 
     needed = [*(f"phase_{a}" for a in AXES), *(s.name for s in scaled.values()), "tracking"]
     inputs = [*(by_name[name] for name in needed), Signal("phases_valid", "1", 0, 1, "before pitches are counted")]

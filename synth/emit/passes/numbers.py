@@ -10,6 +10,7 @@ the scalar type, and by its negative where the sign differs, so the machine code
 A whole number that a count is compared with, or becomes, remains a literal and gets a name: it is an integer in C.
 """
 
+from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import pi, sqrt
@@ -28,12 +29,15 @@ GEOMETRY = {
     "two_thirds_pi": (2 * pi / 3, "2 pi / 3"),
     "three_quarters_pi": (3 * pi / 4, "3 pi / 4"),
     "root_2": (sqrt(2), "sqrt(2)"),
+    "four_root_2": (4 * sqrt(2), "4 sqrt(2)"),
+    "eight_root_2": (8 * sqrt(2), "8 sqrt(2)"),
     "half_root_3": (sqrt(3) / 2, "sqrt(3) / 2"),
 }
 # The operands that may become constants, by operation; the others are named elsewhere or count something.
 _OPERANDS: dict[str, tuple[int, ...]] = dict.fromkeys(("add", "sub", "mul", "div", "lt", "le", "min", "max"), (0, 1))
 _OPERANDS |= {"clamp": (2,), "slew": (1, 2), "choose": (1, 2), "neg": (0,)}
 _OF_COUNTS = _OPERANDS | {"eq": (0, 1), "ne": (0, 1)}  # real numbers are never compared for equality
+_LIMITING = {"lt", "le", "min", "max", "clamp", "slew", "choose"}
 _CLOSE = 1e-12  # relative: folding rounds a product of numbers once
 
 
@@ -64,13 +68,25 @@ class _Namer:
 
     def program(self) -> Program:
         index: list[int] = []
+        observed = {*self.p.ends(), *(k for _, k in self.p.marks)}
+        negated: set[int] = set()  # products whose negative is computed
         for k, node in enumerate(self.p.nodes):
             args = [index[a] for a in node.args]
             for place in _OF_COUNTS.get(node.op, ()):
-                load = self._load(k, node.args[place])
-                args[place] = args[place] if load is None else self._put(load)
+                if load := self._load(k, node.args[place]):
+                    if load.value < 0 and load.op == "constant" and self._allows_subtraction(k) and k not in observed:
+                        load = replace(load, value=0.0)
+                        negated.add(k)
+                    args[place] = self._put(load)
+            if node.op in ("add", "sub") and node.args[1] in negated:
+                node = replace(node, op="sub" if node.op == "add" else "add")
             index.append(self._append(replace(node, args=tuple(args))))
         return self.p.with_nodes(tuple(self.nodes), index)
+
+    def _allows_subtraction(self, k: int) -> bool:
+        """Tell whether a product is only the second operand of sums and differences, which can take its negative."""
+        readers = [self.p.nodes[u] for u in self.users[k]]
+        return self.p.nodes[k].op == "mul" and all(n.op in ("add", "sub") and n.args[0] != k for n in readers)
 
     def _load(self, k: int, operand: int) -> Node | None:
         """Return what node k reads in place of a literal: a constant or its negative, or a whole number with a name."""
@@ -88,7 +104,8 @@ class _Namer:
         for number in (*self.known.get(self.owner[k], ()), *self.known[""]):
             size, is_negative = abs(number.value), literal * number.value < 0
             close = not number.of and abs(abs(literal) - size) <= _CLOSE * size
-            if close and self._agrees(number, literal):
+            fits = self.p.nodes[k].op in _LIMITING or not number.is_limit
+            if close and fits and self._agrees(number, literal):
                 self.read.setdefault(number.name, replace(number, value=-literal if is_negative else literal))
                 return Node("constant", name=number.name, value=-1.0 if is_negative else 0.0)
         return None
@@ -156,16 +173,20 @@ def _unique_names(p: Program, block: Block) -> Mapping[str, Sequence[Constant]]:
 
 def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
     """Return the numbers with one for those of equal value, under the words that their names have in common."""
-    by_value: dict[float, list[Constant]] = {}
-    for number in (n for n in numbers if not n.of):
-        by_value.setdefault(abs(number.value), []).append(number)
+    by_value: dict[tuple[bool, float], list[Constant]] = {}
+    for number in sorted((n for n in numbers if not n.of), key=lambda n: not n.is_limit):
+        by_value.setdefault((number.is_limit, abs(number.value)), []).append(number)
     merged = [*dict.fromkeys(n for n in numbers if n.of)]
-    for equal in by_value.values():
-        common = words.common([n.name for n in equal])
+    commons = {key: words.common([n.name for n in equal]) for key, equal in by_value.items()}
+    counts = Counter(commons.values())
+    for key, equal in by_value.items():
+        common = commons[key]
+        if common and counts[common] > 1:
+            common = words.combine([n.name for n in equal])
         name = equal[0].name if not common or common in used else common
         value = equal[0].value if len({n.value for n in equal}) == 1 else abs(equal[0].value)
         parameters = tuple(dict.fromkeys(p for number in equal for p in number.parameters))
-        source = equal[0].source + _of_others(name, equal)
+        source = "; ".join(dict.fromkeys(n.source for n in equal)) + _of_others(name, equal)
         merged.append(replace(equal[0], name=name, value=value, source=source, parameters=parameters))
     return merged
 
@@ -178,7 +199,8 @@ def _of_others(name: str, equal: Sequence[Constant]) -> str:
     if len(others) < len(equal):
         return f"; also {', '.join(others)}"
     kept = name.split("_")
-    return f"; of {', '.join(' '.join(w for w in n.split('_') if w not in kept) for n in others)}"
+    lacking = [" ".join(w for w in n.split("_") if w not in kept) for n in others]
+    return f"; of {', '.join(lacking)}" if any(lacking) else ""
 
 
 def _geometry() -> Iterator[Constant]:

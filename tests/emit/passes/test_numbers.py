@@ -68,7 +68,13 @@ def test_one_name_for_two_values_gets_the_blocks_names() -> None:
 def test_equal_numbers_are_one_under_the_words_they_share() -> None:
     both = [Constant(f"I_{axis}_over_r", 0.66, "kg m", axis) for axis in "xz"]
     made = text(law(lambda x: 0.66 * x, *both))
-    assert "I_over_r = 0.66f;" in made and "kg m; x; of x, z */" in made
+    assert "I_over_r = 0.66f;" in made and "kg m; x; z; of x, z */" in made
+
+
+def test_two_values_with_the_same_common_word_have_names_of_their_own() -> None:
+    ends = [Constant(f"highest_y{j}", 0.7 if j < 3 else 0.8, "m", "range", is_limit=True) for j in (1, 2, 3, 4)]
+    made = text(law(lambda x: ca.fmin(x, 0.7) + ca.fmin(2 * x, 0.8), *ends))
+    assert "highest_y1_y2 = 0.7f;" in made and "highest_y3_y4 = 0.8f;" in made and "/* m; range */" in made
 
 
 def test_equal_numbers_without_common_words_are_one_under_the_first_name() -> None:
@@ -80,6 +86,33 @@ def test_equal_numbers_without_common_words_are_one_under_the_first_name() -> No
 def test_a_factor_of_two_is_part_of_a_formula() -> None:
     two = Constant("acceleration", 2.0, "m/s^2", "chosen")
     assert "acceleration" not in text(law(lambda x: 2 * x, two)) and "acceleration" in text(law(lambda x: 2 + x, two))
+
+
+def test_a_limit_is_no_factor_and_no_term() -> None:
+    half = Constant("largest_step", 0.75, "m", "chosen", is_limit=True)
+    made = text(law(lambda x: 0.75 * ca.fmin(x, 0.75) + 0.75, half))
+    assert "min(x, largest_step)) + 0.75f" in made and "(0.75f * " in made
+
+
+def test_a_limit_and_a_factor_of_one_value_keep_their_names() -> None:
+    numbers = [Constant("share", 0.75, "1", "chosen"), Constant("largest_step", 0.75, "m", "chosen", is_limit=True)]
+    made = text(law(lambda x: 0.75 * ca.fmin(x, 0.75), *numbers))
+    assert "share * " in made and "min(x, largest_step)" in made
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_products_of_a_negative_number_are_subtracted(scalar: type[np.floating]) -> None:
+    arms = [Constant("arm_x", -0.3, "m", "drawing"), Constant("arm_y", 1.7, "m", "drawing")]
+
+    def expr(x: ca.SX) -> ca.SX:
+        return x - 0.3 * x**2 - 1.7 * x**3
+
+    made = [emit(compose("step", [law(expr, *n)], inputs=["x"], outputs=["y"]), scalar) for n in ((), arms)]
+    source = made[1].files["step.c"]
+    assert "+ (arm_x * " in source and "- (arm_y * " in source and "-arm" not in source
+    x = np.random.default_rng(0).uniform(-1, 1, 500).astype(scalar)
+    results = [host.load(m.files, m.manifest).replay({"x": x}).outputs["y"] for m in made]
+    assert results[0].tobytes() == results[1].tobytes()
 
 
 def test_geometry_needs_no_declaration() -> None:
