@@ -38,10 +38,12 @@ from synth.emit.lower import Program
 from synth.emit.passes import calls, fault_bits, flags, fold, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
+from synth.emit.passes.statements import Statement
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
 from synth.signals import product_unit
 
+CERTAIN = 24  # operations that calls do not print again: more lines than a function and its calls need
 _LOCAL = re.compile(r"^ +(?:const )?(?:float|double|bool|uint32_t) (\w+)(?: =|;)", re.MULTILINE)
 
 
@@ -95,8 +97,9 @@ def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float |
     """
     reduced = reduce(block, scalar, libm, error)
     layout.layout(block, scalar)
-    outlined, memory = outline(reduced, scalar)
-    lines = tuple(wrapping.wrapped(source(outlined, memory)))
+    printed = _outline(reduced, scalar)
+    outlined, memory = printed.reduced, printed.memory
+    lines = tuple(wrapping.wrapped(source(outlined, memory, printed.statements)))
     gains = {c.name for c in reduced.block.constants}
     named = tuple(c for c in outlined.block.constants if c.name not in gains)
     read = {n.name for n in reduced.program.nodes if n.op == "constant"}
@@ -135,32 +138,40 @@ def _without_certificates(program: Program) -> Program:
     return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
-def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout]:
-    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout.
+def _outline(reduced: Reduced, scalar: type[np.floating]) -> "_Printed":
+    """Return what is printed, with a call for each Block that is like another where that is shorter.
 
     Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
     """
     program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
     composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
-    program = replace(program, equations=equations.by_block(composed))
     reduced = replace(reduced, block=block)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
-        fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
+        tried = [group for group in groups if tuple(part.block for part, _ in group) == blocks]
+        returned = sum(max(len(group[0][1].results) - 1, 0) for group in tried)
+        if kept.lines < sys.maxsize and _repeated_operations(tried) >= CERTAIN + 2 * returned:
+            continue
+        fewer = [group for group in groups if group not in tried]
         flat = _print(reduced, program, fewer, scalar)
-        returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
         if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
     explained = replace(kept.reduced.program, equations=equations.by_block(composed, kept.variables))
-    return replace(kept.reduced, program=explained), kept.memory
+    return kept._replace(reduced=replace(kept.reduced, program=explained))
+
+
+def _repeated_operations(groups: Sequence[Group]) -> int:
+    """Return how many operations a call for each Part does not print again; two are more than a line."""
+    return sum((len(group) - 1) * len(group[0][0].region) for group in groups)
 
 
 class _Printed(NamedTuple):
-    """A program, its layout, the lines of code of its header and source, and the names of its locals."""
+    """A program, its layout and statements, the lines of code of its header and source, the names of its locals."""
 
     reduced: Reduced
     memory: Layout
+    statements: tuple[Statement, ...]
     lines: int
     variables: frozenset[str]
 
@@ -169,20 +180,19 @@ def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: 
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
-    text = header.header(made.block, memory, made.program)
-    rows = [*(line.text for line in source(made, memory)), *text.splitlines()]
+    text, statements = header.header(made.block, memory, made.program), schedule.statements(made.program)
+    rows = [*(line.text for line in source(made, memory, statements)), *text.splitlines()]
     code = [*filter(_is_code, rows)]
     lines = len(code) if memory.is_contiguous else sys.maxsize
-    return _Printed(made, memory, lines, frozenset(_LOCAL.findall("\n".join(code))))
+    return _Printed(made, memory, statements, lines, frozenset(_LOCAL.findall("\n".join(code))))
 
 
 def _is_code(row: str) -> bool:
     return not row.strip().startswith(("/*", "*")) and row.strip() != ""
 
 
-def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:
-    """Return the lines of <name>.c."""
-    statements = schedule.statements(reduced.program)
+def source(reduced: Reduced, memory: Layout, statements: Sequence[Statement]) -> list[printer.Line]:
+    """Return the lines of <name>.c, from the statements of `schedule`."""
     body = printer.body(reduced.block, reduced.program, statements, memory.scalar)
     return c_text.source(reduced.block, reduced.program, reduced.surrogates, memory, body)
 

@@ -15,6 +15,7 @@ from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit import pipeline
 from synth.emit.passes import surrogates
+from synth.emit.proof import libm
 from synth.emit.write import emit, save
 from synth.errors import EmitError, SignalError
 from synth.signals import Signal
@@ -103,6 +104,7 @@ def axes(n: int) -> Block:
 def work(n: int) -> dict[str, int]:
     """Return the lines of the C of n axes, the nodes of their program, and the calls that emission makes of itself."""
     block, calls = axes(n), 0
+    libm._kept_transfer.cache_clear()  # what fewer axes have left is no work
 
     def count(frame: FrameType, event: str, _: object) -> None:
         nonlocal calls
@@ -134,7 +136,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert 3.1 < ratios["nodes"] < 4.05 and 3.1 < ratios["calls"] < 3.85, ratios
+    assert 3.1 < ratios["nodes"] < 4.05 and 3.1 < ratios["calls"] < 3.7, ratios
     assert 1 < ratios["lines"] < 4.05, ratios  # what the axes share is printed once
 
 
@@ -149,7 +151,7 @@ def test_a_search_through_all_nodes_for_each_axis_is_detected(monkeypatch: pytes
         return plain(program, users, node_ranges, f)
 
     monkeypatch.setattr(surrogates, "_candidate_variables", searched)
-    assert growth()["calls"] > 3.85
+    assert growth()["calls"] > 3.7
 
 
 def test_axes_share_their_function_and_their_branch() -> None:

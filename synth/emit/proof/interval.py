@@ -31,6 +31,11 @@ class Interval:
     nan: Mask
 
     @property
+    def sides(self) -> tuple[Array, Array, Mask]:
+        """The arrays."""
+        return self.low, self.high, self.nan
+
+    @property
     def finite(self) -> Mask:
         """Whether every value is a finite number."""
         return np.isfinite(self.low) & np.isfinite(self.high) & ~self.nan

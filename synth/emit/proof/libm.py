@@ -4,7 +4,7 @@ The exact value comes from ball arithmetic (Arb), so the ends are the same on ev
 the library errs by no more than ULPS units, and that its result has the sign of the exact value, or is 0.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import inf, nan, pi
 
@@ -133,9 +133,24 @@ FUNCTIONS: dict[str, Callable[..., Interval]] = {
 }
 
 
-def transfer(op: str, args: list[Interval], ulps: int) -> Interval:
+def transfer(op: str, args: Sequence[Interval], ulps: int) -> Interval:
     """Transfer function: return the range of an operation's result; `ulps` is the error of libm.
+
+    The passes analyse nearly the same program several times, so results for single intervals are kept.
 
     Raises KeyError for an unknown operation.
     """
+    if any(a.low.size > 1 for a in args):
+        return _transfer(op, args, ulps)
+    return _kept_transfer(op, args[0].low.dtype.str, ulps, *(side.tobytes() for a in args for side in a.sides))
+
+
+@lru_cache(maxsize=1 << 15)
+def _kept_transfer(op: str, dtype: str, ulps: int, *sides: bytes) -> Interval:
+    types = (dtype, dtype, bool)
+    arrays = [np.frombuffer(side, types[i % 3]) for i, side in enumerate(sides)]
+    return _transfer(op, [Interval(*arrays[i : i + 3]) for i in range(0, len(arrays), 3)], ulps)
+
+
+def _transfer(op: str, args: Sequence[Interval], ulps: int) -> Interval:
     return FUNCTIONS[op](ulps, *args) if op in FUNCTIONS else EXACT[op](*args)

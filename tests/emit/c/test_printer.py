@@ -17,7 +17,7 @@ from synth.emit.c import expressions, layout, routines
 from synth.emit.c import kinds as carriers
 from synth.emit.c import locals as variables
 from synth.emit.lower import Node, Program
-from synth.emit.passes import fold, regions
+from synth.emit.passes import fold, regions, schedule
 from synth.emit.write import emit
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -227,7 +227,7 @@ def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
     block = hazards.stored_by_an_earlier_block()
     rounded = block.rounded(F64)
     reduced = pipeline.reduce(rounded, F64)
-    lines = pipeline.source(reduced, layout.layout(rounded, F64))
+    lines = pipeline.source(reduced, layout.layout(rounded, F64), schedule.statements(reduced.program))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 

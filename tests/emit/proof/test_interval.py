@@ -1,13 +1,14 @@
 """Intervals of single operations: tight ends wherever possible, and correct infinities and NaN."""
 
 from collections.abc import Iterator
+from itertools import product
 from math import inf, nan
 
 import numpy as np
 import pytest
 
 from synth.emit.lower import Node, Program
-from synth.emit.proof import interval
+from synth.emit.proof import interval, libm
 from synth.emit.proof.interval import EXACT, Interval
 from tests.emit.c_arithmetic import compute
 
@@ -120,3 +121,15 @@ def test_hulls_and_intersections() -> None:
         and not interval.intersection(one(0, 2), one(2, 3)).empty[0]
     )
     assert ends(interval.truth(one(0, 0, True))) == (0, 1, False)
+
+
+@pytest.mark.parametrize("scalar", [F32, F64])
+def test_results_that_are_kept_are_those_of_the_operation(scalar: type[np.floating]) -> None:
+    limits = [-inf, -2.5, -1e-30, -0.0, 0.0, 0.1, 3.0, inf]
+    pairs = [(a, b) for a in limits for b in limits if a <= b]
+    single = [interval.interval(a, b, no_number, scalar) for a, b in pairs for no_number in (False, True)]
+    for op in ("add", "mul", "div", "min", "max", "le", "and"):
+        for a, b in product(single[::3], single[::2]):
+            kept, computed = libm.transfer(op, [a, b], 4), EXACT[op](a, b)
+            assert libm.transfer(op, [a, b], 4) is kept
+            assert all(x.tobytes() == y.tobytes() for x, y in zip(kept.sides, computed.sides, strict=True))

@@ -80,7 +80,9 @@ def test_a_sensor_that_is_not_as_calibrated_is_detected(name: str, change: Calla
 
 def test_a_position_of_the_wrong_sign_is_detected() -> None:
     """The planted defect: in the C of the loop, not in the estimator that the checks read."""
-    loop = with_defect(four_sensors.loops()["plain"], "X = (length_per_phase * phase_x)", "X = -(length_per_phase * phase_x)")
+    loop = with_defect(
+        four_sensors.loops()["plain"], "X = (length_per_phase * phase_x)", "X = -(length_per_phase * phase_x)"
+    )
     assert "a step truly" in failed_names(staircase(loop).checks)
 
 
