@@ -180,3 +180,29 @@ def test_a_composition_keeps_the_names_and_emission_drops_those_of_values_that_n
     assert [name for name, _ in loop.intermediates] == ["square", "unused"] * 2
     program = pipeline.reduce(loop, np.float32).program
     assert sorted(program.labels.values()) == ["square", "square"]
+
+
+def test_a_value_whose_negative_is_computed_is_named_by_it() -> None:
+    def law(u: Exprs, state: Exprs, k: Exprs) -> Step:
+        x = u["x"]
+        slope = -(ca.sin(x) + x**3)
+        return Step({"y": slope * x + slope**2})
+
+    loop = compose("loop", [build("first", T, law, inputs=[X], outputs=[Y])], inputs=["x"], outputs=["y"])
+    program = pipeline.reduce(loop, np.float32).program
+    assert [*program.labels.values()] == ["minus_slope"]
+    (k,) = program.labels
+    assert program.nodes[k].op == "add"
+
+
+def test_the_terms_of_a_sum_keep_the_names_that_they_have() -> None:
+    def total(values: list[ca.SX]) -> ca.SX:
+        terms = list(values)
+        return terms[0] + terms[1]
+
+    def law(u: Exprs, state: Exprs, k: Exprs) -> Step:
+        square, cube = u["x"] ** 2, u["x"] ** 3
+        return Step({"y": total([square, cube])})
+
+    block = build("first", T, law, inputs=[X], outputs=[Y])
+    assert [name for name, _ in block.intermediates] == ["square", "cube"]

@@ -297,7 +297,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_2))));
-    const float converged_sum = converged_product_4 -
+    const float minus_rows_2_3_converged = converged_product_4 -
         (rows_2_2_converged * (arm_times_heading_sine - arm_times_heading_cosine));
     const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_product_3;
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
@@ -317,30 +317,32 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_6))));
-    const float converged_sum_2 = converged_product_8 -
+    const float minus_rows_4_3_converged = converged_product_8 -
         (rows_4_2_converged * (arm_times_heading_cosine - arm_times_heading_sine));
     const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_product_7;
     const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
         (rows_3_3_converged * rows_3_1_converged);
     const float converged_inverse = 1.0f /
         ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + prior_weight_phase);
-    const float row_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, largest_L_yaw_phase);
+    const float lower_3_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, largest_L_yaw_phase);
     const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
         (rows_3_1_converged * residuals_3_converged);
-    const float converged_sum_3 = (converged_sum * rows_2_2_converged) + (converged_sum_2 * rows_4_2_converged);
+    const float minus_left_3_2_converged = (minus_rows_2_3_converged * rows_2_2_converged) +
+        (minus_rows_4_3_converged * rows_4_2_converged);
     const float converged_inverse_2 = 1.0f /
         ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + prior_weight_phase);
-    const float row_2_converged = hall_position_limit(-(converged_sum_3 * converged_inverse_2), largest_L_yaw_phase);
+    const float lower_3_2_converged = hall_position_limit(-(minus_left_3_2_converged * converged_inverse_2),
+        largest_L_yaw_phase);
     const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
         (rows_4_2_converged * residuals_4_converged);
     const float converged_denominator = hall_position_max((rows_1_3_converged * rows_1_3_converged) +
-        (converged_sum * converged_sum) + (rows_3_3_converged * rows_3_3_converged) +
-        (converged_sum_2 * converged_sum_2) + prior_weight_yaw - (row_1_converged * left_3_1_converged) +
-        (row_2_converged * converged_sum_3), least_pivot_yaw);
+        (minus_rows_2_3_converged * minus_rows_2_3_converged) + (rows_3_3_converged * rows_3_3_converged) +
+        (minus_rows_4_3_converged * minus_rows_4_3_converged) + prior_weight_yaw -
+        (lower_3_1_converged * left_3_1_converged) + (lower_3_2_converged * minus_left_3_2_converged), least_pivot_yaw);
     const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
-        (converged_sum * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
-        (converged_sum_2 * residuals_4_converged) - (row_1_converged * gradient_1_converged) -
-        (row_2_converged * gradient_2_converged)) / converged_denominator, largest_step_yaw);
+        (minus_rows_2_3_converged * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
+        (minus_rows_4_3_converged * residuals_4_converged) - (lower_3_1_converged * gradient_1_converged) -
+        (lower_3_2_converged * gradient_2_converged)) / converged_denominator, largest_step_yaw);
     const float then_3_converged_squared = then_3_converged * then_3_converged;
     const float sine_converged = then_3_converged * sine_3_polynomial(then_3_converged_squared);
     const float half_converged = then_3_converged * tangent_polynomial(then_3_converged_squared);
@@ -349,7 +351,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
     const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
     const float then_1_converged = hall_position_limit((gradient_1_converged * converged_inverse) -
-        (row_1_converged * then_3_converged), largest_step_phase);
+        (lower_3_1_converged * then_3_converged), largest_step_phase);
     const float converged_product_9 = arm * hall_position_limit(-fall_converged, largest_step_yaw);
     const float converged_product_10 = arm * hall_position_limit(chords_3_sine_converged, largest_step_yaw);
     const float by_ax_converged = then_1_converged - converged_product_9 + converged_product_10;
@@ -365,7 +367,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
         (turns_3_sine_converged * V_ay_held) - converged_product_12;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
-        (row_2_converged * then_3_converged), largest_step_phase);
+        (lower_3_2_converged * then_3_converged), largest_step_phase);
     const float by_ay_converged = then_2_converged - converged_product_9 - converged_product_10;
     const float cosine_argument_2 = by_ay_converged * by_ay_converged;
     const float by_cosine_ay_converged = cosine_polynomial(cosine_argument_2);
@@ -419,7 +421,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
         (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
         (converged_square_2 * (estimator_field_3_scaled + (5.0f * converged_product_13))));
-    const float converged_sum_4 = converged_product_12 -
+    const float minus_rows_2_3_converged_2 = converged_product_12 -
         (rows_2_2_converged_2 * (converged_product_20 - converged_product_19));
     const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
         (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
@@ -428,20 +430,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         converged_product_20)) + converged_product_18;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
         (estimator_field_1 + (converged_square_4 * (estimator_field_3_scaled + (5.0f * converged_product_17))));
-    const float converged_sum_5 = converged_product_16 -
+    const float minus_rows_4_3_converged_2 = converged_product_16 -
         (rows_4_2_converged_2 * (converged_product_19 - converged_product_20));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
         (rows_3_3_converged_2 * rows_3_1_converged_2);
     const float converged_inverse_3 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
         (rows_3_1_converged_2 * rows_3_1_converged_2) + prior_weight_phase);
-    const float row_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3,
+    const float lower_3_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3,
         largest_L_yaw_phase);
     const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
         (rows_3_1_converged_2 * residuals_3_converged_2) - (prior_weight_phase * then_1_converged);
-    const float converged_sum_6 = (converged_sum_4 * rows_2_2_converged_2) + (converged_sum_5 * rows_4_2_converged_2);
+    const float minus_left_3_2_converged_2 = (minus_rows_2_3_converged_2 * rows_2_2_converged_2) +
+        (minus_rows_4_3_converged_2 * rows_4_2_converged_2);
     const float converged_inverse_4 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
         (rows_4_2_converged_2 * rows_4_2_converged_2) + prior_weight_phase);
-    const float row_2_converged_2 = hall_position_limit(-(converged_sum_6 * converged_inverse_4), largest_L_yaw_phase);
+    const float lower_3_2_converged_2 = hall_position_limit(-(minus_left_3_2_converged_2 * converged_inverse_4),
+        largest_L_yaw_phase);
     const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
         (rows_4_2_converged_2 * residuals_4_converged_2) - (prior_weight_phase * then_2_converged);
     float other_3_converged = then_3_converged;
@@ -457,13 +461,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float converged_choice_2;
     if (better_converged) {
         const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-            (converged_sum_4 * converged_sum_4) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-            (converged_sum_5 * converged_sum_5) + prior_weight_yaw - (row_1_converged_2 * left_3_1_converged_2) +
-            (row_2_converged_2 * converged_sum_6), least_pivot_yaw);
+            (minus_rows_2_3_converged_2 * minus_rows_2_3_converged_2) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
+            (minus_rows_4_3_converged_2 * minus_rows_4_3_converged_2) + prior_weight_yaw - (lower_3_1_converged_2 *
+            left_3_1_converged_2) + (lower_3_2_converged_2 * minus_left_3_2_converged_2), least_pivot_yaw);
         converged_choice_2 = then_3_converged + (((rows_1_3_converged_2 * residuals_1_converged_2) -
-            (converged_sum_4 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
-            (converged_sum_5 * residuals_4_converged_2) - (prior_weight_yaw * then_3_converged) - (row_1_converged_2 *
-            gradient_1_converged_2) - (row_2_converged_2 * gradient_2_converged_2)) / converged_denominator_2);
+            (minus_rows_2_3_converged_2 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
+            (minus_rows_4_3_converged_2 * residuals_4_converged_2) - (prior_weight_yaw * then_3_converged) -
+            (lower_3_1_converged_2 * gradient_1_converged_2) - (lower_3_2_converged_2 * gradient_2_converged_2)) /
+            converged_denominator_2);
     } else {
         converged_choice_2 = 0.5f * (then_3_converged + other_3_converged);
     }
@@ -480,9 +485,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged) {
         const float moves_3_converged = then_3_converged_2 - then_3_converged;
         converged_choice_3 = then_1_converged +
-            ((gradient_1_converged_2 * converged_inverse_3) - (row_1_converged_2 * moves_3_converged));
+            ((gradient_1_converged_2 * converged_inverse_3) - (lower_3_1_converged_2 * moves_3_converged));
         converged_choice_4 = then_2_converged +
-            ((gradient_2_converged_2 * converged_inverse_4) - (row_2_converged_2 * moves_3_converged));
+            ((gradient_2_converged_2 * converged_inverse_4) - (lower_3_2_converged_2 * moves_3_converged));
     } else {
         converged_choice_3 = 0.5f * (then_1_converged + other_1_converged);
         converged_choice_4 = 0.5f * (then_2_converged + other_2_converged);
@@ -559,7 +564,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
         (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
         (converged_square_6 * (estimator_field_3_scaled + (5.0f * converged_product_25))));
-    const float converged_sum_7 = converged_product_24 -
+    const float minus_rows_2_3_converged_3 = converged_product_24 -
         (rows_2_2_converged_3 * (converged_product_32 - converged_product_31));
     const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
         (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
@@ -569,20 +574,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
         (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
         (converged_square_8 * (estimator_field_3_scaled + (5.0f * converged_product_29))));
-    const float converged_sum_8 = converged_product_28 -
+    const float minus_rows_4_3_converged_3 = converged_product_28 -
         (rows_4_2_converged_3 * (converged_product_31 - converged_product_32));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
         (rows_3_3_converged_3 * rows_3_1_converged_3);
     const float converged_inverse_5 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
         (rows_3_1_converged_3 * rows_3_1_converged_3) + prior_weight_phase);
-    const float row_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5,
+    const float lower_3_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5,
         largest_L_yaw_phase);
     const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
         (rows_3_1_converged_3 * residuals_3_converged_3) - (prior_weight_phase * then_1_converged_2);
-    const float converged_sum_9 = (converged_sum_7 * rows_2_2_converged_3) + (converged_sum_8 * rows_4_2_converged_3);
+    const float minus_left_3_2_converged_3 = (minus_rows_2_3_converged_3 * rows_2_2_converged_3) +
+        (minus_rows_4_3_converged_3 * rows_4_2_converged_3);
     const float converged_inverse_6 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
         (rows_4_2_converged_3 * rows_4_2_converged_3) + prior_weight_phase);
-    const float row_2_converged_3 = hall_position_limit(-(converged_sum_9 * converged_inverse_6), largest_L_yaw_phase);
+    const float lower_3_2_converged_3 = hall_position_limit(-(minus_left_3_2_converged_3 * converged_inverse_6),
+        largest_L_yaw_phase);
     const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
         (rows_4_2_converged_3 * residuals_4_converged_3) - (prior_weight_phase * then_2_converged_2);
     float other_3_converged_2 = then_3_converged_2;
@@ -598,13 +605,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float converged_choice_6;
     if (better_converged_2) {
         const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-            (converged_sum_7 * converged_sum_7) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-            (converged_sum_8 * converged_sum_8) + prior_weight_yaw - (row_1_converged_3 * left_3_1_converged_3) +
-            (row_2_converged_3 * converged_sum_9), least_pivot_yaw);
+            (minus_rows_2_3_converged_3 * minus_rows_2_3_converged_3) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
+            (minus_rows_4_3_converged_3 * minus_rows_4_3_converged_3) + prior_weight_yaw - (lower_3_1_converged_3 *
+            left_3_1_converged_3) + (lower_3_2_converged_3 * minus_left_3_2_converged_3), least_pivot_yaw);
         converged_choice_6 = then_3_converged_2 + (((rows_1_3_converged_3 * residuals_1_converged_3) -
-            (converged_sum_7 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
-            (converged_sum_8 * residuals_4_converged_3) - (prior_weight_yaw * then_3_converged_2) - (row_1_converged_3 *
-            gradient_1_converged_3) - (row_2_converged_3 * gradient_2_converged_3)) / converged_denominator_3);
+            (minus_rows_2_3_converged_3 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
+            (minus_rows_4_3_converged_3 * residuals_4_converged_3) - (prior_weight_yaw * then_3_converged_2) -
+            (lower_3_1_converged_3 * gradient_1_converged_3) - (lower_3_2_converged_3 * gradient_2_converged_3)) /
+            converged_denominator_3);
     } else {
         converged_choice_6 = 0.5f * (then_3_converged_2 + other_3_converged_2);
     }
@@ -621,9 +629,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged_2) {
         const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
         converged_choice_7 = then_1_converged_2 +
-            ((gradient_1_converged_3 * converged_inverse_5) - (row_1_converged_3 * moves_3_converged_2));
+            ((gradient_1_converged_3 * converged_inverse_5) - (lower_3_1_converged_3 * moves_3_converged_2));
         converged_choice_8 = then_2_converged_2 +
-            ((gradient_2_converged_3 * converged_inverse_6) - (row_2_converged_3 * moves_3_converged_2));
+            ((gradient_2_converged_3 * converged_inverse_6) - (lower_3_2_converged_3 * moves_3_converged_2));
     } else {
         converged_choice_7 = 0.5f * (then_1_converged_2 + other_1_converged_2);
         converged_choice_8 = 0.5f * (then_2_converged_2 + other_2_converged_2);
@@ -700,7 +708,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
         (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
         (converged_square_10 * (estimator_field_3_scaled + (5.0f * converged_product_37))));
-    const float converged_sum_10 = converged_product_36 -
+    const float minus_rows_2_3_converged_4 = converged_product_36 -
         (rows_2_2_converged_4 * (converged_product_44 - converged_product_43));
     const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
         (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
@@ -710,21 +718,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
         (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
         (converged_square_12 * (estimator_field_3_scaled + (5.0f * converged_product_41))));
-    const float converged_sum_11 = converged_product_40 -
+    const float minus_rows_4_3_converged_4 = converged_product_40 -
         (rows_4_2_converged_4 * (converged_product_43 - converged_product_44));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
         (rows_3_3_converged_4 * rows_3_1_converged_4);
     const float converged_inverse_7 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
         (rows_3_1_converged_4 * rows_3_1_converged_4) + prior_weight_phase);
-    const float row_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7,
+    const float lower_3_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7,
         largest_L_yaw_phase);
     const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
         (rows_3_1_converged_4 * residuals_3_converged_4) - (prior_weight_phase * then_1_converged_3);
-    const float converged_sum_12 = (converged_sum_10 * rows_2_2_converged_4) +
-        (converged_sum_11 * rows_4_2_converged_4);
+    const float minus_left_3_2_converged_4 = (minus_rows_2_3_converged_4 * rows_2_2_converged_4) +
+        (minus_rows_4_3_converged_4 * rows_4_2_converged_4);
     const float converged_inverse_8 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
         (rows_4_2_converged_4 * rows_4_2_converged_4) + prior_weight_phase);
-    const float row_2_converged_4 = hall_position_limit(-(converged_sum_12 * converged_inverse_8), largest_L_yaw_phase);
+    const float lower_3_2_converged_4 = hall_position_limit(-(minus_left_3_2_converged_4 * converged_inverse_8),
+        largest_L_yaw_phase);
     const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
         (rows_4_2_converged_4 * residuals_4_converged_4) - (prior_weight_phase * then_2_converged_3);
     float other_3_converged_3 = then_3_converged_3;
@@ -740,13 +749,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float converged_choice_10;
     if (better_converged_3) {
         const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-            (converged_sum_10 * converged_sum_10) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-            (converged_sum_11 * converged_sum_11) + prior_weight_yaw - (row_1_converged_4 * left_3_1_converged_4) +
-            (row_2_converged_4 * converged_sum_12), least_pivot_yaw);
+            (minus_rows_2_3_converged_4 * minus_rows_2_3_converged_4) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
+            (minus_rows_4_3_converged_4 * minus_rows_4_3_converged_4) + prior_weight_yaw - (lower_3_1_converged_4 *
+            left_3_1_converged_4) + (lower_3_2_converged_4 * minus_left_3_2_converged_4), least_pivot_yaw);
         converged_choice_10 = then_3_converged_3 + (((rows_1_3_converged_4 * residuals_1_converged_4) -
-            (converged_sum_10 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
-            (converged_sum_11 * residuals_4_converged_4) - (prior_weight_yaw * then_3_converged_3) - (row_1_converged_4
-            * gradient_1_converged_4) - (row_2_converged_4 * gradient_2_converged_4)) / converged_denominator_4);
+            (minus_rows_2_3_converged_4 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
+            (minus_rows_4_3_converged_4 * residuals_4_converged_4) - (prior_weight_yaw * then_3_converged_3) -
+            (lower_3_1_converged_4 * gradient_1_converged_4) - (lower_3_2_converged_4 * gradient_2_converged_4)) /
+            converged_denominator_4);
     } else {
         converged_choice_10 = 0.5f * (then_3_converged_3 + other_3_converged_3);
     }
@@ -763,9 +773,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (better_converged_3) {
         const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
         converged_choice_11 = then_1_converged_3 +
-            ((gradient_1_converged_4 * converged_inverse_7) - (row_1_converged_4 * moves_3_converged_3));
+            ((gradient_1_converged_4 * converged_inverse_7) - (lower_3_1_converged_4 * moves_3_converged_3));
         converged_choice_12 = then_2_converged_3 +
-            ((gradient_2_converged_4 * converged_inverse_8) - (row_2_converged_4 * moves_3_converged_3));
+            ((gradient_2_converged_4 * converged_inverse_8) - (lower_3_2_converged_4 * moves_3_converged_3));
     } else {
         converged_choice_11 = 0.5f * (then_1_converged_3 + other_1_converged_3);
         converged_choice_12 = 0.5f * (then_2_converged_3 + other_2_converged_3);
@@ -864,25 +874,26 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float converged_product_58 = arm * turns_3_sine_converged_4;
     const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_product_57 + converged_product_58)) +
         converged_product_50;
-    const float converged_sum_13 = converged_product_48 -
+    const float minus_rows_2_3_converged_5 = converged_product_48 -
         (rows_2_2_converged_5 * (converged_product_58 - converged_product_57));
     const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-arm * turns_3_cosine_converged_4) -
         converged_product_58)) + converged_product_54;
-    const float converged_sum_14 = converged_product_52 -
+    const float minus_rows_4_3_converged_5 = converged_product_52 -
         (rows_4_2_converged_5 * (converged_product_57 - converged_product_58));
     const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
         (rows_3_3_converged_5 * rows_3_1_converged_5);
     const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, largest_L_yaw_phase);
-    const float converged_sum_15 = (converged_sum_13 * rows_2_2_converged_5) +
-        (converged_sum_14 * rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(converged_sum_15 * inverse_2), largest_L_yaw_phase);
+    const float minus_left_3_2_converged_5 = (minus_rows_2_3_converged_5 * rows_2_2_converged_5) +
+        (minus_rows_4_3_converged_5 * rows_4_2_converged_5);
+    const float by_yaw_Y = hall_position_limit(-(minus_left_3_2_converged_5 * inverse_2), largest_L_yaw_phase);
     const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (converged_sum_13 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (converged_sum_14 * residuals_4_converged_5) - (prior_weight_yaw * then_3_converged_4) -
+        (minus_rows_2_3_converged_5 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
+        (minus_rows_4_3_converged_5 * residuals_4_converged_5) - (prior_weight_yaw * then_3_converged_4) -
         (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
-    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) + (converged_sum_13 *
-        converged_sum_13) + (rows_3_3_converged_5 * rows_3_3_converged_5) + (converged_sum_14 * converged_sum_14) +
-        prior_weight_yaw - (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * converged_sum_15), least_pivot_yaw);
+    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) +
+        (minus_rows_2_3_converged_5 * minus_rows_2_3_converged_5) + (rows_3_3_converged_5 * rows_3_3_converged_5) +
+        (minus_rows_4_3_converged_5 * minus_rows_4_3_converged_5) + prior_weight_yaw -
+        (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * minus_left_3_2_converged_5), least_pivot_yaw);
     const float step_converged = forward_3_converged / pivot;
     const bool converged = better_converged_4 &&
         (((gradient_1_converged_5 * converged_product_55) + (gradient_2_converged_5 * converged_product_56) +

@@ -557,8 +557,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_5_1 * residuals_5_phase_x) + (rows_7_1 * residuals_7_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) +
         (rows_7_1 * rows_7_1);
-    const float terms_1_phase_x = 1.0f / hall_position_four_max(left_1_1, least_pivot_phase);
-    const float phase_x_product_4 = gradient_1_phase_x * terms_1_phase_x;
+    const float inverse_1 = 1.0f / hall_position_four_max(left_1_1, least_pivot_phase);
+    const float phase_x_product_4 = gradient_1_phase_x * inverse_1;
     const float phase_x_sum_5 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
     const float rows_1_3 = phase_x_sum_5 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
     const float phase_x_sum_6 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
@@ -569,12 +569,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float rows_7_3 = phase_x_sum_8 + (rows_7_1 * ((-arm_d_y * cos_yaw) - arm_d_x_times_sin_yaw));
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
         (rows_7_3 * rows_7_1);
-    const float terms_1_phase_x_2 = hall_position_four_limit(left_3_1 * terms_1_phase_x, largest_L_yaw_phase);
+    const float lower_3_1 = hall_position_four_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float rows_2_2 = start_cosine_ay * (phase_x_product +
         (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_9 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
+    const float minus_rows_2_3 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
     const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
     const float residuals_2_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_2_4);
@@ -582,7 +582,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float by_part_full_squared = by_part_full * by_part_full;
     const float rows_4_2 = start_cosine_by * (phase_x_product +
         (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_10 = phase_x_sum_2 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
+    const float minus_rows_4_3 = phase_x_sum_2 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
     const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
     const float residuals_4_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_4_4);
@@ -590,7 +590,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float rows_6_2 = start_cosine_cy * (phase_x_product +
         (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_11 = phase_x_sum_3 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
+    const float minus_rows_6_3 = phase_x_sum_3 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
     const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
     const float residuals_6_phase_x = phase_x_sum_7 - (estimator_amplitude * rows_6_4);
@@ -598,183 +598,182 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float dy_part_full_squared = dy_part_full * dy_part_full;
     const float rows_8_2 = start_cosine_dy * (phase_x_product +
         (dy_part_full_squared * (phase_x_product_2 + (5.0f * (dy_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_12 = phase_x_sum_4 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
+    const float minus_rows_8_3 = phase_x_sum_4 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
     const float rows_8_4 = dy_part_full * (estimator_field_1 +
         (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
     const float residuals_8_phase_x = phase_x_sum_8 - (estimator_amplitude * rows_8_4);
-    const float phase_x_sum_13 = (phase_x_sum_9 * rows_2_2) + (phase_x_sum_10 * rows_4_2) +
-        (phase_x_sum_11 * rows_6_2) + (phase_x_sum_12 * rows_8_2);
+    const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
+        (minus_rows_6_3 * rows_6_2) + (minus_rows_8_3 * rows_8_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
         (rows_8_2 * rows_8_2);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_four_max(left_2_2_phase_x, least_pivot_phase);
-    const float terms_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_13 * terms_1_phase_x_3),
-        largest_L_yaw_phase);
+    const float inverse_2 = 1.0f / hall_position_four_max(left_2_2_phase_x, least_pivot_phase);
+    const float lower_3_2 = hall_position_four_limit(-(minus_left_3_2 * inverse_2), largest_L_yaw_phase);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x) + (rows_8_2 * residuals_8_phase_x);
-    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_sum_9 * residuals_2_phase_x) +
-        (rows_3_3 * residuals_3_phase_x) - (phase_x_sum_10 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
-        (phase_x_sum_11 * residuals_6_phase_x) + (rows_7_3 * residuals_7_phase_x) - (phase_x_sum_12 *
-        residuals_8_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) - (terms_1_phase_x_4 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_sum_9 * phase_x_sum_9) + (rows_3_3 * rows_3_3) +
-        (phase_x_sum_10 * phase_x_sum_10) + (rows_5_3 * rows_5_3) + (phase_x_sum_11 * phase_x_sum_11) +
-        (rows_7_3 * rows_7_3) + (phase_x_sum_12 * phase_x_sum_12);
-    const float terms_1_phase_x_5 = 1.0f / hall_position_four_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_sum_13), least_pivot_yaw);
-    const float phase_x_product_5 = forward_3_phase_x * terms_1_phase_x_5;
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (minus_rows_6_3 * residuals_6_phase_x) + (rows_7_3 * residuals_7_phase_x) -
+        (minus_rows_8_3 * residuals_8_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
+    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
+        (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3) +
+        (rows_7_3 * rows_7_3) + (minus_rows_8_3 * minus_rows_8_3);
+    const float inverse_3 = 1.0f / hall_position_four_max(left_3_3_phase_x - (lower_3_1 * left_3_1) +
+        (lower_3_2 * minus_left_3_2), least_pivot_yaw);
+    const float phase_x_product_5 = forward_3_phase_x * inverse_3;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) +
         (rows_7_4 * rows_7_1);
-    const float terms_1_phase_x_6 = hall_position_four_limit(left_4_1 * terms_1_phase_x, largest_L_amplitude_phase);
+    const float lower_4_1 = hall_position_four_limit(left_4_1 * inverse_1, largest_L_amplitude_phase);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2) +
         (rows_8_4 * rows_8_2);
-    const float terms_1_phase_x_7 = hall_position_four_limit(left_4_2 * terms_1_phase_x_3, largest_L_amplitude_phase);
-    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_sum_9) + (rows_3_4 * rows_3_3) -
-        (rows_4_4 * phase_x_sum_10) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_sum_11) + (rows_7_4 * rows_7_3) -
-        (rows_8_4 * phase_x_sum_12) - (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_sum_13);
-    const float terms_1_phase_x_8 = hall_position_four_limit(left_4_3_phase_x * terms_1_phase_x_5,
-        largest_L_amplitude_yaw);
+    const float lower_4_2 = hall_position_four_limit(left_4_2 * inverse_2, largest_L_amplitude_phase);
+    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * minus_rows_2_3) + (rows_3_4 * rows_3_3) -
+        (rows_4_4 * minus_rows_4_3) + (rows_5_4 * rows_5_3) - (rows_6_4 * minus_rows_6_3) + (rows_7_4 * rows_7_3) -
+        (rows_8_4 * minus_rows_8_3) - (lower_4_1 * left_3_1) + (lower_4_2 * minus_left_3_2);
+    const float lower_4_3 = hall_position_four_limit(left_4_3_phase_x * inverse_3, largest_L_amplitude_yaw);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
-        (prior_weight_amplitude * offsets_4_phase_x) - (terms_1_phase_x_6 * gradient_1_phase_x) -
-        (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
+        (prior_weight_amplitude * offsets_4_phase_x) - (lower_4_1 * gradient_1_phase_x) -
+        (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + (rows_7_4 * rows_7_4) +
         (rows_8_4 * rows_8_4) + prior_weight_amplitude;
-    const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
-        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), least_pivot_amplitude);
+    const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (lower_4_1 * left_4_1) -
+        (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot_amplitude);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
-    const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
-        (terms_1_phase_x_6 * steps_4_phase_x);
+    const float steps_3_phase_x = phase_x_product_5 - (lower_4_3 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_product_4 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
     const bool x_certain = 0.0f < rejected;
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_four_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
-    const float phase_x_product_6 = rows_1_1 * terms_1_phase_x;
-    const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
-    const float phase_x_product_7 = b_3_phase_x * terms_1_phase_x_5;
-    const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
+    const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
+    const float b_3_phase_x = rows_1_3 - (lower_3_1 * rows_1_1);
+    const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
+    const float b_4_phase_x = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
-    const float moves_1_3_phase_x = phase_x_product_7 - (terms_1_phase_x_8 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = phase_x_product_6 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
-        (terms_1_phase_x_6 * moves_1_4_phase_x);
-    const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_1_1 * phase_x_product_6) +
-        (b_3_phase_x * phase_x_product_7) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
+    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
+        (lower_4_1 * moves_1_4_phase_x);
+    const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
+        (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
     const float scores_1_phase_x = residuals_1_phase_x -
         ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
-    const float phase_x_sum_14 = phase_x_sum_9 + (terms_1_phase_x_4 * rows_2_2);
-    const float phase_x_product_8 = phase_x_sum_14 * terms_1_phase_x_5;
-    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_sum_14);
+    const float minus_forward_3_phase_x = minus_rows_2_3 + (lower_3_2 * rows_2_2);
+    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
+    const float forward_4_phase_x_2 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float phase_x_sum_15 = phase_x_product_8 + (terms_1_phase_x_8 * weighted_4_phase_x);
-    const float phase_x_sum_16 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_product_8 * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_four_limit(-(phase_x_sum_16 * gains_1_phase_x), largest_mixing);
-    const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_sum_15) - (terms_1_phase_x_6 * weighted_4_phase_x) -
+    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
+    const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
+    const float lower_2_1_phase_x = hall_position_four_limit(-(minus_S_2_1_phase_x * gains_1_phase_x), largest_mixing);
+    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
         (lower_2_1_phase_x * moves_1_1_phase_x);
-    const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
-    const float gains_2_phase_x = 1.0f /
-        hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_sum_14 * phase_x_product_8) +
-        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_sum_16), least_separability);
-    const float phase_x_product_9 = gradient_2_phase_x * terms_1_phase_x_3;
-    const float steps_2_phase_x = phase_x_product_9 - (terms_1_phase_x_4 * steps_3_phase_x) -
-        (terms_1_phase_x_7 * steps_4_phase_x);
+    const float weighted_2_phase_x = rows_2_2 * inverse_2;
+    const float gains_2_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
+        (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
+        (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
+    const float phase_x_product_6 = gradient_2_phase_x * inverse_2;
+    const float steps_2_phase_x = phase_x_product_6 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
     const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (phase_x_sum_9 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
-    const float phase_x_sum_17 = phase_x_sum_15 + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float phase_x_sum_18 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_sum_15) -
-        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_sum_18);
-    const float phase_x_product_10 = rows_3_1 * terms_1_phase_x;
-    const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
-    const float phase_x_product_11 = b_3_phase_x_2 * terms_1_phase_x_5;
-    const float b_4_phase_x_2 = rows_3_4 - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
+        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
+    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
+        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
+    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
+    const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
+    const float phase_x_product_7 = b_3_phase_x_2 * inverse_3;
+    const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float moves_3_3 = phase_x_product_11 - (terms_1_phase_x_8 * moves_3_4);
-    const float moves_3_1 = phase_x_product_10 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
-    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((rows_3_1 * phase_x_product_10) +
-        (b_3_phase_x_2 * phase_x_product_11) + (b_4_phase_x_2 * moves_3_4)), least_separability);
+    const float moves_3_3 = phase_x_product_7 - (lower_4_3 * moves_3_4);
+    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
+    const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
+        (b_3_phase_x_2 * phase_x_product_7) + (b_4_phase_x_2 * moves_3_4)), least_separability);
     const float scores_3 = residuals_3_phase_x -
         ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float phase_x_sum_19 = phase_x_sum_10 + (terms_1_phase_x_4 * rows_4_2);
-    const float phase_x_product_12 = phase_x_sum_19 * terms_1_phase_x_5;
-    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_sum_19);
+    const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
+    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
+    const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float phase_x_sum_20 = phase_x_product_12 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
-    const float phase_x_sum_21 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_product_12 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_four_limit(-(phase_x_sum_21 * gains_3), largest_mixing);
-    const float moves_4_1 = (terms_1_phase_x_2 * phase_x_sum_20) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
+    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
+        (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
+    const float lower_2_1_phase_x_2 = hall_position_four_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
+    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
-    const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
-    const float gains_4 = 1.0f /
-        hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_sum_19 * phase_x_product_12) +
-        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_sum_21), least_separability);
+    const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
+    const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
+        (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
+        (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
     const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (phase_x_sum_10 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float phase_x_sum_22 = phase_x_sum_20 + (lower_2_1_phase_x_2 * moves_3_3);
-    const float phase_x_sum_23 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_sum_20) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_sum_23);
-    const float phase_x_product_13 = rows_5_1 * terms_1_phase_x;
-    const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
-    const float phase_x_product_14 = b_3_phase_x_3 * terms_1_phase_x_5;
-    const float b_4_phase_x_3 = rows_5_4 - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
+        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
+    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
+    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
+        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
+    const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
+    const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
+    const float phase_x_product_8 = b_3_phase_x_3 * inverse_3;
+    const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float moves_5_3 = phase_x_product_14 - (terms_1_phase_x_8 * moves_5_4);
-    const float moves_5_1 = phase_x_product_13 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
-    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((rows_5_1 * phase_x_product_13) +
-        (b_3_phase_x_3 * phase_x_product_14) + (b_4_phase_x_3 * moves_5_4)), least_separability);
+    const float moves_5_3 = phase_x_product_8 - (lower_4_3 * moves_5_4);
+    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
+    const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
+        (b_3_phase_x_3 * phase_x_product_8) + (b_4_phase_x_3 * moves_5_4)), least_separability);
     const float scores_5 = residuals_5_phase_x -
         ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
-    const float phase_x_sum_24 = phase_x_sum_11 + (terms_1_phase_x_4 * rows_6_2);
-    const float phase_x_product_15 = phase_x_sum_24 * terms_1_phase_x_5;
-    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_sum_24);
+    const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
+    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
+    const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float phase_x_sum_25 = phase_x_product_15 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
-    const float phase_x_sum_26 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_product_15 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_four_limit(-(phase_x_sum_26 * gains_5), largest_mixing);
-    const float moves_6_1 = (terms_1_phase_x_2 * phase_x_sum_25) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
+    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
+        (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
+    const float lower_2_1_phase_x_3 = hall_position_four_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
+    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
-    const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
-    const float gains_6 = 1.0f /
-        hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_sum_24 * phase_x_product_15) +
-        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_sum_26), least_separability);
+    const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
+    const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
+        (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
+        (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
     const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (phase_x_sum_11 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float phase_x_sum_27 = phase_x_sum_25 + (lower_2_1_phase_x_3 * moves_5_3);
-    const float phase_x_sum_28 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_sum_25) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_sum_28);
-    const float phase_x_product_16 = rows_7_1 * terms_1_phase_x;
-    const float b_3_phase_x_4 = rows_7_3 - (terms_1_phase_x_2 * rows_7_1);
-    const float phase_x_product_17 = b_3_phase_x_4 * terms_1_phase_x_5;
-    const float b_4_phase_x_4 = rows_7_4 - (terms_1_phase_x_6 * rows_7_1) - (terms_1_phase_x_8 * b_3_phase_x_4);
+        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+    const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
+    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
+    const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
+        (lower_4_2 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * minus_moves_5_2);
+    const float rows_7_1_times_inverse_1 = rows_7_1 * inverse_1;
+    const float b_3_phase_x_4 = rows_7_3 - (lower_3_1 * rows_7_1);
+    const float phase_x_product_9 = b_3_phase_x_4 * inverse_3;
+    const float b_4_phase_x_4 = rows_7_4 - (lower_4_1 * rows_7_1) - (lower_4_3 * b_3_phase_x_4);
     const float moves_7_4 = b_4_phase_x_4 * diagonal_4;
-    const float moves_7_3 = phase_x_product_17 - (terms_1_phase_x_8 * moves_7_4);
-    const float moves_7_1 = phase_x_product_16 - (terms_1_phase_x_2 * moves_7_3) - (terms_1_phase_x_6 * moves_7_4);
-    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((rows_7_1 * phase_x_product_16) +
-        (b_3_phase_x_4 * phase_x_product_17) + (b_4_phase_x_4 * moves_7_4)), least_separability);
+    const float moves_7_3 = phase_x_product_9 - (lower_4_3 * moves_7_4);
+    const float moves_7_1 = rows_7_1_times_inverse_1 - (lower_3_1 * moves_7_3) - (lower_4_1 * moves_7_4);
+    const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((rows_7_1 * rows_7_1_times_inverse_1) +
+        (b_3_phase_x_4 * phase_x_product_9) + (b_4_phase_x_4 * moves_7_4)), least_separability);
     const float scores_7 = residuals_7_phase_x -
         ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
-    const float phase_x_sum_29 = phase_x_sum_12 + (terms_1_phase_x_4 * rows_8_2);
-    const float phase_x_product_18 = phase_x_sum_29 * terms_1_phase_x_5;
-    const float forward_4_phase_x_5 = rows_8_4 - (terms_1_phase_x_7 * rows_8_2) + (terms_1_phase_x_8 * phase_x_sum_29);
+    const float minus_forward_3_phase_x_4 = minus_rows_8_3 + (lower_3_2 * rows_8_2);
+    const float minus_weighted_3_phase_x_4 = minus_forward_3_phase_x_4 * inverse_3;
+    const float forward_4_phase_x_5 = rows_8_4 - (lower_4_2 * rows_8_2) + (lower_4_3 * minus_forward_3_phase_x_4);
     const float weighted_4_phase_x_4 = forward_4_phase_x_5 * diagonal_4;
-    const float phase_x_sum_30 = phase_x_product_18 + (terms_1_phase_x_8 * weighted_4_phase_x_4);
-    const float phase_x_sum_31 = (weighted_4_phase_x_4 * b_4_phase_x_4) - (phase_x_product_18 * b_3_phase_x_4);
-    const float lower_2_1_phase_x_4 = hall_position_four_limit(-(phase_x_sum_31 * gains_7), largest_mixing);
-    const float moves_8_1 = (terms_1_phase_x_2 * phase_x_sum_30) - (terms_1_phase_x_6 * weighted_4_phase_x_4) -
+    const float minus_move_3_phase_x_4 = minus_weighted_3_phase_x_4 + (lower_4_3 * weighted_4_phase_x_4);
+    const float minus_S_2_1_phase_x_4 = (weighted_4_phase_x_4 * b_4_phase_x_4) -
+        (minus_weighted_3_phase_x_4 * b_3_phase_x_4);
+    const float lower_2_1_phase_x_4 = hall_position_four_limit(-(minus_S_2_1_phase_x_4 * gains_7), largest_mixing);
+    const float moves_8_1 = (lower_3_1 * minus_move_3_phase_x_4) - (lower_4_1 * weighted_4_phase_x_4) -
         (lower_2_1_phase_x_4 * moves_7_1);
-    const float weighted_2_phase_x_4 = rows_8_2 * terms_1_phase_x_3;
-    const float gain = 1.0f /
-        hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) + (phase_x_sum_29 * phase_x_product_18) +
-        (forward_4_phase_x_5 * weighted_4_phase_x_4)) + (lower_2_1_phase_x_4 * phase_x_sum_31), least_separability);
+    const float weighted_2_phase_x_4 = rows_8_2 * inverse_2;
+    const float gain = 1.0f / hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) +
+        (minus_forward_3_phase_x_4 * minus_weighted_3_phase_x_4) + (forward_4_phase_x_5 * weighted_4_phase_x_4)) +
+        (lower_2_1_phase_x_4 * minus_S_2_1_phase_x_4), least_separability);
     const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
-        (phase_x_sum_12 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
-    const float phase_x_sum_32 = phase_x_sum_30 + (lower_2_1_phase_x_4 * moves_7_3);
-    const float phase_x_sum_33 = (terms_1_phase_x_4 * moves_7_3) + (terms_1_phase_x_7 * moves_7_4);
-    const float moves_8_2 = weighted_2_phase_x_4 + (terms_1_phase_x_4 * phase_x_sum_30) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_4) + (lower_2_1_phase_x_4 * phase_x_sum_33);
+        (minus_rows_8_3 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
+    const float minus_moves_8_3 = minus_move_3_phase_x_4 + (lower_2_1_phase_x_4 * moves_7_3);
+    const float minus_moves_7_2 = (lower_3_2 * moves_7_3) + (lower_4_2 * moves_7_4);
+    const float moves_8_2 = weighted_2_phase_x_4 + (lower_3_2 * minus_move_3_phase_x_4) -
+        (lower_4_2 * weighted_4_phase_x_4) + (lower_2_1_phase_x_4 * minus_moves_7_2);
     float moves_1_1_phase_x_2;
     float gains_1_phase_x_2;
     float scores_1_phase_x_2;
@@ -802,10 +801,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             gains_2_phase_x_2 = gains_2_phase_x;
             scores_2_phase_x_2 = scores_2_phase_x;
             moves_1_3_phase_x_2 = moves_1_3_phase_x;
-            moves_2_3_phase_x = -phase_x_sum_17;
+            moves_2_3_phase_x = -minus_moves_2_3;
             moves_1_4_phase_x_2 = moves_1_4_phase_x;
             moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
-            moves_1_2_phase_x = -phase_x_sum_18;
+            moves_1_2_phase_x = -minus_moves_1_2;
             moves_2_2_phase_x_2 = moves_2_2_phase_x;
         } else {
             moves_1_1_phase_x_2 = moves_3_1;
@@ -815,10 +814,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             gains_2_phase_x_2 = gains_4;
             scores_2_phase_x_2 = scores_4_phase_x;
             moves_1_3_phase_x_2 = moves_3_3;
-            moves_2_3_phase_x = -phase_x_sum_22;
+            moves_2_3_phase_x = -minus_moves_4_3;
             moves_1_4_phase_x_2 = moves_3_4;
             moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
-            moves_1_2_phase_x = -phase_x_sum_23;
+            moves_1_2_phase_x = -minus_moves_3_2;
             moves_2_2_phase_x_2 = moves_4_2;
         }
         phase_x_if_not_none_phase_x_2 = excluded_below_2;
@@ -833,10 +832,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             gains_2_phase_x_2 = gains_6;
             scores_2_phase_x_2 = scores_6_phase_x;
             moves_1_3_phase_x_2 = moves_5_3;
-            moves_2_3_phase_x = -phase_x_sum_27;
+            moves_2_3_phase_x = -minus_moves_6_3;
             moves_1_4_phase_x_2 = moves_5_4;
             moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
-            moves_1_2_phase_x = -phase_x_sum_28;
+            moves_1_2_phase_x = -minus_moves_5_2;
             moves_2_2_phase_x_2 = moves_6_2;
         } else {
             moves_1_1_phase_x_2 = moves_7_1;
@@ -846,10 +845,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             gains_2_phase_x_2 = gain;
             scores_2_phase_x_2 = scores_8_phase_x;
             moves_1_3_phase_x_2 = moves_7_3;
-            moves_2_3_phase_x = -phase_x_sum_32;
+            moves_2_3_phase_x = -minus_moves_8_3;
             moves_1_4_phase_x_2 = moves_7_4;
             moves_2_4_phase_x = weighted_4_phase_x_4 - (lower_2_1_phase_x_4 * moves_7_4);
-            moves_1_2_phase_x = -phase_x_sum_33;
+            moves_1_2_phase_x = -minus_moves_7_2;
             moves_2_2_phase_x_2 = moves_8_2;
         }
         phase_x_if_not_none_phase_x_4 = excluded_below_4;
@@ -867,16 +866,16 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     float added_3_deviation_yaw = 0.0f;
     float added_4_deviation_amplitude = 0.0f;
     if (!none_phase_x) {
-        const float phase_x_product_19 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_product_20 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_19) + (moves_2_1_phase_x_2 * phase_x_product_20));
+        const float phase_x_product_10 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_product_11 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_10) + (moves_2_1_phase_x_2 * phase_x_product_11));
         weights_1 = phase_x_if_not_none_phase_x;
-        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_19) + (moves_2_3_phase_x * phase_x_product_20));
-        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_19) + (moves_2_4_phase_x * phase_x_product_20));
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_10) + (moves_2_3_phase_x * phase_x_product_11));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_10) + (moves_2_4_phase_x * phase_x_product_11));
         weights_3 = phase_x_if_not_none_phase_x_2;
         weights_5 = phase_x_if_not_none_phase_x_3;
         weights_7 = phase_x_if_not_none_phase_x_4;
-        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_19) + (moves_2_2_phase_x_2 * phase_x_product_20));
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_10) + (moves_2_2_phase_x_2 * phase_x_product_11));
         added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
         added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
@@ -898,10 +897,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float phase_x_limited = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4,
         highest_amplitude), lowest_amplitude);
     const float best_2 = hall_position_four_limit(steps_2_phase_x + added_2_phase_x, largest_step_phase);
-    float terms_1_phase_x_9 = 0.0f;
     float phase_x_choice = 0.0f;
-    float terms_2_phase_x = 0.0f;
     float phase_x_choice_2 = 0.0f;
+    float phase_x_choice_3 = 0.0f;
+    float phase_x_choice_4 = 0.0f;
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (arm_a_x * limited_3_cosine) - (arm_a_y * limited_3_sine);
@@ -912,7 +911,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
-        terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
+        phase_x_choice = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 + (arm_a_y * limited_3_cosine) + (arm_a_x * limited_3_sine);
         const float cosine_2_argument_2 = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
@@ -921,20 +920,20 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
             (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
-        phase_x_choice = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_sum_9 * residuals_2_phase_x_2);
-        terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
-        phase_x_choice_2 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
+        phase_x_choice_2 = (rows_1_3 * residuals_1_phase_x_2) - (minus_rows_2_3 * residuals_2_phase_x_2);
+        phase_x_choice_3 = rows_2_2 * residuals_2_phase_x_2;
+        phase_x_choice_4 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
         chi_square_choice = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
             (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
-    float terms_3_phase_x = 0.0f;
-    float terms_3_phase_x_2 = 0.0f;
-    float terms_4_phase_x = 0.0f;
-    float terms_4_phase_x_2 = 0.0f;
-    float terms_3_phase_x_3 = 0.0f;
-    float terms_4_phase_x_3 = 0.0f;
-    float terms_3_chi_square = 0.0f;
-    float terms_4_chi_square = 0.0f;
+    float phase_x_choice_5 = 0.0f;
+    float phase_x_choice_6 = 0.0f;
+    float phase_x_choice_7 = 0.0f;
+    float phase_x_choice_8 = 0.0f;
+    float phase_x_choice_9 = 0.0f;
+    float phase_x_choice_10 = 0.0f;
+    float chi_square_choice_2 = 0.0f;
+    float chi_square_choice_3 = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 + (arm_b_x * limited_3_cosine) - (arm_b_y * limited_3_sine);
         const float cosine_2_argument_3 = by_bx * by_bx;
@@ -944,8 +943,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
-        terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
-        terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
+        phase_x_choice_5 = rows_3_1 * residuals_3_phase_x_2;
+        phase_x_choice_6 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 + (arm_b_y * limited_3_cosine) + (arm_b_x * limited_3_sine);
         const float cosine_2_argument_4 = by * by;
         const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
@@ -954,21 +953,21 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
             (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
-        terms_4_phase_x = -(phase_x_sum_10 * residuals_4_phase_x_2);
-        terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
-        terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
-        terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
-        terms_3_chi_square = residuals_3_phase_x_2 * residuals_3_phase_x_2;
-        terms_4_chi_square = residuals_4_phase_x_2 * residuals_4_phase_x_2;
+        phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_phase_x_2);
+        phase_x_choice_8 = rows_4_2 * residuals_4_phase_x_2;
+        phase_x_choice_9 = rows_3_4 * residuals_3_phase_x_2;
+        phase_x_choice_10 = rows_4_4 * residuals_4_phase_x_2;
+        chi_square_choice_2 = residuals_3_phase_x_2 * residuals_3_phase_x_2;
+        chi_square_choice_3 = residuals_4_phase_x_2 * residuals_4_phase_x_2;
     }
-    float terms_5_phase_x = 0.0f;
-    float terms_5_phase_x_2 = 0.0f;
-    float terms_6_phase_x = 0.0f;
-    float terms_6_phase_x_2 = 0.0f;
-    float terms_5_phase_x_3 = 0.0f;
-    float terms_6_phase_x_3 = 0.0f;
-    float terms_5_chi_square = 0.0f;
-    float terms_6_chi_square = 0.0f;
+    float phase_x_choice_11 = 0.0f;
+    float phase_x_choice_12 = 0.0f;
+    float phase_x_choice_13 = 0.0f;
+    float phase_x_choice_14 = 0.0f;
+    float phase_x_choice_15 = 0.0f;
+    float phase_x_choice_16 = 0.0f;
+    float chi_square_choice_4 = 0.0f;
+    float chi_square_choice_5 = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 + (arm_c_x * limited_3_cosine) - (arm_c_y * limited_3_sine);
         const float cosine_2_argument_5 = by_cx * by_cx;
@@ -978,8 +977,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
-        terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
-        terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
+        phase_x_choice_11 = rows_5_1 * residuals_5_phase_x_2;
+        phase_x_choice_12 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 + (arm_c_y * limited_3_cosine) + (arm_c_x * limited_3_sine);
         const float cosine_2_argument_6 = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
@@ -988,21 +987,21 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
             (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
-        terms_6_phase_x = -(phase_x_sum_11 * residuals_6_phase_x_2);
-        terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
-        terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
-        terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
-        terms_5_chi_square = residuals_5_phase_x_2 * residuals_5_phase_x_2;
-        terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
+        phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_phase_x_2);
+        phase_x_choice_14 = rows_6_2 * residuals_6_phase_x_2;
+        phase_x_choice_15 = rows_5_4 * residuals_5_phase_x_2;
+        phase_x_choice_16 = rows_6_4 * residuals_6_phase_x_2;
+        chi_square_choice_4 = residuals_5_phase_x_2 * residuals_5_phase_x_2;
+        chi_square_choice_5 = residuals_6_phase_x_2 * residuals_6_phase_x_2;
     }
-    float terms_7_phase_x = 0.0f;
-    float terms_7_phase_x_2 = 0.0f;
-    float terms_8_phase_x = 0.0f;
-    float terms_8_phase_x_2 = 0.0f;
-    float terms_7_phase_x_3 = 0.0f;
-    float terms_8_phase_x_3 = 0.0f;
-    float terms_7_chi_square = 0.0f;
-    float terms_8_chi_square = 0.0f;
+    float phase_x_choice_17 = 0.0f;
+    float phase_x_choice_18 = 0.0f;
+    float phase_x_choice_19 = 0.0f;
+    float phase_x_choice_20 = 0.0f;
+    float phase_x_choice_21 = 0.0f;
+    float phase_x_choice_22 = 0.0f;
+    float chi_square_choice_6 = 0.0f;
+    float chi_square_choice_7 = 0.0f;
     if (weights_7) {
         const float by_dx = best_1 + (arm_d_x * limited_3_cosine) - (arm_d_y * limited_3_sine);
         const float cosine_2_argument_7 = by_dx * by_dx;
@@ -1012,8 +1011,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_7_phase_x_2 = (turns_3_cosine * V_dx_held) - (turns_3_sine * V_dy_held) -
             (phase_x_limited * (phasors_7_sine * (estimator_field_1 +
             (phasors_7_sine_squared * (estimator_field_3 + (phasors_7_sine_squared * estimator_field_5))))));
-        terms_7_phase_x = rows_7_1 * residuals_7_phase_x_2;
-        terms_7_phase_x_2 = rows_7_3 * residuals_7_phase_x_2;
+        phase_x_choice_17 = rows_7_1 * residuals_7_phase_x_2;
+        phase_x_choice_18 = rows_7_3 * residuals_7_phase_x_2;
         const float by_dy = best_2 + (arm_d_y * limited_3_cosine) + (arm_d_x * limited_3_sine);
         const float cosine_2_argument_8 = by_dy * by_dy;
         const float phasors_8_sine = (dy_part_full * cosine_2_polynomial(cosine_2_argument_8)) +
@@ -1022,28 +1021,28 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float residuals_8_phase_x_2 = (turns_3_cosine * V_dy_held) + (turns_3_sine * V_dx_held) -
             (phase_x_limited * (phasors_8_sine * (estimator_field_1 +
             (phasors_8_sine_squared * (estimator_field_3 + (phasors_8_sine_squared * estimator_field_5))))));
-        terms_8_phase_x = -(phase_x_sum_12 * residuals_8_phase_x_2);
-        terms_8_phase_x_2 = rows_8_2 * residuals_8_phase_x_2;
-        terms_7_phase_x_3 = rows_7_4 * residuals_7_phase_x_2;
-        terms_8_phase_x_3 = rows_8_4 * residuals_8_phase_x_2;
-        terms_7_chi_square = residuals_7_phase_x_2 * residuals_7_phase_x_2;
-        terms_8_chi_square = residuals_8_phase_x_2 * residuals_8_phase_x_2;
+        phase_x_choice_19 = -(minus_rows_8_3 * residuals_8_phase_x_2);
+        phase_x_choice_20 = rows_8_2 * residuals_8_phase_x_2;
+        phase_x_choice_21 = rows_7_4 * residuals_7_phase_x_2;
+        phase_x_choice_22 = rows_8_4 * residuals_8_phase_x_2;
+        chi_square_choice_6 = residuals_7_phase_x_2 * residuals_7_phase_x_2;
+        chi_square_choice_7 = residuals_8_phase_x_2 * residuals_8_phase_x_2;
     }
-    const float gradient_1_phase_x_2 = terms_1_phase_x_9 + terms_3_phase_x + terms_5_phase_x + terms_7_phase_x;
-    const float phase_x_product_21 = gradient_1_phase_x_2 * terms_1_phase_x;
-    const float gradient_3_phase_x = phase_x_choice + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
-        terms_6_phase_x + terms_7_phase_x_2 + terms_8_phase_x;
-    const float gradient_2_phase_x_2 = terms_2_phase_x + terms_4_phase_x_2 + terms_6_phase_x_2 + terms_8_phase_x_2;
-    const float forward_3_phase_x_2 = gradient_3_phase_x - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
-        (terms_1_phase_x_4 * gradient_2_phase_x_2);
-    const float phase_x_product_22 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float gradient_1_phase_x_2 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11 + phase_x_choice_17;
+    const float phase_x_product_12 = gradient_1_phase_x_2 * inverse_1;
+    const float gradient_3_phase_x = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
+        phase_x_choice_13 + phase_x_choice_18 + phase_x_choice_19;
+    const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14 + phase_x_choice_20;
+    const float forward_3_phase_x_2 = gradient_3_phase_x - (lower_3_1 * gradient_1_phase_x_2) -
+        (lower_3_2 * gradient_2_phase_x_2);
+    const float phase_x_product_13 = forward_3_phase_x_2 * inverse_3;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x = phase_x_choice_2 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
-        terms_6_phase_x_3 + terms_7_phase_x_3 + terms_8_phase_x_3 - (prior_weight_amplitude * offsets_4_phase_x_2);
-    const float forward_4_phase_x_6 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
-        (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
+    const float gradient_4_phase_x = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
+        phase_x_choice_16 + phase_x_choice_21 + phase_x_choice_22 - (prior_weight_amplitude * offsets_4_phase_x_2);
+    const float forward_4_phase_x_6 = gradient_4_phase_x - (lower_4_1 * gradient_1_phase_x_2) -
+        (lower_4_2 * gradient_2_phase_x_2) - (lower_4_3 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
-    const float steps_3_phase_x_2 = phase_x_product_22 - (terms_1_phase_x_8 * steps_4_phase_x_2);
+    const float steps_3_phase_x_2 = phase_x_product_13 - (lower_4_3 * steps_4_phase_x_2);
     float added_1_phase_x_2 = 0.0f;
     float added_2_phase_y = 0.0f;
     float added_3_yaw = 0.0f;
@@ -1053,33 +1052,33 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float projections_1 = hall_position_four_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
             (moves_1_4_phase_x_2 * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_23 = gains_1_phase_x_2 * projections_1;
+        const float phase_x_product_14 = gains_1_phase_x_2 * projections_1;
         const float projections_2 = hall_position_four_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
             (moves_2_4_phase_x * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_24 = gains_2_phase_x_2 * projections_2;
-        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_23) + (moves_2_1_phase_x_2 * phase_x_product_24);
-        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_23) + (moves_2_2_phase_x_2 * phase_x_product_24);
-        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_23) + (moves_2_3_phase_x * phase_x_product_24);
-        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_23) + (moves_2_4_phase_x * phase_x_product_24);
+        const float phase_x_product_15 = gains_2_phase_x_2 * projections_2;
+        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_14) + (moves_2_1_phase_x_2 * phase_x_product_15);
+        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_14) + (moves_2_2_phase_x_2 * phase_x_product_15);
+        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_14) + (moves_2_3_phase_x * phase_x_product_15);
+        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_14) + (moves_2_4_phase_x * phase_x_product_15);
         added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
             (gains_2_phase_x_2 * (projections_2 * projections_2));
     }
-    const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_21 - (terms_1_phase_x_2 *
-        steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
+    const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_12 - (lower_3_1 * steps_3_phase_x_2) -
+        (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
     const float starts_1_plus_moved_1 = starts_1 + moved_1;
-    float phase_x_choice_3 = starts_1_plus_moved_1;
+    float phase_x_choice_23 = starts_1_plus_moved_1;
     if (pi < starts_1_plus_moved_1) {
-        phase_x_choice_3 = starts_1_plus_moved_1 - two_pi;
+        phase_x_choice_23 = starts_1_plus_moved_1 - two_pi;
     }
-    float phase_x_unlimited = phase_x_choice_3;
-    if (phase_x_choice_3 < -pi) {
-        phase_x_unlimited = phase_x_choice_3 + two_pi;
+    float phase_x_unlimited = phase_x_choice_23;
+    if (phase_x_choice_23 < -pi) {
+        phase_x_unlimited = phase_x_choice_23 + two_pi;
     }
     const float phase_x = hall_position_four_limit(phase_x_unlimited, pi);
-    const float phase_y_product = gradient_2_phase_x_2 * terms_1_phase_x_3;
-    const float moved_2 = hall_position_four_limit(best_2 + (phase_y_product - (terms_1_phase_x_4 * steps_3_phase_x_2) -
-        (terms_1_phase_x_7 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
+    const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
+    const float moved_2 = hall_position_four_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
+        (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
     const float starts_2_plus_moved_2 = starts_2 + moved_2;
     float phase_y_choice = starts_2_plus_moved_2;
     if (pi < starts_2_plus_moved_2) {
@@ -1095,26 +1094,26 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float amplitude_unlimited = hall_position_four_min(estimator_amplitude + hall_position_four_limit(best_4 +
         (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
     const float amplitude = hall_position_four_max(amplitude_unlimited, lowest_amplitude);
-    const float deviation_phase_x_sum = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
-    const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
+    const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
+    const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
     const float deviation_phase_x = hall_position_four_min(channel_sigma * sqrtf(variances_1), largest_deviation_phase);
-    const float deviation_phase_y_sum = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
-    const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
+    const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
+    const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
         (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
     const float deviation_phase_y = hall_position_four_min(channel_sigma * sqrtf(variances_2), largest_deviation_phase);
-    const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
+    const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
     const float deviation_yaw = hall_position_four_min(channel_sigma * sqrtf(variances_3), largest_yaw);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_four_min(channel_sigma * sqrtf(variances_4),
         largest_deviation_amplitude);
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_21) + (gradient_2_phase_x_2 * phase_y_product)
-        + (forward_3_phase_x_2 * phase_x_product_22) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
-    const float cost_chi_square = hall_position_four_max(chi_square_choice + terms_3_chi_square + terms_4_chi_square +
-        terms_5_chi_square + terms_6_chi_square + terms_7_chi_square + terms_8_chi_square +
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_12) + (gradient_2_phase_x_2 * phase_y_product)
+        + (forward_3_phase_x_2 * phase_x_product_13) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
+    const float cost_chi_square = hall_position_four_max(chi_square_choice + chi_square_choice_2 + chi_square_choice_3 +
+        chi_square_choice_4 + chi_square_choice_5 + chi_square_choice_6 + chi_square_choice_7 +
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
     const float chi_square = hall_position_four_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
     const bool converged = chi_square_sum <= decrease_tolerance;
@@ -1129,24 +1128,26 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_phase_x_sum = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
     const float protection_phase_x_sum_2 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
     const float protection_phase_x_sum_3 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
-    const float protection_phase_y_limited = hall_position_four_max(0.0f, (phase_x_sum_18 * phase_x_sum_18 *
+    const float protection_phase_y_limited = hall_position_four_max(0.0f, (minus_moves_1_2 * minus_moves_1_2 *
         gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
-    const float protection_phase_y_sum = (phase_x_sum_23 * phase_x_sum_23 * gains_3) +
+    const float protection_phase_y_sum = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
         (moves_4_2 * moves_4_2 * gains_4);
-    const float protection_phase_y_sum_2 = (phase_x_sum_28 * phase_x_sum_28 * gains_5) +
+    const float protection_phase_y_sum_2 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
         (moves_6_2 * moves_6_2 * gains_6);
-    const float protection_phase_y_sum_3 = (phase_x_sum_33 * phase_x_sum_33 * gains_7) + (moves_8_2 * moves_8_2 * gain);
+    const float protection_phase_y_sum_3 = (minus_moves_7_2 * minus_moves_7_2 * gains_7) +
+        (moves_8_2 * moves_8_2 * gain);
     const float protection_yaw_limited = hall_position_four_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
-        gains_1_phase_x) + (phase_x_sum_17 * phase_x_sum_17 * gains_2_phase_x));
-    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (phase_x_sum_22 * phase_x_sum_22 * gains_4);
-    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_sum_27 * phase_x_sum_27 * gains_6);
-    const float protection_yaw_sum_3 = (moves_7_3 * moves_7_3 * gains_7) + (phase_x_sum_32 * phase_x_sum_32 * gain);
+        gains_1_phase_x) + (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x));
+    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (minus_moves_4_3 * minus_moves_4_3 * gains_4);
+    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) +
+        (minus_moves_6_3 * minus_moves_6_3 * gains_6);
+    const float protection_yaw_sum_3 = (moves_7_3 * moves_7_3 * gains_7) + (minus_moves_8_3 * minus_moves_8_3 * gain);
     const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) +
         (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
         (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
         (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
         (residuals_8_phase_x * residuals_8_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_9) +
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_6) +
         (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_four_max(protection_phase_x_sum_4, 0.0f);
     const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
@@ -1201,9 +1202,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
                 protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_4 -
-                ((moves_2_2_phase_x * protection_phase_x_product_2) - (phase_x_sum_18 * protection_phase_x_product)));
+                ((moves_2_2_phase_x * protection_phase_x_product_2) - (minus_moves_1_2 * protection_phase_x_product)));
             apart_protection_yaw = fabsf(protection_yaw_sum_4 -
-                ((moves_1_3_phase_x * protection_phase_x_product) - (phase_x_sum_17 * protection_phase_x_product_2)));
+                ((moves_1_3_phase_x * protection_phase_x_product) - (minus_moves_2_3 * protection_phase_x_product_2)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
@@ -1214,10 +1215,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4 -
-                ((moves_4_2 * protection_phase_x_product_3) - (phase_x_sum_23 * scores_3_times_gains_3))));
+                ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_22 * protection_phase_x_product_3))));
+                ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum);
         }
         if (passing_3) {
@@ -1225,10 +1226,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_product_4))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_2);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4 -
-                ((moves_6_2 * protection_phase_x_product_4) - (phase_x_sum_28 * scores_5_times_gains_5))));
+                ((moves_6_2 * protection_phase_x_product_4) - (minus_moves_5_2 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_2);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_sum_27 * protection_phase_x_product_4))));
+                ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * protection_phase_x_product_4))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_2);
         }
         if (passing_4) {
@@ -1236,10 +1237,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
             added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_3);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4 -
-                ((moves_8_2 * scores_8_phase_x_times_gain) - (phase_x_sum_33 * scores_7_times_gains_7))));
+                ((moves_8_2 * scores_8_phase_x_times_gain) - (minus_moves_7_2 * scores_7_times_gains_7))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_3);
             apart_protection_yaw = hall_position_four_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_7_3 * scores_7_times_gains_7) - (phase_x_sum_32 * scores_8_phase_x_times_gain))));
+                ((moves_7_3 * scores_7_times_gains_7) - (minus_moves_8_3 * scores_8_phase_x_times_gain))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_3);
         }
         protection_phase_x_choice = apart_protection_phase_x +

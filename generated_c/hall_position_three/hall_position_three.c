@@ -489,8 +489,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
-    const float terms_1_phase_x = 1.0f / hall_position_three_max(left_1_1, least_pivot);
-    const float phase_x_product_4 = gradient_1_phase_x * terms_1_phase_x;
+    const float inverse_1 = 1.0f / hall_position_three_max(left_1_1, least_pivot);
+    const float phase_x_product_4 = gradient_1_phase_x * inverse_1;
     const float phase_x_sum_4 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
     const float rows_1_3 = phase_x_sum_4 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
     const float phase_x_sum_5 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
@@ -498,12 +498,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_x_sum_6 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
     const float rows_5_3 = phase_x_sum_6 + (rows_5_1 * (arm_c_x_times_sin_yaw - arm_c_y_times_cos_yaw));
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
-    const float terms_1_phase_x_2 = hall_position_three_limit(left_3_1 * terms_1_phase_x, largest_L_yaw_phase);
+    const float lower_3_1 = hall_position_three_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float rows_2_2 = start_cosine_ay * (phase_x_product +
         (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_7 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
+    const float minus_rows_2_3 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
     const float rows_2_4 = ay_part_full * (estimator_field_1 +
         (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
     const float residuals_2_phase_x = phase_x_sum_4 - (estimator_amplitude * rows_2_4);
@@ -511,7 +511,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float by_part_full_squared = by_part_full * by_part_full;
     const float rows_4_2 = start_cosine_by * (phase_x_product +
         (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_8 = phase_x_sum_2 - (rows_4_2 * ((arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw));
+    const float minus_rows_4_3 = phase_x_sum_2 - (rows_4_2 * ((arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw));
     const float rows_4_4 = by_part_full * (estimator_field_1 +
         (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
     const float residuals_4_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_4_4);
@@ -519,146 +519,144 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float rows_6_2 = start_cosine_cy * (phase_x_product +
         (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_9 = phase_x_sum_3 - (rows_6_2 * ((arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw));
+    const float minus_rows_6_3 = phase_x_sum_3 - (rows_6_2 * ((arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw));
     const float rows_6_4 = cy_part_full * (estimator_field_1 +
         (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
     const float residuals_6_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_6_4);
-    const float phase_x_sum_10 = (phase_x_sum_7 * rows_2_2) + (phase_x_sum_8 * rows_4_2) + (phase_x_sum_9 * rows_6_2);
+    const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
+        (minus_rows_6_3 * rows_6_2);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
-    const float terms_1_phase_x_3 = 1.0f / hall_position_three_max(left_2_2_phase_x, least_pivot);
-    const float terms_1_phase_x_4 = hall_position_three_limit(-(phase_x_sum_10 * terms_1_phase_x_3),
-        largest_L_yaw_phase);
+    const float inverse_2 = 1.0f / hall_position_three_max(left_2_2_phase_x, least_pivot);
+    const float lower_3_2 = hall_position_three_limit(-(minus_left_3_2 * inverse_2), largest_L_yaw_phase);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x);
-    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (phase_x_sum_7 * residuals_2_phase_x) +
-        (rows_3_3 * residuals_3_phase_x) - (phase_x_sum_8 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
-        (phase_x_sum_9 * residuals_6_phase_x) - (terms_1_phase_x_2 * gradient_1_phase_x) -
-        (terms_1_phase_x_4 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (phase_x_sum_7 * phase_x_sum_7) + (rows_3_3 * rows_3_3) +
-        (phase_x_sum_8 * phase_x_sum_8) + (rows_5_3 * rows_5_3) + (phase_x_sum_9 * phase_x_sum_9);
-    const float terms_1_phase_x_5 = 1.0f / hall_position_three_max(left_3_3_phase_x - (terms_1_phase_x_2 * left_3_1) +
-        (terms_1_phase_x_4 * phase_x_sum_10), least_pivot_yaw);
-    const float phase_x_product_5 = forward_3_phase_x * terms_1_phase_x_5;
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (minus_rows_6_3 * residuals_6_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
+    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
+        (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3);
+    const float inverse_3 = 1.0f / hall_position_three_max(left_3_3_phase_x - (lower_3_1 * left_3_1) +
+        (lower_3_2 * minus_left_3_2), least_pivot_yaw);
+    const float phase_x_product_5 = forward_3_phase_x * inverse_3;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
-    const float terms_1_phase_x_6 = hall_position_three_limit(left_4_1 * terms_1_phase_x, largest_L);
+    const float lower_4_1 = hall_position_three_limit(left_4_1 * inverse_1, largest_L);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
-    const float terms_1_phase_x_7 = hall_position_three_limit(left_4_2 * terms_1_phase_x_3, largest_L);
-    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * phase_x_sum_7) + (rows_3_4 * rows_3_3) -
-        (rows_4_4 * phase_x_sum_8) + (rows_5_4 * rows_5_3) - (rows_6_4 * phase_x_sum_9) -
-        (terms_1_phase_x_6 * left_3_1) + (terms_1_phase_x_7 * phase_x_sum_10);
-    const float terms_1_phase_x_8 = hall_position_three_limit(left_4_3_phase_x * terms_1_phase_x_5,
-        largest_L_amplitude_yaw);
+    const float lower_4_2 = hall_position_three_limit(left_4_2 * inverse_2, largest_L);
+    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * minus_rows_2_3) + (rows_3_4 * rows_3_3) -
+        (rows_4_4 * minus_rows_4_3) + (rows_5_4 * rows_5_3) - (rows_6_4 * minus_rows_6_3) - (lower_4_1 * left_3_1) +
+        (lower_4_2 * minus_left_3_2);
+    const float lower_4_3 = hall_position_three_limit(left_4_3_phase_x * inverse_3, largest_L_amplitude_yaw);
     const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
-        (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) - (terms_1_phase_x_6 *
-        gradient_1_phase_x) - (terms_1_phase_x_7 * gradient_2_phase_x) - (terms_1_phase_x_8 * forward_3_phase_x);
+        (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) -
+        (lower_4_1 * gradient_1_phase_x) - (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
     const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + prior_weight_amplitude;
-    const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (terms_1_phase_x_6 * left_4_1) -
-        (terms_1_phase_x_7 * left_4_2) - (terms_1_phase_x_8 * left_4_3_phase_x), least_pivot);
+    const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (lower_4_1 * left_4_1) -
+        (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float steps_3_phase_x = phase_x_product_5 - (terms_1_phase_x_8 * steps_4_phase_x);
-    const float steps_1_phase_x = phase_x_product_4 - (terms_1_phase_x_2 * steps_3_phase_x) -
-        (terms_1_phase_x_6 * steps_4_phase_x);
+    const float steps_3_phase_x = phase_x_product_5 - (lower_4_3 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_product_4 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
     const bool x_certain = 0.0f < rejected;
     const uint32_t estimator_excluded = state->estimator_excluded;
     const float excluded = hall_position_three_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
     const bool none_phase_x = excluded < 1.0f;
-    const float phase_x_product_6 = rows_1_1 * terms_1_phase_x;
-    const float b_3_phase_x = rows_1_3 - (terms_1_phase_x_2 * rows_1_1);
-    const float phase_x_product_7 = b_3_phase_x * terms_1_phase_x_5;
-    const float b_4_phase_x = rows_1_4 - (terms_1_phase_x_6 * rows_1_1) - (terms_1_phase_x_8 * b_3_phase_x);
+    const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
+    const float b_3_phase_x = rows_1_3 - (lower_3_1 * rows_1_1);
+    const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
+    const float b_4_phase_x = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
-    const float moves_1_3_phase_x = phase_x_product_7 - (terms_1_phase_x_8 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = phase_x_product_6 - (terms_1_phase_x_2 * moves_1_3_phase_x) -
-        (terms_1_phase_x_6 * moves_1_4_phase_x);
-    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * phase_x_product_6) +
-        (b_3_phase_x * phase_x_product_7) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
+    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
+        (lower_4_1 * moves_1_4_phase_x);
+    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
+        (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
     const float scores_1_phase_x = residuals_1_phase_x -
         ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
-    const float phase_x_sum_11 = phase_x_sum_7 + (terms_1_phase_x_4 * rows_2_2);
-    const float phase_x_product_8 = phase_x_sum_11 * terms_1_phase_x_5;
-    const float forward_4_phase_x_2 = rows_2_4 - (terms_1_phase_x_7 * rows_2_2) + (terms_1_phase_x_8 * phase_x_sum_11);
+    const float minus_forward_3_phase_x = minus_rows_2_3 + (lower_3_2 * rows_2_2);
+    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
+    const float forward_4_phase_x_2 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float phase_x_sum_12 = phase_x_product_8 + (terms_1_phase_x_8 * weighted_4_phase_x);
-    const float phase_x_sum_13 = (weighted_4_phase_x * b_4_phase_x) - (phase_x_product_8 * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_three_limit(-(phase_x_sum_13 * gains_1_phase_x), largest_mixing);
-    const float moves_2_1_phase_x = (terms_1_phase_x_2 * phase_x_sum_12) - (terms_1_phase_x_6 * weighted_4_phase_x) -
+    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
+    const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
+    const float lower_2_1_phase_x = hall_position_three_limit(-(minus_S_2_1_phase_x * gains_1_phase_x), largest_mixing);
+    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
         (lower_2_1_phase_x * moves_1_1_phase_x);
-    const float weighted_2_phase_x = rows_2_2 * terms_1_phase_x_3;
-    const float gains_2_phase_x = 1.0f /
-        hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) + (phase_x_sum_11 * phase_x_product_8) +
-        (forward_4_phase_x_2 * weighted_4_phase_x)) + (lower_2_1_phase_x * phase_x_sum_13), least_separability);
-    const float phase_x_product_9 = gradient_2_phase_x * terms_1_phase_x_3;
-    const float steps_2_phase_x = phase_x_product_9 - (terms_1_phase_x_4 * steps_3_phase_x) -
-        (terms_1_phase_x_7 * steps_4_phase_x);
+    const float weighted_2_phase_x = rows_2_2 * inverse_2;
+    const float gains_2_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
+        (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
+        (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
+    const float phase_x_product_6 = gradient_2_phase_x * inverse_2;
+    const float steps_2_phase_x = phase_x_product_6 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
     const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (phase_x_sum_7 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
-    const float phase_x_sum_14 = (terms_1_phase_x_4 * moves_1_3_phase_x) + (terms_1_phase_x_7 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (terms_1_phase_x_4 * phase_x_sum_12) -
-        (terms_1_phase_x_7 * weighted_4_phase_x) + (lower_2_1_phase_x * phase_x_sum_14);
-    const float phase_x_sum_15 = phase_x_sum_12 + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float phase_x_product_10 = rows_3_1 * terms_1_phase_x;
-    const float b_3_phase_x_2 = rows_3_3 - (terms_1_phase_x_2 * rows_3_1);
-    const float phase_x_product_11 = b_3_phase_x_2 * terms_1_phase_x_5;
-    const float b_4_phase_x_2 = rows_3_4 - (terms_1_phase_x_6 * rows_3_1) - (terms_1_phase_x_8 * b_3_phase_x_2);
+        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
+        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
+    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
+    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
+    const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
+    const float phase_x_product_7 = b_3_phase_x_2 * inverse_3;
+    const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float moves_3_3 = phase_x_product_11 - (terms_1_phase_x_8 * moves_3_4);
-    const float moves_3_1 = phase_x_product_10 - (terms_1_phase_x_2 * moves_3_3) - (terms_1_phase_x_6 * moves_3_4);
-    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * phase_x_product_10) +
-        (b_3_phase_x_2 * phase_x_product_11) + (b_4_phase_x_2 * moves_3_4)), least_separability);
+    const float moves_3_3 = phase_x_product_7 - (lower_4_3 * moves_3_4);
+    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
+    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
+        (b_3_phase_x_2 * phase_x_product_7) + (b_4_phase_x_2 * moves_3_4)), least_separability);
     const float scores_3 = residuals_3_phase_x -
         ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float phase_x_sum_16 = phase_x_sum_8 + (terms_1_phase_x_4 * rows_4_2);
-    const float phase_x_product_12 = phase_x_sum_16 * terms_1_phase_x_5;
-    const float forward_4_phase_x_3 = rows_4_4 - (terms_1_phase_x_7 * rows_4_2) + (terms_1_phase_x_8 * phase_x_sum_16);
+    const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
+    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
+    const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float phase_x_sum_17 = phase_x_product_12 + (terms_1_phase_x_8 * weighted_4_phase_x_2);
-    const float phase_x_sum_18 = (weighted_4_phase_x_2 * b_4_phase_x_2) - (phase_x_product_12 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(phase_x_sum_18 * gains_3), largest_mixing);
-    const float moves_4_1 = (terms_1_phase_x_2 * phase_x_sum_17) - (terms_1_phase_x_6 * weighted_4_phase_x_2) -
+    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
+        (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
+    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
+    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
-    const float weighted_2_phase_x_2 = rows_4_2 * terms_1_phase_x_3;
-    const float gains_4 = 1.0f /
-        hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) + (phase_x_sum_16 * phase_x_product_12) +
-        (forward_4_phase_x_3 * weighted_4_phase_x_2)) + (lower_2_1_phase_x_2 * phase_x_sum_18), least_separability);
+    const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
+    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
+        (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
+        (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
     const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (phase_x_sum_8 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float phase_x_sum_19 = phase_x_sum_17 + (lower_2_1_phase_x_2 * moves_3_3);
-    const float phase_x_sum_20 = (terms_1_phase_x_4 * moves_3_3) + (terms_1_phase_x_7 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (terms_1_phase_x_4 * phase_x_sum_17) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * phase_x_sum_20);
-    const float phase_x_product_13 = rows_5_1 * terms_1_phase_x;
-    const float b_3_phase_x_3 = rows_5_3 - (terms_1_phase_x_2 * rows_5_1);
-    const float phase_x_product_14 = b_3_phase_x_3 * terms_1_phase_x_5;
-    const float b_4_phase_x_3 = rows_5_4 - (terms_1_phase_x_6 * rows_5_1) - (terms_1_phase_x_8 * b_3_phase_x_3);
+        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
+    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
+    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
+        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
+    const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
+    const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
+    const float phase_x_product_8 = b_3_phase_x_3 * inverse_3;
+    const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float moves_5_3 = phase_x_product_14 - (terms_1_phase_x_8 * moves_5_4);
-    const float moves_5_1 = phase_x_product_13 - (terms_1_phase_x_2 * moves_5_3) - (terms_1_phase_x_6 * moves_5_4);
-    const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * phase_x_product_13) +
-        (b_3_phase_x_3 * phase_x_product_14) + (b_4_phase_x_3 * moves_5_4)), least_separability);
+    const float moves_5_3 = phase_x_product_8 - (lower_4_3 * moves_5_4);
+    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
+    const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
+        (b_3_phase_x_3 * phase_x_product_8) + (b_4_phase_x_3 * moves_5_4)), least_separability);
     const float scores_5 = residuals_5_phase_x -
         ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
-    const float phase_x_sum_21 = phase_x_sum_9 + (terms_1_phase_x_4 * rows_6_2);
-    const float phase_x_product_15 = phase_x_sum_21 * terms_1_phase_x_5;
-    const float forward_4_phase_x_4 = rows_6_4 - (terms_1_phase_x_7 * rows_6_2) + (terms_1_phase_x_8 * phase_x_sum_21);
+    const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
+    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
+    const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float phase_x_sum_22 = phase_x_product_15 + (terms_1_phase_x_8 * weighted_4_phase_x_3);
-    const float phase_x_sum_23 = (weighted_4_phase_x_3 * b_4_phase_x_3) - (phase_x_product_15 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(phase_x_sum_23 * gains_5), largest_mixing);
-    const float moves_6_1 = (terms_1_phase_x_2 * phase_x_sum_22) - (terms_1_phase_x_6 * weighted_4_phase_x_3) -
+    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
+        (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
+    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
+    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
-    const float weighted_2_phase_x_3 = rows_6_2 * terms_1_phase_x_3;
-    const float gain = 1.0f /
-        hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) + (phase_x_sum_21 * phase_x_product_15) +
-        (forward_4_phase_x_4 * weighted_4_phase_x_3)) + (lower_2_1_phase_x_3 * phase_x_sum_23), least_separability);
+    const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
+    const float gain = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
+        (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
+        (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
     const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (phase_x_sum_9 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float phase_x_sum_24 = phase_x_sum_22 + (lower_2_1_phase_x_3 * moves_5_3);
-    const float phase_x_sum_25 = (terms_1_phase_x_4 * moves_5_3) + (terms_1_phase_x_7 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (terms_1_phase_x_4 * phase_x_sum_22) -
-        (terms_1_phase_x_7 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * phase_x_sum_25);
+        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+    const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
+    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
+    const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
+        (lower_4_2 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * minus_moves_5_2);
     float moves_1_1_phase_x_2 = moves_1_1_phase_x;
     float gains_1_phase_x_2 = gains_1_phase_x;
     float scores_1_phase_x_2 = scores_1_phase_x;
@@ -675,9 +673,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float moves_1_2_phase_x;
     float moves_2_2_phase_x_2 = moves_2_2_phase_x;
     if (excluded < 2.0f) {
-        moves_2_3_phase_x = -phase_x_sum_15;
+        moves_2_3_phase_x = -minus_moves_2_3;
         moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
-        moves_1_2_phase_x = -phase_x_sum_14;
+        moves_1_2_phase_x = -minus_moves_1_2;
     } else {
         phase_x_if_not_none_phase_x = true;
         const bool excluded_below_3 = excluded < 3.0f;
@@ -690,10 +688,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             gains_2_phase_x_2 = gains_4;
             scores_2_phase_x_2 = scores_4_phase_x;
             moves_1_3_phase_x_2 = moves_3_3;
-            moves_2_3_phase_x = -phase_x_sum_19;
+            moves_2_3_phase_x = -minus_moves_4_3;
             moves_1_4_phase_x_2 = moves_3_4;
             moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
-            moves_1_2_phase_x = -phase_x_sum_20;
+            moves_1_2_phase_x = -minus_moves_3_2;
             moves_2_2_phase_x_2 = moves_4_2;
         } else {
             moves_1_1_phase_x_2 = moves_5_1;
@@ -703,10 +701,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             gains_2_phase_x_2 = gain;
             scores_2_phase_x_2 = scores_6_phase_x;
             moves_1_3_phase_x_2 = moves_5_3;
-            moves_2_3_phase_x = -phase_x_sum_24;
+            moves_2_3_phase_x = -minus_moves_6_3;
             moves_1_4_phase_x_2 = moves_5_4;
             moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
-            moves_1_2_phase_x = -phase_x_sum_25;
+            moves_1_2_phase_x = -minus_moves_5_2;
             moves_2_2_phase_x_2 = moves_6_2;
         }
         phase_x_if_not_none_phase_x_3 = excluded_below_3;
@@ -723,15 +721,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float added_3_deviation_yaw = 0.0f;
     float added_4_deviation_amplitude = 0.0f;
     if (!none_phase_x) {
-        const float phase_x_product_16 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_product_17 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_16) + (moves_2_1_phase_x_2 * phase_x_product_17));
+        const float phase_x_product_9 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_product_10 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_9) + (moves_2_1_phase_x_2 * phase_x_product_10));
         weights_1 = phase_x_if_not_none_phase_x;
-        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_16) + (moves_2_3_phase_x * phase_x_product_17));
-        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_16) + (moves_2_4_phase_x * phase_x_product_17));
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_9) + (moves_2_3_phase_x * phase_x_product_10));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_9) + (moves_2_4_phase_x * phase_x_product_10));
         weights_3 = phase_x_if_not_none_phase_x_2;
         weights_5 = phase_x_if_not_none_phase_x_3;
-        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_16) + (moves_2_2_phase_x_2 * phase_x_product_17));
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_9) + (moves_2_2_phase_x_2 * phase_x_product_10));
         added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
         added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
@@ -753,10 +751,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_x_limited = hall_position_three_max(hall_position_three_min(estimator_amplitude + best_4,
         highest_amplitude), lowest_amplitude);
     const float best_2 = hall_position_three_limit(steps_2_phase_x + added_2_phase_x, largest_step_phase);
-    float terms_1_phase_x_9 = 0.0f;
     float phase_x_choice = 0.0f;
-    float terms_2_phase_x = 0.0f;
     float phase_x_choice_2 = 0.0f;
+    float phase_x_choice_3 = 0.0f;
+    float phase_x_choice_4 = 0.0f;
     float chi_square_choice = 0.0f;
     if (weights_1) {
         const float by_ax = best_1 + (arm_a_x * limited_3_cosine) - (arm_a_y * limited_3_sine);
@@ -767,7 +765,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
             (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
             (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
-        terms_1_phase_x_9 = rows_1_1 * residuals_1_phase_x_2;
+        phase_x_choice = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 + (arm_a_y * limited_3_cosine) + (arm_a_x * limited_3_sine);
         const float cosine_2_argument_2 = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
@@ -776,20 +774,20 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
             (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
             (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
-        phase_x_choice = (rows_1_3 * residuals_1_phase_x_2) - (phase_x_sum_7 * residuals_2_phase_x_2);
-        terms_2_phase_x = rows_2_2 * residuals_2_phase_x_2;
-        phase_x_choice_2 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
+        phase_x_choice_2 = (rows_1_3 * residuals_1_phase_x_2) - (minus_rows_2_3 * residuals_2_phase_x_2);
+        phase_x_choice_3 = rows_2_2 * residuals_2_phase_x_2;
+        phase_x_choice_4 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
         chi_square_choice = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
             (residuals_2_phase_x_2 * residuals_2_phase_x_2);
     }
-    float terms_3_phase_x = 0.0f;
-    float terms_3_phase_x_2 = 0.0f;
-    float terms_4_phase_x = 0.0f;
-    float terms_4_phase_x_2 = 0.0f;
-    float terms_3_phase_x_3 = 0.0f;
-    float terms_4_phase_x_3 = 0.0f;
-    float terms_3_chi_square = 0.0f;
-    float terms_4_chi_square = 0.0f;
+    float phase_x_choice_5 = 0.0f;
+    float phase_x_choice_6 = 0.0f;
+    float phase_x_choice_7 = 0.0f;
+    float phase_x_choice_8 = 0.0f;
+    float phase_x_choice_9 = 0.0f;
+    float phase_x_choice_10 = 0.0f;
+    float chi_square_choice_2 = 0.0f;
+    float chi_square_choice_3 = 0.0f;
     if (weights_3) {
         const float by_bx = best_1 + (arm_b_x * limited_3_cosine) - (arm_b_y * limited_3_sine);
         const float cosine_2_argument_3 = by_bx * by_bx;
@@ -799,8 +797,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
             (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
             (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
-        terms_3_phase_x = rows_3_1 * residuals_3_phase_x_2;
-        terms_3_phase_x_2 = rows_3_3 * residuals_3_phase_x_2;
+        phase_x_choice_5 = rows_3_1 * residuals_3_phase_x_2;
+        phase_x_choice_6 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 + (arm_b_y * limited_3_cosine) + (arm_b_x * limited_3_sine);
         const float cosine_2_argument_4 = by * by;
         const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
@@ -809,21 +807,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
             (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
             (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
-        terms_4_phase_x = -(phase_x_sum_8 * residuals_4_phase_x_2);
-        terms_4_phase_x_2 = rows_4_2 * residuals_4_phase_x_2;
-        terms_3_phase_x_3 = rows_3_4 * residuals_3_phase_x_2;
-        terms_4_phase_x_3 = rows_4_4 * residuals_4_phase_x_2;
-        terms_3_chi_square = residuals_3_phase_x_2 * residuals_3_phase_x_2;
-        terms_4_chi_square = residuals_4_phase_x_2 * residuals_4_phase_x_2;
+        phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_phase_x_2);
+        phase_x_choice_8 = rows_4_2 * residuals_4_phase_x_2;
+        phase_x_choice_9 = rows_3_4 * residuals_3_phase_x_2;
+        phase_x_choice_10 = rows_4_4 * residuals_4_phase_x_2;
+        chi_square_choice_2 = residuals_3_phase_x_2 * residuals_3_phase_x_2;
+        chi_square_choice_3 = residuals_4_phase_x_2 * residuals_4_phase_x_2;
     }
-    float terms_5_phase_x = 0.0f;
-    float terms_5_phase_x_2 = 0.0f;
-    float terms_6_phase_x = 0.0f;
-    float terms_6_phase_x_2 = 0.0f;
-    float terms_5_phase_x_3 = 0.0f;
-    float terms_6_phase_x_3 = 0.0f;
-    float terms_5_chi_square = 0.0f;
-    float terms_6_chi_square = 0.0f;
+    float phase_x_choice_11 = 0.0f;
+    float phase_x_choice_12 = 0.0f;
+    float phase_x_choice_13 = 0.0f;
+    float phase_x_choice_14 = 0.0f;
+    float phase_x_choice_15 = 0.0f;
+    float phase_x_choice_16 = 0.0f;
+    float chi_square_choice_4 = 0.0f;
+    float chi_square_choice_5 = 0.0f;
     if (weights_5) {
         const float by_cx = best_1 + (arm_c_x * limited_3_cosine) - (arm_c_y * limited_3_sine);
         const float cosine_2_argument_5 = by_cx * by_cx;
@@ -833,8 +831,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
             (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
             (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
-        terms_5_phase_x = rows_5_1 * residuals_5_phase_x_2;
-        terms_5_phase_x_2 = rows_5_3 * residuals_5_phase_x_2;
+        phase_x_choice_11 = rows_5_1 * residuals_5_phase_x_2;
+        phase_x_choice_12 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 + (arm_c_y * limited_3_cosine) + (arm_c_x * limited_3_sine);
         const float cosine_2_argument_6 = by_cy * by_cy;
         const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
@@ -843,28 +841,28 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
             (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
             (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
-        terms_6_phase_x = -(phase_x_sum_9 * residuals_6_phase_x_2);
-        terms_6_phase_x_2 = rows_6_2 * residuals_6_phase_x_2;
-        terms_5_phase_x_3 = rows_5_4 * residuals_5_phase_x_2;
-        terms_6_phase_x_3 = rows_6_4 * residuals_6_phase_x_2;
-        terms_5_chi_square = residuals_5_phase_x_2 * residuals_5_phase_x_2;
-        terms_6_chi_square = residuals_6_phase_x_2 * residuals_6_phase_x_2;
+        phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_phase_x_2);
+        phase_x_choice_14 = rows_6_2 * residuals_6_phase_x_2;
+        phase_x_choice_15 = rows_5_4 * residuals_5_phase_x_2;
+        phase_x_choice_16 = rows_6_4 * residuals_6_phase_x_2;
+        chi_square_choice_4 = residuals_5_phase_x_2 * residuals_5_phase_x_2;
+        chi_square_choice_5 = residuals_6_phase_x_2 * residuals_6_phase_x_2;
     }
-    const float gradient_1_phase_x_2 = terms_1_phase_x_9 + terms_3_phase_x + terms_5_phase_x;
-    const float phase_x_product_18 = gradient_1_phase_x_2 * terms_1_phase_x;
-    const float gradient_3_phase_x = phase_x_choice + terms_3_phase_x_2 + terms_4_phase_x + terms_5_phase_x_2 +
-        terms_6_phase_x;
-    const float gradient_2_phase_x_2 = terms_2_phase_x + terms_4_phase_x_2 + terms_6_phase_x_2;
-    const float forward_3_phase_x_2 = gradient_3_phase_x - (terms_1_phase_x_2 * gradient_1_phase_x_2) -
-        (terms_1_phase_x_4 * gradient_2_phase_x_2);
-    const float phase_x_product_19 = forward_3_phase_x_2 * terms_1_phase_x_5;
+    const float gradient_1_phase_x_2 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11;
+    const float phase_x_product_11 = gradient_1_phase_x_2 * inverse_1;
+    const float gradient_3_phase_x = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
+        phase_x_choice_13;
+    const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14;
+    const float forward_3_phase_x_2 = gradient_3_phase_x - (lower_3_1 * gradient_1_phase_x_2) -
+        (lower_3_2 * gradient_2_phase_x_2);
+    const float phase_x_product_12 = forward_3_phase_x_2 * inverse_3;
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_4_phase_x = phase_x_choice_2 + terms_3_phase_x_3 + terms_4_phase_x_3 + terms_5_phase_x_3 +
-        terms_6_phase_x_3 - (prior_weight_amplitude * offsets_4_phase_x_2);
-    const float forward_4_phase_x_5 = gradient_4_phase_x - (terms_1_phase_x_6 * gradient_1_phase_x_2) -
-        (terms_1_phase_x_7 * gradient_2_phase_x_2) - (terms_1_phase_x_8 * forward_3_phase_x_2);
+    const float gradient_4_phase_x = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
+        phase_x_choice_16 - (prior_weight_amplitude * offsets_4_phase_x_2);
+    const float forward_4_phase_x_5 = gradient_4_phase_x - (lower_4_1 * gradient_1_phase_x_2) -
+        (lower_4_2 * gradient_2_phase_x_2) - (lower_4_3 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_5 * diagonal_4;
-    const float steps_3_phase_x_2 = phase_x_product_19 - (terms_1_phase_x_8 * steps_4_phase_x_2);
+    const float steps_3_phase_x_2 = phase_x_product_12 - (lower_4_3 * steps_4_phase_x_2);
     float added_1_phase_x_2 = 0.0f;
     float added_2_phase_y = 0.0f;
     float added_3_yaw = 0.0f;
@@ -874,33 +872,33 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
             (moves_1_4_phase_x_2 * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_20 = gains_1_phase_x_2 * projections_1;
+        const float phase_x_product_13 = gains_1_phase_x_2 * projections_1;
         const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
             (moves_2_4_phase_x * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_21 = gains_2_phase_x_2 * projections_2;
-        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_20) + (moves_2_1_phase_x_2 * phase_x_product_21);
-        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_20) + (moves_2_2_phase_x_2 * phase_x_product_21);
-        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_20) + (moves_2_3_phase_x * phase_x_product_21);
-        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_20) + (moves_2_4_phase_x * phase_x_product_21);
+        const float phase_x_product_14 = gains_2_phase_x_2 * projections_2;
+        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_13) + (moves_2_1_phase_x_2 * phase_x_product_14);
+        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_13) + (moves_2_2_phase_x_2 * phase_x_product_14);
+        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_13) + (moves_2_3_phase_x * phase_x_product_14);
+        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_13) + (moves_2_4_phase_x * phase_x_product_14);
         added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
             (gains_2_phase_x_2 * (projections_2 * projections_2));
     }
-    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_18 - (terms_1_phase_x_2 *
-        steps_3_phase_x_2) - (terms_1_phase_x_6 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
+    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_11 - (lower_3_1 * steps_3_phase_x_2) -
+        (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
     const float starts_1_plus_moved_1 = starts_1 + moved_1;
-    float phase_x_choice_3 = starts_1_plus_moved_1;
+    float phase_x_choice_17 = starts_1_plus_moved_1;
     if (pi < starts_1_plus_moved_1) {
-        phase_x_choice_3 = starts_1_plus_moved_1 - two_pi;
+        phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
     }
-    float phase_x_unlimited = phase_x_choice_3;
-    if (phase_x_choice_3 < -pi) {
-        phase_x_unlimited = phase_x_choice_3 + two_pi;
+    float phase_x_unlimited = phase_x_choice_17;
+    if (phase_x_choice_17 < -pi) {
+        phase_x_unlimited = phase_x_choice_17 + two_pi;
     }
     const float phase_x = hall_position_three_limit(phase_x_unlimited, pi);
-    const float phase_y_product = gradient_2_phase_x_2 * terms_1_phase_x_3;
-    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (terms_1_phase_x_4 *
-        steps_3_phase_x_2) - (terms_1_phase_x_7 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
+    const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
+    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
+        (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
     const float starts_2_plus_moved_2 = starts_2 + moved_2;
     float phase_y_choice = starts_2_plus_moved_2;
     if (pi < starts_2_plus_moved_2) {
@@ -916,25 +914,25 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float amplitude_unlimited = hall_position_three_min(estimator_amplitude + hall_position_three_limit(best_4 +
         (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
     const float amplitude = hall_position_three_max(amplitude_unlimited, lowest_amplitude);
-    const float deviation_phase_x_sum = terms_1_phase_x_6 - (terms_1_phase_x_8 * terms_1_phase_x_2);
-    const float diagonal_1 = terms_1_phase_x + (terms_1_phase_x_2 * terms_1_phase_x_2 * terms_1_phase_x_5) +
+    const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
+    const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
     const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1), largest_deviation);
-    const float deviation_phase_y_sum = terms_1_phase_x_7 - (terms_1_phase_x_8 * terms_1_phase_x_4);
-    const float diagonal_2 = terms_1_phase_x_3 + (terms_1_phase_x_4 * terms_1_phase_x_4 * terms_1_phase_x_5) +
+    const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
+    const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
         (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
     const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2), largest_deviation);
-    const float diagonal_3 = terms_1_phase_x_5 + (terms_1_phase_x_8 * terms_1_phase_x_8 * diagonal_4);
+    const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
     const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_three_min(channel_sigma * sqrtf(variances_4), largest_deviation);
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_18) + (gradient_2_phase_x_2 * phase_y_product)
-        + (forward_3_phase_x_2 * phase_x_product_19) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
-    const float cost_chi_square = hall_position_three_max(chi_square_choice + terms_3_chi_square + terms_4_chi_square +
-        terms_5_chi_square + terms_6_chi_square +
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_11) + (gradient_2_phase_x_2 * phase_y_product)
+        + (forward_3_phase_x_2 * phase_x_product_12) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
+    const float cost_chi_square = hall_position_three_max(chi_square_choice + chi_square_choice_2 +
+        chi_square_choice_3 + chi_square_choice_4 + chi_square_choice_5 +
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
     const float chi_square = hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
     const bool converged = chi_square_sum <= decrease_tolerance;
@@ -948,20 +946,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
     const float protection_phase_x_sum = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
     const float protection_phase_x_sum_2 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
-    const float protection_phase_y_limited = hall_position_three_max(0.0f, (phase_x_sum_14 * phase_x_sum_14 *
+    const float protection_phase_y_limited = hall_position_three_max(0.0f, (minus_moves_1_2 * minus_moves_1_2 *
         gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
-    const float protection_phase_y_sum = (phase_x_sum_20 * phase_x_sum_20 * gains_3) +
+    const float protection_phase_y_sum = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
         (moves_4_2 * moves_4_2 * gains_4);
-    const float protection_phase_y_sum_2 = (phase_x_sum_25 * phase_x_sum_25 * gains_5) + (moves_6_2 * moves_6_2 * gain);
+    const float protection_phase_y_sum_2 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
+        (moves_6_2 * moves_6_2 * gain);
     const float protection_yaw_limited = hall_position_three_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
-        gains_1_phase_x) + (phase_x_sum_15 * phase_x_sum_15 * gains_2_phase_x));
-    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (phase_x_sum_19 * phase_x_sum_19 * gains_4);
-    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (phase_x_sum_24 * phase_x_sum_24 * gain);
+        gains_1_phase_x) + (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x));
+    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (minus_moves_4_3 * minus_moves_4_3 * gains_4);
+    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (minus_moves_6_3 * minus_moves_6_3 * gain);
     const float protection_phase_x_sum_3 = (residuals_1_phase_x * residuals_1_phase_x) +
         (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
         (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
         (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_9) +
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_6) +
         (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
     const float full_cost = hall_position_three_max(protection_phase_x_sum_3, 0.0f);
     const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
@@ -1010,9 +1009,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             apart_protection_phase_x = fabsf(protection_phase_x_sum_5 - ((moves_1_1_phase_x *
                 protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_3 -
-                ((moves_2_2_phase_x * protection_phase_x_product_2) - (phase_x_sum_14 * protection_phase_x_product)));
+                ((moves_2_2_phase_x * protection_phase_x_product_2) - (minus_moves_1_2 * protection_phase_x_product)));
             apart_protection_yaw = fabsf(protection_yaw_sum_3 -
-                ((moves_1_3_phase_x * protection_phase_x_product) - (phase_x_sum_15 * protection_phase_x_product_2)));
+                ((moves_1_3_phase_x * protection_phase_x_product) - (minus_moves_2_3 * protection_phase_x_product_2)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
@@ -1023,10 +1022,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
             added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
-                - ((moves_4_2 * protection_phase_x_product_3) - (phase_x_sum_20 * scores_3_times_gains_3))));
+                - ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum);
             apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
-                ((moves_3_3 * scores_3_times_gains_3) - (phase_x_sum_19 * protection_phase_x_product_3))));
+                ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum);
         }
         if (passing_3) {
@@ -1034,10 +1033,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
             added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
-                - ((moves_6_2 * scores_6_phase_x_times_gain) - (phase_x_sum_25 * scores_5_times_gains_5))));
+                - ((moves_6_2 * scores_6_phase_x_times_gain) - (minus_moves_5_2 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
             apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
-                ((moves_5_3 * scores_5_times_gains_5) - (phase_x_sum_24 * scores_6_phase_x_times_gain))));
+                ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * scores_6_phase_x_times_gain))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
         }
         protection_phase_x_choice = apart_protection_phase_x +

@@ -947,7 +947,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_rear = within_x - c * sin(phi)
          *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
-         *     i_AA_computed = limit(angles_A_1 * i_AQ + (cosine * cos_aside + cs) * i_AD, 1.26)
+         *     i_AA_computed = limit(angles_A_1 * i_AQ + minus_angles_A_2 * i_AD, 1.26)
          *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
@@ -970,11 +970,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float angles_A_1 = cc - cosine_times_sin_aside;
         const float cosine_times_cos_aside = cosine * cos_aside;
         const float cs = front_1 * sin_aside;
-        const float i_AA_computed_sum = cosine_times_cos_aside + cs;
-        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_sum * i_AD);
+        const float minus_angles_A_2 = cosine_times_cos_aside + cs;
+        const float i_AA_computed = (angles_A_1 * i_AQ) + (minus_angles_A_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         const float middle_A = commutation_minus_half * i_AA_computed;
-        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_sum * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (minus_angles_A_2 * i_AQ));
         const float i_AB_computed = middle_A + beta_A;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         const float i_AC_computed = middle_A - beta_A;

@@ -211,8 +211,8 @@ def substitute_forward(of: LdlFactors, right: Vector, bounds: Sequence[float] = 
     Interval arithmetic multiplies the bound of z_j by that of L with each j; those before do not overflow.
     """
     z: list[ca.SX] = []
-    for j, (row, value) in enumerate(zip(of.lower, right, strict=True)):
-        each = reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value)
+    for j, value in enumerate(right):
+        each = reduce(lambda left, term: left - term[0] * term[1], zip(of.lower[j], z, strict=True), value)
         z.append(clip(each, Signal("z", "1", -bounds[j], bounds[j])) if bounds and j >= UNLIMITED else each)
     return z
 

@@ -68,12 +68,14 @@ class Program:
     labels: Mapping[int, str] = field(default_factory=dict)
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
+    def with_nodes(
+        self, nodes: tuple[Node, ...], index: Sequence[int], further_labels: Mapping[int, str] | None = None
+    ) -> "Program":
         """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
         outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
         marks = tuple((named, index[k]) for named, k in self.marks)
         word = None if self.word is None else index[self.word]
-        labels = {index[k]: name for k, name in self.labels.items()}
+        labels = {**(further_labels or {}), **{index[k]: name for k, name in self.labels.items()}}
         return _without_dead_nodes(
             replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
         )
@@ -139,7 +141,7 @@ def program(block: Block) -> Program:
 
 
 def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
-    """Return the nodes that compute an intermediate value of a law, with its name; other values are not computed."""
+    """Return by node the name of the value of a law that it computes, or ``minus_<name>`` for its negative."""
     if not block.intermediates:
         return {}
     shared = ca.cse([e for _, e in block.intermediates])  # it rewrites some operations, as in the program
@@ -151,10 +153,13 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
         args = [index[a] for a in node.args]
         index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
     names: dict[int, dict[str, None]] = {}
+    negatives: dict[int, str] = {}
     for value, (name, _) in zip(results, block.intermediates, strict=True):
         if (k := index[value]) is not None:
             names.setdefault(k, {})[name] = None
-    return {k: words.combine([*several]) for k, several in names.items()}
+        elif values[value].op == "neg" and (k := index[values[value].args[0]]) is not None:
+            negatives |= {} if nodes[k].op == "mul" else {k: f"minus_{name}"}  # a product has the names of its factors
+    return negatives | {k: words.combine([*several]) for k, several in names.items()}
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:

@@ -13,7 +13,7 @@ Numbers are folded in double and rounded once, when they are printed.
 """
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from synth.emit.lower import Node, Program
@@ -259,7 +259,13 @@ def _rebuild(p: Program, make: Callable[[Folder, Node, Node], int]) -> Program:
     index: list[int] = []
     for node in p.nodes:
         index.append(make(f, node.renumbered(index), node))
-    return p.with_nodes(tuple(f.nodes), index)
+    return p.with_nodes(tuple(f.nodes), index, _names_of_negatives(p, f, index))
+
+
+def _names_of_negatives(p: Program, f: Folder, index: Sequence[int]) -> dict[int, str]:
+    """Return names for nodes whose negative is what a variable of a law holds, as `lower` gives them."""
+    negatives = {f.nodes[index[k]]: f"minus_{name}" for k, name in p.labels.items() if "minus" not in name}
+    return {n.args[0]: name for n, name in negatives.items() if n.op == "neg" and f.nodes[n.args[0]].op != "mul"}
 
 
 def _share_divisions(p: Program) -> Program:
