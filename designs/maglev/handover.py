@@ -27,7 +27,7 @@ HELD_BY_SPRING = 22e-3  # m: at smaller gaps the guide spring of theta is weaker
 OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
 TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 DIRECT = [INTERFACE.computed_output(f"i_d{j}") for j in MOTORS]
-FADE_STEP = Constant("fade_step", 1 / FADE, "1", f"1 / {FADE}: the handover takes {FADE} samples")
+FADE_STEP = Constant("fade_step", 1 / FADE, "1", f"1 / {FADE}: a handover, and a fade, takes {FADE} samples")
 CURRENT_LIMIT = Constant(
     "current_limit", CURRENT, "A", "largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too"
 )

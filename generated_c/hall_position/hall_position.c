@@ -165,18 +165,18 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
      *     start_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
      *         start_step_x) if restart, else start_x; likewise start_y_next
      *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (yaw_limit if resolved, else
-     *         yaw_window) < size)) */
+     *         ambiguous_yaw_limit) < size)) */
     /* rad; arm of sensor a along x, times 2 pi over the pitch; arm of sensor a along y, times 2 pi over the pitch; arm
      * of sensor b along x, times 2 pi over the pitch; arm of sensor b along y, times 2 pi over the pitch; of a x, a y,
      * b x, b y */
     static const float arm = 2.3561945f;
     static const float largest_phase = 6.973755f;               /* rad; largest size of a phase; of ax, ay, bx, by */
-    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.0100383 rad of the prior; of x, y */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.0100383 rad of the prior; of x, y */
     static const float prior_weight_phase = 0.00992376f;
     static const float largest_L_yaw_phase = 8330.405f;         /* 1; bound of L in row yaw; of x, y */
-    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.000602512 rad of the prior */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.000602512 rad of the prior */
     static const float prior_weight_yaw = 2.7546635f;
-    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.000602512 rad, the largest */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.000602512 rad, the largest */
     static const float least_pivot_yaw = 2.7546635f;
     static const float largest_step_yaw = 0.10100254f;          /* rad; correction of a sample at most */
     static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
@@ -186,18 +186,16 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float residual_limit = 0.01f;                  /* V^2; 1 times the square of 0.1 V rms */
     static const float squared_radius = 11.103305f;             /* rad^2; of the arms of the sensors, sum of squares */
     static const float squared_gate = 0.0009069143f;            /* rad^2; 3 sigma of the innovation, squared */
-    /* V^2; c^2 s^2, c = 0.1: a smaller predicted decrease has converged */
+    /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 1e-08f;
-    /* rad; about the last good yaw: there two sensors are unambiguous; before the ambiguity is resolved; also
-     * ambiguous_yaw_limit */
-    static const float yaw_window = 0.08726646f;
+    static const float yaw_window = 0.08726646f; /* rad; about the last good yaw: there two sensors are unambiguous */
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
     static const float pitch = 0.0508f;                         /* m; of the magnet matrix */
     static const float yaw_damping = -2.644477f; /* V^2/rad^2; (1 - r^2) times that of the phases, r = 5 */
     static const float sigma_per_wave_number = 8.085071e-06f;   /* V m/rad; deviation of a voltage, pitch / (2 pi) */
-    static const float channel_sigma = 0.001f;                  /* V; s: deviation of a channel, from R */
+    static const float channel_sigma = 0.001f;                  /* V; deviation of a channel, from R */
     static const float root_regularisation = 1e-30f;            /* V^2; keeps the argument of a root positive */
     static const float damped_from = 15.115238f; /* 1/V^2; 0.15 parameters that the prior decides, over the damping */
     static const float resolved_to = 0.403073f; /* 1/V^2; 0.004 parameters that the prior decides, over the damping */
@@ -206,11 +204,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float start_step_x = -1.5401491f; /* rad; from one start to the next, in the negative direction */
     static const float start_step_y = -2.702773f; /* rad; from one start to the next, in the negative direction */
     static const float yaw_velocity_gain = 0.1f; /* 1; of a correction, added to the predicted motion of the yaw */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float ambiguous_yaw_limit = 0.08726646f;       /* rad; before the ambiguity is resolved */
+    /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
@@ -1056,8 +1055,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_residual_faults = (integrity_residual_fault) ?
         ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) ||
-        ((estimator_acquired != 0u) && (restart || !counted || (((resolved) ? yaw_limit : yaw_window) < size))));
+    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
+        (restart || !counted || (((resolved) ? yaw_limit : ambiguous_yaw_limit) < size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 

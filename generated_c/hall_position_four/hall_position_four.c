@@ -149,8 +149,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
     static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
-    /* rad; largest sigma that is reported; correction of a sample at most; of deviation, step */
-    static const float largest_yaw = 0.1f;
+    static const float largest_step_yaw = 0.1f;                 /* rad; correction of a sample at most */
     static const uint32_t starts = 24u;                         /* 1; of a sweep */
     static const float most_pitches = 8.0f;                     /* 1; counted to either side */
 
@@ -316,7 +315,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
      *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
      *         else begin_yaw) */
-    static const float highest_yaw = 0.20943952f;               /* rad; end of its range; also lowest_yaw */
+    static const float highest_yaw = 0.20943952f;               /* rad; end of its range */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float arm_a_x = 0.28902653f; /* rad; arm of sensor a along x, times 2 pi over the pitch */
     static const float arm_a_y = -0.45238933f; /* rad; arm of sensor a along y, times 2 pi over the pitch */
@@ -326,27 +325,29 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float arm_c_y = -3.0033627f; /* rad; arm of sensor c along y, times 2 pi over the pitch */
     static const float arm_d_x = 1.627345f; /* rad; arm of sensor d along x, times 2 pi over the pitch */
     static const float arm_d_y = 0.76654863f; /* rad; arm of sensor d along y, times 2 pi over the pitch */
-    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.25 rad, the largest; of x, y */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.25 rad, the largest; of x, y */
     static const float least_pivot_phase = 0.048416f;
     static const float largest_L_yaw_phase = 1250.0f;           /* 1; bound of L in row yaw; of x, y */
-    static const float least_pivot_yaw = 0.3026f; /* V^2/rad^2; s^2 / sigma^2, sigma = 0.1 rad, the largest */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.1 rad, the largest */
+    static const float least_pivot_yaw = 0.3026f;
     static const float largest_L_amplitude_phase = 625.0f;      /* rad; bound of L in row amplitude; of x, y */
     static const float largest_L_amplitude_yaw = 250.0f;        /* rad; bound of L in row amplitude */
-    static const float prior_weight_amplitude = 0.84055555f;    /* V^2; s^2 / sigma^2, sigma = 0.06 of the prior */
-    static const float least_pivot_amplitude = 0.07565f;        /* V^2; s^2 / sigma^2, sigma = 0.2, the largest */
-    /* 1; a smaller s_j is not resolved: the fault looks like a motion */
-    static const float least_separability = 0.001f;
-    static const float largest_mixing = 31.622776f;             /* 1; bound of L of a group's own factors */
+    /* V^2; channel_variance / sigma^2, sigma = 0.06 of the prior */
+    static const float prior_weight_amplitude = 0.84055555f;
+    static const float least_pivot_amplitude = 0.07565f; /* V^2; channel_variance / sigma^2, sigma = 0.2, the largest */
+    static const float least_separability = 0.001f;             /* 1; below it a fault looks like a motion */
+    static const float largest_mixing = 31.622776f;             /* 1; bound of the factors of a group's separability */
     static const float largest_step_amplitude = 0.125f;         /* 1; correction of a sample at most */
     static const float highest_amplitude = 1.25f;               /* 1; end of its range */
     static const float lowest_amplitude = 0.75f;                /* 1; end of its range */
     static const float largest_projection = 1845.4835f;         /* V; bound of |x_j'g|, which never acts */
-    static const float channel_sigma = 0.05500909f;             /* V; s: deviation of a channel, from R */
+    static const float channel_sigma = 0.05500909f;             /* V; deviation of a channel, from R */
     static const float largest_deviation_phase = 0.25f;         /* rad; largest sigma that is reported; of x, y */
+    static const float largest_deviation_yaw = 0.1f;            /* rad; largest sigma that is reported */
     static const float largest_deviation_amplitude = 0.2f;      /* 1; largest sigma that is reported */
-    static const float inverse_channel_variance = 330.46927f;   /* 1/V^2; 1 / s^2 */
+    static const float inverse_channel_variance = 330.46927f;   /* 1/V^2; 1 / variance */
     static const float largest_chi_square = 1e+09f;             /* 1; weighted sum that is reported at most */
-    /* V^2; c^2 s^2, c = 0.1: a smaller predicted decrease has converged */
+    /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 3.026e-05f;
     /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot; of x, y */
     static const float largest_information_phase = 12104.0f;
@@ -354,23 +355,28 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float largest_information_yaw = 75650.0f;
     /* V^2; a larger N_ii is not resolved: 500^2 times the least pivot */
     static const float largest_information_amplitude = 18912.5f;
-    static const float weak_from_phase = 20.654123f; /* rad^2/V^2; variance over s^2 at sigma = 0.25 rad; of x, y */
-    static const float weak_from_yaw = 3.3046596f;              /* rad^2/V^2; variance over s^2 at sigma = 0.1 rad */
-    static const float weak_from_amplitude = 13.218638f;        /* 1/V^2; variance over s^2 at sigma = 0.2 */
-    static const float test_threshold = 20.515005f; /* 1; T: chi-square of 5 degrees of freedom, false alarm 0.001 */
-    /* 1; T_1: chi-square of 3 degrees of freedom, half of risk 0.001 */
+    /* rad^2/V^2; sigma^2 / channel_variance, sigma = 0.25 rad, less 1e-05 of it for rounding; of x, y */
+    static const float weak_from_phase = 20.654123f;
+    /* rad^2/V^2; sigma^2 / channel_variance, sigma = 0.1 rad, less 1e-05 of it for rounding */
+    static const float weak_from_yaw = 3.3046596f;
+    /* 1/V^2; sigma^2 / channel_variance, sigma = 0.2, less 1e-05 of it for rounding */
+    static const float weak_from_amplitude = 13.218638f;
+    static const float test_threshold = 20.515005f; /* 1; chi-square of 5 degrees of freedom, false alarm 0.001 */
+    /* 1; chi-square of 3 degrees of freedom, half of risk 0.001: without the excluded group */
     static const float hypothesis_threshold = 17.729996f;
-    static const float channel_variance = 0.003026f;            /* V^2; s^2: variance of a channel, from R */
-    static const float largest_gain = 999.99f;                  /* 1; 1 / s_j of a fault that is detectable */
-    static const float undetected = 0.40003738f; /* V; s L^(1/2): a fault that passes the test with risk 0.001 */
-    static const float level_sigmas = 3.4807565f;               /* 1; k: deviations of a protection level, risk 0.001 */
-    static const float cancellation = 1e-05f;                   /* 1; relative error of c_j by rounding */
-    /* V^2; T_1 s^2, T_1: chi-square of 3 degrees of freedom, half of risk 0.001 */
-    static const float hypothesis_cost = 0.053650968f;
-    static const float level_noise = 0.19147325f; /* V; k s, k: deviations of a protection level, risk 0.001 */
-    static const float largest_level_phase = 61.842377f; /* rad; protection level that is reported at most; of x, y */
+    static const float channel_variance = 0.003026f;            /* V^2; variance of a channel, from R */
+    /* 1; 1 / separability, less 1e-05 of it, of a fault that is detectable */
+    static const float largest_gain = 999.99f;
+    /* V; channel_sigma times the root of the noncentrality: a fault that passes the test with risk 0.001 */
+    static const float undetected = 0.40003738f;
+    static const float level_sigmas = 3.4807565f; /* 1; sigmas of a protection level, half of risk 0.001 */
+    static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
+    static const float hypothesis_cost = 0.053650968f;          /* V^2; hypothesis_threshold times channel_variance */
+    static const float level_noise = 0.19147325f;               /* V; level_sigmas times channel_sigma */
+    /* rad; 100 times the limit: level that is reported at most; of x, y */
+    static const float largest_level_phase = 61.842377f;
     static const float limit_phase = 0.61842376f;               /* rad; of a valid protection level; of x, y */
-    static const float largest_level_yaw = 22.0f;               /* rad; protection level that is reported at most */
+    static const float largest_level_yaw = 22.0f; /* rad; 100 times the limit: level that is reported at most */
     static const float limit_yaw = 0.22f;                       /* rad; of a valid protection level */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
@@ -381,11 +387,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float increment_phase_y = 4.2162914f;          /* rad; from one start to the next: Roberts' sequence */
     static const float increment_yaw = 0.230258f;               /* rad; from one start to the next: Roberts' sequence */
     static const float width_yaw = 0.41887903f;                 /* rad; width of its range */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float largest_motion_phase = 0.5f;             /* rad; predicted change a sample at most; of x, y */
+    static const float largest_motion_yaw = 0.1f;               /* rad; predicted change a sample at most */
+    /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_four_limit(state->estimator_yaw + estimator_motion_yaw, highest_yaw);
@@ -886,13 +894,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
     const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
-    const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, largest_yaw);
+    const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, largest_step_yaw);
     const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, highest_yaw);
     const float cosine_argument = moved_3_2 * moved_3_2;
     const float turns_3_cosine = cosine_polynomial(cosine_argument);
     const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
-    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, largest_yaw);
+    const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, largest_step_yaw);
     const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, largest_step_amplitude);
     const float phase_x_limited = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4,
         highest_amplitude), lowest_amplitude);
@@ -1089,7 +1097,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         phase_y_unlimited = phase_y_choice + two_pi;
     }
     const float phase_y = hall_position_four_limit(phase_y_unlimited, pi);
-    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_yaw);
+    const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
     const float yaw = hall_position_four_limit(starts_3 + moved_3, highest_yaw);
     const float amplitude_unlimited = hall_position_four_min(estimator_amplitude + hall_position_four_limit(best_4 +
         (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
@@ -1106,7 +1114,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float deviation_phase_y = hall_position_four_min(channel_sigma * sqrtf(variances_2), largest_deviation_phase);
     const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float deviation_yaw = hall_position_four_min(channel_sigma * sqrtf(variances_3), largest_yaw);
+    const float deviation_yaw = hall_position_four_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_four_min(channel_sigma * sqrtf(variances_4),
         largest_deviation_amplitude);
@@ -1337,8 +1345,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         count_y = Y_if_tracking;
 
         /* estimator: weighted least squares (continued) */
-        /* V^2; T s^2, T: chi-square of 5 degrees of freedom, false alarm 0.001 */
-        static const float test_cost = 0.06207841f;
+        static const float test_cost = 0.06207841f;             /* V^2; test_threshold times channel_variance */
         if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
@@ -1350,7 +1357,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             if (fabsf(moved_2) < largest_step_phase) {
                 tracked_2_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
             }
-            if (fabsf(moved_3) < largest_yaw) {
+            if (fabsf(moved_3) < largest_step_yaw) {
                 tracked_2_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
             }
         } else {
@@ -1468,9 +1475,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
         state->estimator_missed = 0u;
     }
-    state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, largest_step_phase);
-    state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, largest_step_phase);
-    state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, largest_yaw);
+    state->estimator_motion_phase_x = hall_position_four_limit(tracked_2_motion_phase_x, largest_motion_phase);
+    state->estimator_motion_phase_y = hall_position_four_limit(tracked_2_motion_phase_y, largest_motion_phase);
+    state->estimator_motion_yaw = hall_position_four_limit(tracked_2_motion_yaw, largest_motion_yaw);
     out->lost = lost ? 1.0f : 0.0f;
 
     /* metres (continued) */

@@ -284,7 +284,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
      *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
      *         else begin_yaw) */
-    static const float highest_yaw = 0.20943952f;               /* rad; end of its range; also lowest_yaw */
+    static const float highest_yaw = 0.20943952f;               /* rad; end of its range */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float arm_a_x = 1.495398f; /* rad; arm of sensor a along x, times 2 pi over the pitch */
     static const float arm_a_y = -1.69646f; /* rad; arm of sensor a along y, times 2 pi over the pitch */
@@ -292,56 +292,61 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     static const float arm_b_y = 2.5384068f; /* rad; arm of sensor b along y, times 2 pi over the pitch */
     static const float arm_c_x = -0.5466371f; /* rad; arm of sensor c along x, times 2 pi over the pitch */
     static const float arm_c_y = 0.39584067f; /* rad; arm of sensor c along y, times 2 pi over the pitch */
-    /* V^2/rad^2; s^2 / sigma^2, sigma = 0.02 rad, the largest; s^2 / sigma^2, sigma = 0.02, the largest; of phase x,
-     * phase y, amplitude */
+    /* V^2/rad^2 or V^2; channel_variance / sigma^2, sigma = 0.02 rad, the largest; channel_variance / sigma^2, sigma =
+     * 0.02, the largest; of phase x, phase y, amplitude */
     static const float least_pivot = 0.065f;
     static const float largest_L_yaw_phase = 1250.0f;           /* 1; bound of L in row yaw; of x, y */
-    static const float least_pivot_yaw = 0.40625f; /* V^2/rad^2; s^2 / sigma^2, sigma = 0.008 rad, the largest */
-    /* 1; bound of L in row phase_y; bound of L in row amplitude; of phase y phase x, amplitude phase x, amplitude phase
-     * y */
+    /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.008 rad, the largest */
+    static const float least_pivot_yaw = 0.40625f;
+    /* 1 or rad; bound of L in row phase_y; bound of L in row amplitude; of phase y phase x, amplitude phase x,
+     * amplitude phase y */
     static const float largest_L = 500.0f;
     static const float largest_L_amplitude_yaw = 200.0f;        /* rad; bound of L in row amplitude */
-    static const float prior_weight_amplitude = 0.007222222f;   /* V^2; s^2 / sigma^2, sigma = 0.06 of the prior */
-    /* 1; a smaller s_j is not resolved: the fault looks like a motion */
-    static const float least_separability = 0.001f;
-    static const float largest_mixing = 31.622776f;             /* 1; bound of L of a group's own factors */
+    /* V^2; channel_variance / sigma^2, sigma = 0.06 of the prior */
+    static const float prior_weight_amplitude = 0.007222222f;
+    static const float least_separability = 0.001f;             /* 1; below it a fault looks like a motion */
+    static const float largest_mixing = 31.622776f;             /* 1; bound of the factors of a group's separability */
     static const float largest_step_amplitude = 0.125f;         /* 1; correction of a sample at most */
     static const float highest_amplitude = 1.25f;               /* 1; end of its range */
     static const float lowest_amplitude = 0.75f;                /* 1; end of its range */
     static const float largest_projection = 1598.1837f;         /* V; bound of |x_j'g|, which never acts */
-    static const float channel_sigma = 0.0050990195f;           /* V; s: deviation of a channel, from R */
-    /* rad; largest sigma that is reported; of phase x, phase y, amplitude */
-    static const float largest_deviation = 0.02f;
+    static const float channel_sigma = 0.0050990195f;           /* V; deviation of a channel, from R */
+    static const float largest_deviation_phase = 0.02f;         /* rad; largest sigma that is reported; of x, y */
     static const float largest_deviation_yaw = 0.008f;          /* rad; largest sigma that is reported */
-    static const float inverse_channel_variance = 38461.54f;    /* 1/V^2; 1 / s^2 */
+    static const float largest_deviation_amplitude = 0.02f;     /* 1; largest sigma that is reported */
+    static const float inverse_channel_variance = 38461.54f;    /* 1/V^2; 1 / variance */
     static const float largest_chi_square = 1e+09f;             /* 1; weighted sum that is reported at most */
-    /* V^2; c^2 s^2, c = 0.1: a smaller predicted decrease has converged */
+    /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 2.6e-07f;
-    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot; of phase x, phase y, amplitude */
+    /* V^2/rad^2 or V^2; a larger N_ii is not resolved: 500^2 times the least pivot; of phase x, phase y, amplitude */
     static const float largest_information = 16250.0f;
     /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot */
     static const float largest_information_yaw = 101562.5f;
-    /* rad^2/V^2; variance over s^2 at sigma = 0.02 rad; variance over s^2 at sigma = 0.02; of phase x, phase y,
-     * amplitude */
+    /* rad^2/V^2 or 1/V^2; sigma^2 / channel_variance, sigma = 0.02 rad, less 1e-05 of it for rounding; sigma^2 /
+     * channel_variance, sigma = 0.02, less 1e-05 of it for rounding; of phase x, phase y, amplitude */
     static const float weak_from = 15.384461f;
-    static const float weak_from_yaw = 2.4615138f;              /* rad^2/V^2; variance over s^2 at sigma = 0.008 rad */
-    static const float test_threshold = 16.266235f; /* 1; T: chi-square of 3 degrees of freedom, false alarm 0.001 */
-    /* 1; T_1: chi-square of 1 degrees of freedom, half of risk 0.001 */
+    /* rad^2/V^2; sigma^2 / channel_variance, sigma = 0.008 rad, less 1e-05 of it for rounding */
+    static const float weak_from_yaw = 2.4615138f;
+    static const float test_threshold = 16.266235f; /* 1; chi-square of 3 degrees of freedom, false alarm 0.001 */
+    /* 1; chi-square of 1 degrees of freedom, half of risk 0.001: without the excluded group */
     static const float hypothesis_threshold = 12.115665f;
-    static const float channel_variance = 2.6e-05f;             /* V^2; s^2: variance of a channel, from R */
-    static const float largest_gain = 999.99f;                  /* 1; 1 / s_j of a fault that is detectable */
-    static const float undetected = 0.03536334f; /* V; s L^(1/2): a fault that passes the test with risk 0.001 */
-    static const float level_sigmas = 3.4807565f;               /* 1; k: deviations of a protection level, risk 0.001 */
-    static const float cancellation = 1e-05f;                   /* 1; relative error of c_j by rounding */
-    /* V^2; T_1 s^2, T_1: chi-square of 1 degrees of freedom, half of risk 0.001 */
-    static const float hypothesis_cost = 0.0003150073f;
-    static const float level_noise = 0.017748445f; /* V; k s, k: deviations of a protection level, risk 0.001 */
-    static const float largest_level_phase = 18.552713f; /* rad; protection level that is reported at most; of x, y */
+    static const float channel_variance = 2.6e-05f;             /* V^2; variance of a channel, from R */
+    /* 1; 1 / separability, less 1e-05 of it, of a fault that is detectable */
+    static const float largest_gain = 999.99f;
+    /* V; channel_sigma times the root of the noncentrality: a fault that passes the test with risk 0.001 */
+    static const float undetected = 0.03536334f;
+    static const float level_sigmas = 3.4807565f; /* 1; sigmas of a protection level, half of risk 0.001 */
+    static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
+    static const float hypothesis_cost = 0.0003150073f;         /* V^2; hypothesis_threshold times channel_variance */
+    static const float level_noise = 0.017748445f;              /* V; level_sigmas times channel_sigma */
+    /* rad; 100 times the limit: level that is reported at most; of x, y */
+    static const float largest_level_phase = 18.552713f;
     static const float limit_phase = 0.18552713f;               /* rad; of a valid protection level; of x, y */
-    static const float excluded_limit_phase = 0.009276357f; /* rad; 0.05 times it, while a group is excluded; of x, y */
-    static const float largest_level_yaw = 6.6f;                /* rad; protection level that is reported at most */
+    /* rad; 0.05 times the limit, while a group is excluded; of x, y */
+    static const float excluded_limit_phase = 0.009276357f;
+    static const float largest_level_yaw = 6.6f; /* rad; 100 times the limit: level that is reported at most */
     static const float limit_yaw = 0.066f;                      /* rad; of a valid protection level */
-    static const float excluded_limit_yaw = 0.0033f;            /* rad; 0.05 times it, while a group is excluded */
+    static const float excluded_limit_yaw = 0.0033f; /* rad; 0.05 times the limit, while a group is excluded */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
     static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
@@ -351,11 +356,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     static const float increment_phase_y = 4.2162914f;          /* rad; from one start to the next: Roberts' sequence */
     static const float increment_yaw = 0.230258f;               /* rad; from one start to the next: Roberts' sequence */
     static const float width_yaw = 0.41887903f;                 /* rad; width of its range */
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float largest_motion_phase = 0.5f;             /* rad; predicted change a sample at most; of x, y */
+    static const float largest_motion_yaw = 0.1f;               /* rad; predicted change a sample at most */
+    /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_1 = 2.24906f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_3 = 3.60456f;
-    /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_5 = -2.883648f;
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float starts_3 = hall_position_three_limit(state->estimator_yaw + estimator_motion_yaw, highest_yaw);
@@ -918,17 +925,20 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
-    const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1), largest_deviation);
+    const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1),
+        largest_deviation_phase);
     const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
     const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
         (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
     const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
-    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2), largest_deviation);
+    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2),
+        largest_deviation_phase);
     const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
     const float variances_3 = diagonal_3 + added_3_deviation_yaw;
     const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const float deviation_amplitude = hall_position_three_min(channel_sigma * sqrtf(variances_4), largest_deviation);
+    const float deviation_amplitude = hall_position_three_min(channel_sigma * sqrtf(variances_4),
+        largest_deviation_amplitude);
     const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_11) + (gradient_2_phase_x_2 * phase_y_product)
         + (forward_3_phase_x_2 * phase_x_product_12) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
     const float cost_chi_square = hall_position_three_max(chi_square_choice + chi_square_choice_2 +
@@ -1133,8 +1143,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         count_y = Y_if_tracking;
 
         /* estimator: weighted least squares (continued) */
-        /* V^2; T s^2, T: chi-square of 3 degrees of freedom, false alarm 0.001 */
-        static const float test_cost = 0.00042292214f;
+        static const float test_cost = 0.00042292214f;          /* V^2; test_threshold times channel_variance */
         if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
@@ -1259,9 +1268,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
         state->estimator_missed = 0u;
     }
-    state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, largest_step_phase);
-    state->estimator_motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, largest_step_phase);
-    state->estimator_motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, largest_step_yaw);
+    state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, largest_motion_phase);
+    state->estimator_motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, largest_motion_phase);
+    state->estimator_motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, largest_motion_yaw);
     out->lost = lost ? 1.0f : 0.0f;
 
     /* metres (continued) */

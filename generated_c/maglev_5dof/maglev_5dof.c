@@ -1448,7 +1448,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         i_d4_computed
          *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
         static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
-        static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
+        static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
         /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
         static const float current_limit = 4.9497476f;
         const float handover_transfer = state->handover_transfer;

@@ -1631,7 +1631,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *         i_d4_computed
          *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
         static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
-        static const float fade_step = 0.04f;                   /* 1; 1 / 25: the handover takes 25 samples */
+        static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
         const float handover_transfer = state->handover_transfer;
         if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
             const float target = (lost_x && (lost_z || (observer_y_q < held_by_spring))) ? handover_transfer :

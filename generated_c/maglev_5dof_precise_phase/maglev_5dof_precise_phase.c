@@ -121,7 +121,7 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
      *         else x_held) - 0.001); likewise last_z_next
      *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
      *         likewise left_z_next */
-    static const float step = 0.001f;                           /* m; 1 m/s times 0.001 s; of x, z */
+    static const float largest_move = 0.001f;                   /* m; 1 m/s times 0.001 s; of x, z */
     static const float samples_ahead = 1.5f;                    /* 1; from the measurement until the current acts */
     static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
     const uint32_t advance_left_x = state->advance_left_x;
@@ -131,7 +131,7 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         advance_last_x_choice = state->advance_last_x;
         advance_left_x_choice = advance_left_x - 1u;
     }
-    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_choice, x_held, step);
+    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_choice, x_held, largest_move);
     const float x_acting = advance_last_x_next + (samples_ahead * (advance_last_x_next - advance_last_x_choice));
     const bool good_x = (faults & 0x00000100u) == 0u;
     const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
@@ -142,7 +142,7 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         last = state->advance_last_z;
         advance_left_z_choice = advance_left_z - 1u;
     }
-    const float position = maglev_5dof_precise_phase_slew(last, z_held, step);
+    const float position = maglev_5dof_precise_phase_slew(last, z_held, largest_move);
     const float z_acting = position + (samples_ahead * (position - last));
     const bool good_z = (faults & 0x00000200u) == 0u;
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
@@ -162,18 +162,20 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     }
 
     /* commutation: phase currents, inverse Park
-     *     distance_x = limit(x_acting - period_high * (floor(inverse_period * x_acting + 4.5) - 4) -
-     *         period_low * (floor(inverse_period * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
+     *     distance_x = limit(x_acting - wavelength_high * (floor(inverse_wavelength * x_acting + 4.5) - 4) -
+     *         wavelength_low * (floor(inverse_wavelength * x_acting + 4.5) - 4), 0.0572643); likewise
+     *         distance_z
      *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
      *     transfer_next = max(min(target, transfer + fade_step), transfer - fade_step) if lost_x or lost_z or
      *         (0 < |transfer| or 1 <= unknown), else 0
      *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
      *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
      *         else 0 */
-    static const float inverse_period = 8.748906f;              /* 1/m; 1 over the period, 0.1143 m */
-    static const float period_high = 0.11428833f; /* m; the period, 0.1143 m, in 12 bits: its multiples are exact */
-    static const float period_low = 1.1669922e-05f;             /* m; the period, 0.1143 m, less period_high */
-    static const float fade_step = 0.04f;                       /* 1; 1 / 25: the handover takes 25 samples */
+    static const float inverse_wavelength = 8.748906f;          /* 1/m; 1 over the wavelength, 0.1143 m */
+    /* m; the wavelength, 0.1143 m, in 12 bits: its multiples are exact */
+    static const float wavelength_high = 0.11428833f;
+    static const float wavelength_low = 1.1669922e-05f;         /* m; the wavelength, 0.1143 m, less wavelength_high */
+    static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
     /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
     static const float current_limit = 4.9497476f;
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
@@ -181,14 +183,14 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     static const float four_root_2 = 5.656854f;                 /* 1; 4 sqrt(2) */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
-    const float distance_x_sum = (inverse_period * x_acting) + 4.5f;
+    const float distance_x_sum = (inverse_wavelength * x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
-    const float distance_x = x_acting - (period_high * n_x) - (period_low * n_x);
+    const float distance_x = x_acting - (wavelength_high * n_x) - (wavelength_low * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_polynomial(distance_x * distance_x);
-    const float distance_z_sum = (inverse_period * z_acting) + 4.5f;
+    const float distance_z_sum = (inverse_wavelength * z_acting) + 4.5f;
     const float n_z = (float)(uint32_t)distance_z_sum - 4.0f;
-    const float distance_z = z_acting - (period_high * n_z) - (period_low * n_z);
+    const float distance_z = z_acting - (wavelength_high * n_z) - (wavelength_low * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;

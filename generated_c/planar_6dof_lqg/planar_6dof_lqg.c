@@ -722,11 +722,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *         middle_y, middle_phi
          *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
-         *     phi_rate_next = limit(advance_phi, phi_limit) */
-        /* rad; largest position that is predicted; 40 rad/s times T: largest rate that is predicted; of position,
-         * rate */
-        static const float phi_limit = 0.05f;
+         *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
+        static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
         static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
+        static const float phi_rate_limit = 0.05f; /* rad; 40 rad/s times T: largest rate that is predicted */
         static const float reckoning_x_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
         static const float reckoning_x_rate_gain = 0.0036f;     /* 1; (1 - r)^2, r = 0.94 */
         static const float reckoning_y_position_gain = 0.1164f; /* 1; 1 - r^2, r = 0.94 */
@@ -765,14 +764,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -0.2f <= y_next <= 0.2f; */
         const float y_advance = middle_y + a_y;
         const float middle_phi = rate_phi + a_phi;
-        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_limit);
+        const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_position_limit);
         state->reckoning_x_position = x_next;
         state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, rate_limit);
         state->reckoning_y_position = y_next;
         state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, rate_limit);
         state->reckoning_phi_position = phi_next;
         const float advance_phi = middle_phi + a_phi;
-        state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_limit);
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(advance_phi, phi_rate_limit);
 
         /* loop_z: lead-lag, (23)
          *     law_z = gain * (z_ref_held - z) + lead + integral */
@@ -1081,7 +1080,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(phi_next) >= phi_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(phi_next) >= phi_position_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_CQ) >=
                 planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;

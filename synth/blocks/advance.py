@@ -71,7 +71,9 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
     numbers = [Constant("advance_patience", bad_samples, "1", "bad samples until a position is lost", ("left",))]
     for p in positions:
         speed, unit = f"{p.speed:g} {per_second(p.signal.unit)}", p.signal.unit
-        numbers.append(Constant(f"step_{p.signal.name}", p.speed * T, unit, f"{speed} times {T:g} s", is_limit=True))
+        numbers.append(
+            Constant(f"largest_move_{p.signal.name}", p.speed * T, unit, f"{speed} times {T:g} s", is_limit=True)
+        )
     if samples:
         numbers.append(Constant("samples_ahead", samples, "1", "from the measurement until the current acts"))
 

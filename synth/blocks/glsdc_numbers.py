@@ -23,13 +23,13 @@ def of_solution(of: Model, iteration: Iteration) -> list[Constant]:
     """Return the numbers of the scale, of the corrections and of the factors L D L'."""
     s, unit = of.scale, _scale_unit(of)
     square = product_unit(unit, unit)
-    tolerance = f"c^2 s^2, c = {iteration.convergence:g}: a smaller predicted decrease has converged"
+    tolerance = f"({iteration.convergence:g} channel_sigma)^2: a smaller predicted decrease has converged"
     numbers = [_limit("decrease_tolerance", iteration.convergence**2 * s**2, square, tolerance)]
     if s != 1:
         numbers += [
-            Constant("channel_sigma", s, unit, "s: deviation of a channel, from R"),
-            Constant("channel_variance", s**2, square, "s^2: variance of a channel, from R"),
-            Constant("inverse_channel_variance", 1 / s**2, quotient_unit("1", square), "1 / s^2"),
+            Constant("channel_sigma", s, unit, "deviation of a channel, from R"),
+            Constant("channel_variance", s**2, square, "variance of a channel, from R"),
+            Constant("inverse_channel_variance", 1 / s**2, quotient_unit("1", square), "1 / variance"),
         ]
     if iteration.descent_check:
         numbers += [
@@ -57,15 +57,26 @@ def _of_unknowns(of: Model, square: str) -> Iterator[Constant]:
         information = quotient_unit(square, product_unit(unit, unit))
         inverse, largest = quotient_unit("1", information), _quantity(u.largest_deviation, unit)
         resolved = f"a larger N_ii is not resolved: {DYNAMIC_RANGE:g}^2 times the least pivot"
-        yield _limit(f"least_pivot_{n}", floor, information, f"s^2 / sigma^2, sigma = {largest}, the largest")
+        yield _limit(
+            f"least_pivot_{n}", floor, information, f"channel_variance / sigma^2, sigma = {largest}, the largest"
+        )
         yield _limit(f"largest_information_{n}", DYNAMIC_RANGE**2 * floor, information, resolved)
-        yield _limit(f"weak_from_{n}", weak, inverse, f"variance over s^2 at sigma = {largest}")
+        yield _limit(
+            f"weak_from_{n}",
+            weak,
+            inverse,
+            f"sigma^2 / channel_variance, sigma = {largest}, less 1e-05 of it for rounding",
+        )
         yield _limit(f"largest_deviation_{n}", u.largest_deviation, unit, "largest sigma that is reported")
         yield _limit(f"largest_step_{n}", u.step, unit, "correction of a sample at most")
+        if u.velocity_gain:
+            yield _limit(f"largest_motion_{n}", u.step, unit, "predicted change a sample at most")
         yield _limit(f"largest_z_{n}", forward, quotient_unit(square, unit), "bound of L^-1 H'e, which never acts")
         if weight:
             prior = _quantity(u.prior, unit)
-            yield Constant(f"prior_weight_{n}", weight, information, f"s^2 / sigma^2, sigma = {prior} of the prior")
+            yield Constant(
+                f"prior_weight_{n}", weight, information, f"channel_variance / sigma^2, sigma = {prior} of the prior"
+            )
         if u.signal.high != pi:
             yield from range_numbers.ends(u.signal)
             yield from [_width(u)] if u.periodic else []
@@ -94,30 +105,32 @@ def of_monitor(of: Monitor) -> list[Constant]:
     square, least = product_unit(unit, unit), glsdc_integrity.DETECTABLE
     freedom = len(of.model.channels) - len(of.model.unknowns) + sum(p > 0 for p in of.model.prior_weights)
     test = f"chi-square of {freedom} degrees of freedom, false alarm {of.integrity.false_alarm:g}"
-    undetected = sqrt(t.noncentrality) * s
+    undetected = f"channel_sigma times the root of the noncentrality: a fault that passes the test with {risk}"
+    gain = "1 / separability, less 1e-05 of it, of a fault that is detectable"
     numbers = [
-        Constant("test_threshold", t.test, "1", f"T: {test}"),
-        _limit("test_cost", t.test * s**2, square, f"T s^2, T: {test}"),
-        Constant("level_sigmas", t.deviations, "1", f"k: deviations of a protection level, {risk}"),
-        Constant("undetected", undetected, unit, f"s L^(1/2): a fault that passes the test with {risk}"),
-        _limit("least_separability", least, "1", "a smaller s_j is not resolved: the fault looks like a motion"),
-        _limit("largest_gain", (1 - glsdc_integrity.ROUNDING) / least, "1", "1 / s_j of a fault that is detectable"),
-        _limit("largest_mixing", sqrt(1 / least), "1", "bound of L of a group's own factors"),
+        Constant("test_threshold", t.test, "1", test),
+        _limit("test_cost", t.test * s**2, square, "test_threshold times channel_variance"),
+        Constant("level_sigmas", t.deviations, "1", f"sigmas of a protection level, half of {risk}"),
+        Constant("undetected", sqrt(t.noncentrality) * s, unit, undetected),
+        _limit("least_separability", least, "1", "below it a fault looks like a motion"),
+        _limit("largest_gain", (1 - glsdc_integrity.ROUNDING) / least, "1", gain),
+        _limit("largest_mixing", sqrt(1 / least), "1", "bound of the factors of a group's separability"),
     ]
     if of.integrity.exclude:
         projection = glsdc_exclusion.largest_projection(of.model)
         numbers += [
-            Constant("level_noise", t.deviations * s, unit, f"k s, k: deviations of a protection level, {risk}"),
-            Constant("cancellation", glsdc_integrity.ROUNDING, "1", "relative error of c_j by rounding"),
+            Constant("level_noise", t.deviations * s, unit, "level_sigmas times channel_sigma"),
+            Constant("cancellation", glsdc_integrity.ROUNDING, "1", "relative error of a cost by rounding"),
             _limit("largest_projection", projection, unit, "bound of |x_j'g|, which never acts"),
         ]
     for size, threshold in sorted({len(g): T for g, T in zip(of.groups, of.hypothesis, strict=True)}.items()):
         if np.isfinite(threshold):
             of_size = "" if len(set(of.hypothesis)) == 1 else f"_of_{size}"
-            about = f"T_1: chi-square of {freedom - size} degrees of freedom, half of {risk}"
+            about = f"chi-square of {freedom - size} degrees of freedom, half of {risk}: without the excluded group"
+            cost = "hypothesis_threshold times channel_variance"
             numbers += [
                 Constant(f"hypothesis_threshold{of_size}", threshold, "1", about),
-                Constant(f"hypothesis_cost{of_size}", threshold * s**2, square, f"T_1 s^2, {about}"),
+                Constant(f"hypothesis_cost{of_size}", threshold * s**2, square, cost),
             ]
     return [*numbers, *_of_limits(of)]
 
@@ -126,12 +139,13 @@ def _of_limits(of: Monitor) -> Iterator[Constant]:
     share = of.integrity.excluded_limits
     for u in of.model.unknowns:
         if limit := of.integrity.limits.get(u.name):
-            n, unit, largest = u.name, u.signal.unit, glsdc_monitor.LEVEL_RANGE * limit
+            n, unit, times = u.name, u.signal.unit, glsdc_monitor.LEVEL_RANGE
+            largest = f"{times:g} times the limit: level that is reported at most"
             yield _limit(f"limit_{n}", limit, unit, "of a valid protection level")
-            yield _limit(f"largest_level_{n}", largest, unit, "protection level that is reported at most")
+            yield _limit(f"largest_level_{n}", times * limit, unit, largest)
             if share < 1:
-                excluded = glsdc_monitor.excluded_limit(of, n)
-                yield _limit(f"excluded_limit_{n}", excluded, unit, f"{share:g} times it, while a group is excluded")
+                about = f"{share:g} times the limit, while a group is excluded"
+                yield _limit(f"excluded_limit_{n}", glsdc_monitor.excluded_limit(of, n), unit, about)
 
 
 def of_search(of: Search, unknowns: Sequence[Unknown]) -> list[Constant]:

@@ -138,11 +138,11 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
     half = period / 2 * (1 + MARGIN)
     signal = Signal(f"distance_{name}", bounds.unit, -half, half, f"of {bounds.name} from a whole period")
     value = clip((position - n * high) - n * (period - high), signal)
-    unit, about = bounds.unit, f"the period, {period:.9g} {bounds.unit}"
+    unit, about = bounds.unit, f"the wavelength, {period:.9g} {bounds.unit}"
     numbers = (
-        Constant("inverse_period", 1 / period, quotient_unit("1", unit), f"1 over {about}"),
-        Constant("period_high", high, unit, f"{about}, in {HIGH_BITS} bits: its multiples are exact"),
-        Constant("period_low", period - high, unit, f"{about}, less period_high"),
+        Constant("inverse_wavelength", 1 / period, quotient_unit("1", unit), f"1 over {about}"),
+        Constant("wavelength_high", high, unit, f"{about}, in {HIGH_BITS} bits: its multiples are exact"),
+        Constant("wavelength_low", period - high, unit, f"{about}, less wavelength_high"),
     )
     return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u), numbers)
 

@@ -5,9 +5,7 @@ from synth.signals import Signal
 
 
 def ends(of: Signal) -> list[Constant]:
-    """Return ``highest_<signal>`` and ``lowest_<signal>``, which the C has where the range is not about 0."""
-    about = "end of its range"
-    return [
-        Constant(f"{end}_{of.name}", value, of.unit, about, is_limit=True)
-        for end, value in (("highest", of.high), ("lowest", of.low))
-    ]
+    """Return ``highest_<signal>``, and ``lowest_<signal>`` of a range that is not about 0."""
+    highest = Constant(f"highest_{of.name}", of.high, of.unit, "end of its range", is_limit=True)
+    lowest = Constant(f"lowest_{of.name}", of.low, of.unit, "end of its range", is_limit=True)
+    return [highest] if of.low == -of.high else [highest, lowest]

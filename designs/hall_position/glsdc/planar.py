@@ -82,8 +82,9 @@ def solve(of: Problem, u: Exprs, pose: Exprs, k: Exprs, named: NamedExpressions)
 def field_constants(array: PlanarArray) -> list[Constant]:
     """Return the coefficients of B by powers of the sine as constants of a Block; c is none."""
     coefficients = {1: array.alpha + 5 * array.beta, 3: -20 * array.beta, 5: 16 * array.beta}
-    about = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
-    return [Constant(f"field_{n}", v, "V", about) for n, v in coefficients.items()]
+    texts = {1: "alpha + 5 beta: of sin p", 3: "-20 beta: of sin^3 p", 5: "16 beta: of sin^5 p"}
+    about = "in the field alpha sin p + beta sin 5p"
+    return [Constant(f"field_{n}", v, "V", f"{texts[n]} {about}") for n, v in coefficients.items()]
 
 
 def phases(arms: Sequence[Pair], largest: float, step: float, turn: float) -> list[Phase]:

@@ -12,7 +12,7 @@ A whole number that a count is compared with, or becomes, remains a literal and 
 
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -48,18 +48,42 @@ def with_numbers(
 
     `names` are those that may be read, by default all.
     """
-    namer = _Namer(p, block, scalar, names)
+    known = _unique_names(p, block)
+    if names is not None:
+        known = {name: [e for equal in group if (e := equal.among(names))] for name, group in known.items()}
+    first = _Namer(p, scalar, known, frozenset())
+    first.program()
+    namer = _Namer(p, scalar, known, frozenset(first.settled))
     program = namer.program()
     return program, replace(block, constants=(*namer.read.values(), *block.constants))
 
 
-class _Namer:
-    """Builds the program; `read` holds the constants that it reads, by name."""
+@dataclass(frozen=True)
+class _Equal:
+    """Numbers of one value: as one number, and each kind of them, which has a unit and a source of its own."""
 
-    def __init__(self, p: Program, block: Block, scalar: type[np.floating], names: Container[str] | None) -> None:
-        self.p, self.scalar, self.kind = p, scalar, kinds(p)
-        known = _unique_names(p, block)
-        self.known = {b: [c for c in group if names is None or c.name in names] for b, group in known.items()}
+    either: Constant
+    kinds: tuple[Constant, ...]
+
+    def among(self, names: Container[str]) -> "_Equal | None":
+        """Return the numbers that have some of the names, None where there are none."""
+        kept = tuple(c for c in self.kinds if c.name in names)
+        either = self.either if self.either.name in names else kept[0] if kept else None
+        return _Equal(either, kept or (either,)) if either else None
+
+
+class _Namer:
+    """Builds the program; `read` holds the constants that it reads, by name.
+
+    Of equal numbers of several kinds, a node reads the one with a word of its own in the names of the node, else the
+    only one that is not `settled`: read elsewhere for its words.
+    """
+
+    def __init__(
+        self, p: Program, scalar: type[np.floating], known: Mapping[str, Sequence[_Equal]], settled: frozenset[str]
+    ) -> None:
+        self.p, self.scalar, self.kind, self.known = p, scalar, kinds(p), known
+        self.settled = set(settled)
         self.owner, self.users = owners.by_node(p), p.users()
         self.named = _names_by_node(p)
         self.read: dict[str, Constant] = {}
@@ -101,21 +125,35 @@ class _Namer:
     def _constant(self, k: int, literal: float) -> Node | None:
         if abs(literal) == 2 and self.p.nodes[k].op == "mul":
             return None  # a factor of a formula, as in 2 p v
-        for number in (*self.known.get(self.owner[k], ()), *self.known[""]):
-            size, is_negative = abs(number.value), literal * number.value < 0
-            close = not number.of and abs(abs(literal) - size) <= _CLOSE * size
-            fits = self.p.nodes[k].op in _LIMITING or not number.is_limit
-            if close and fits and self._agrees(number, literal):
+        for equal in (*self.known.get(self.owner[k], ()), *self.known[""]):
+            size = abs(equal.either.value)
+            close = not equal.either.of and abs(abs(literal) - size) <= _CLOSE * size
+            fits = self.p.nodes[k].op in _LIMITING or not equal.either.is_limit
+            if close and fits and self._agrees(number := self._chosen(k, equal), literal):
+                is_negative = literal * number.value < 0
                 self.read.setdefault(number.name, replace(number, value=-literal if is_negative else literal))
                 return Node("constant", name=number.name, value=-1.0 if is_negative else 0.0)
         return None
+
+    def _chosen(self, k: int, equal: _Equal) -> Constant:
+        """Return which of equal numbers node k reads."""
+        if len(equal.kinds) == 1:
+            return equal.kinds[0]
+        split: list[set[str]] = [set(c.name.split("_")) for c in equal.kinds]
+        around = {word for name in self._all_names(k) for word in name.split("_")} - split[0].intersection(*split[1:])
+        meant = [c for c, words in zip(equal.kinds, split, strict=True) if words & around]
+        if len(meant) == 1:
+            self.settled.add(meant[0].name)
+            return meant[0]
+        left = [c for c in equal.kinds if c.name not in self.settled]
+        return left[0] if len(left) == 1 else equal.either
 
     def _count(self, k: int, operand: int) -> Node | None:
         """Return the whole number with the name that it has for the counts that node k compares or chooses."""
         node, value = self.p.nodes[k], self.p.nodes[operand].value
         counts = {k} if node.op == "choose" else {*node.args} - {operand}
         words = {word for c in counts for name in self._all_names(c) for word in name.split("_")}
-        for number in self.known.get(self.owner[k], ()):
+        for number in (equal.either for equal in self.known.get(self.owner[k], ())):
             if number.value == value and words.intersection(number.of):
                 self.read.setdefault(number.name, number)
                 return Node("literal", name=number.name, value=value)
@@ -158,37 +196,53 @@ def _names_by_node(p: Program) -> dict[int, set[str]]:
     return named
 
 
-def _unique_names(p: Program, block: Block) -> Mapping[str, Sequence[Constant]]:
+def _unique_names(p: Program, block: Block) -> Mapping[str, Sequence[_Equal]]:
     """Return the numbers by Block, "" for those of all; a name that means something else gets its Block's as prefix."""
     used = {*block.symbol, *p.outputs, *(named.signal.name for named, _ in p.marks)}
     declared: dict[str, set[float]] = {}
     for _, number in block.numbers:
         declared.setdefault(number.name, set()).add(number.value)
-    known: dict[str, list[Constant]] = {"": [c for c in _geometry() if c.name not in used | declared.keys()]}
+    known = {"": [c for c in _geometry() if c.name not in used | declared.keys()]}
     for name, number in block.numbers:
         is_own = number.name not in used and len(declared[number.name]) == 1
         known.setdefault(name, []).append(number if is_own else replace(number, name=f"{name}_{number.name}"))
     return {name: _merge(numbers, used | declared.keys()) for name, numbers in known.items()}
 
 
-def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[Constant]:
+def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[_Equal]:
     """Return the numbers with one for those of equal value, under the words that their names have in common."""
     by_value: dict[tuple[bool, float], list[Constant]] = {}
     for number in sorted((n for n in numbers if not n.of), key=lambda n: not n.is_limit):
         by_value.setdefault((number.is_limit, abs(number.value)), []).append(number)
-    merged = [*dict.fromkeys(n for n in numbers if n.of)]
+    merged = [_Equal(n, (n,)) for n in dict.fromkeys(n for n in numbers if n.of)]
     commons = {key: words.common([n.name for n in equal]) for key, equal in by_value.items()}
     counts = Counter(commons.values())
     for key, equal in by_value.items():
         common = commons[key]
         if common and counts[common] > 1:
             common = words.combine([n.name for n in equal])
-        name = equal[0].name if not common or common in used else common
-        value = equal[0].value if len({n.value for n in equal}) == 1 else abs(equal[0].value)
-        parameters = tuple(dict.fromkeys(p for number in equal for p in number.parameters))
-        source = "; ".join(dict.fromkeys(n.source for n in equal)) + _of_others(name, equal)
-        merged.append(replace(equal[0], name=name, value=value, source=source, parameters=parameters))
+        either = _as_one(equal, equal[0].name if not common or common in used else common)
+        kinds: dict[tuple[str, str], list[Constant]] = {}
+        for number in equal:
+            kinds.setdefault((number.unit, number.source), []).append(number)
+        each = [_as_one(alike, _free_common(alike, used)) for alike in kinds.values()]
+        apart = len({c.name for c in each}) == len(each) > 1
+        merged.append(_Equal(either, tuple(each) if apart else (either,)))
     return merged
+
+
+def _free_common(numbers: Sequence[Constant], used: Container[str]) -> str:
+    common = words.common([n.name for n in numbers])
+    return common if common and common not in used else numbers[0].name
+
+
+def _as_one(numbers: Sequence[Constant], name: str) -> Constant:
+    """Return equal numbers as one, under a name."""
+    value = numbers[0].value if len({n.value for n in numbers}) == 1 else abs(numbers[0].value)
+    parameters = tuple(dict.fromkeys(p for number in numbers for p in number.parameters))
+    unit = " or ".join(dict.fromkeys(n.unit for n in numbers))
+    source = "; ".join(dict.fromkeys(n.source for n in numbers)) + _of_others(name, numbers)
+    return replace(numbers[0], name=name, value=value, unit=unit, source=source, parameters=parameters)
 
 
 def _of_others(name: str, equal: Sequence[Constant]) -> str:

@@ -1,5 +1,8 @@
 """Named numbers: which literals become constants, under which names, and that the values stay the same."""
 
+import re
+from collections.abc import Mapping
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -75,6 +78,31 @@ def test_two_values_with_the_same_common_word_have_names_of_their_own() -> None:
     ends = [Constant(f"highest_y{j}", 0.7 if j < 3 else 0.8, "m", "range", is_limit=True) for j in (1, 2, 3, 4)]
     made = text(law(lambda x: ca.fmin(x, 0.7) + ca.fmin(2 * x, 0.8), *ends))
     assert "highest_y1_y2 = 0.7f;" in made and "highest_y3_y4 = 0.8f;" in made and "/* m; range */" in made
+
+
+def test_of_equal_numbers_of_two_kinds_the_names_of_a_value_decide() -> None:
+    numbers = [
+        Constant("largest_step", 0.7, "m", "of a sample", is_limit=True),
+        Constant("largest_deviation", 0.7, "1", "reported", is_limit=True),
+        Constant("largest_motion", 0.7, "m", "predicted", is_limit=True),
+    ]
+
+    def two(u: Mapping[str, ca.SX], x: object, k: object) -> Step:
+        deviation = ca.fmin(u["x"] + 1, 0.7)
+        motion = ca.fmin(u["x"] ** 2, 0.7)
+        other = ca.fmin(u["x"] ** 3, 0.7)
+        return Step({"y": (deviation + motion**2) / (other + 5)}, numbers=numbers)
+
+    made = text(build("law", TIME, two, inputs=[X], outputs=[Y]))
+    read = re.findall(r"(\w+) = step_min\([^;]*, (largest_\w+)\);", made)
+    assert ("motion", "largest_motion") in read and "step_min(x + 1.0f, largest_deviation)" in made
+    assert "largest_step) + 5.0f" in made  # the one that is left
+
+
+def test_equal_numbers_of_two_kinds_that_no_name_decides_say_both() -> None:
+    numbers = [Constant("least_a", 0.7, "m", "range"), Constant("least_b", 0.7, "1", "drawing")]
+    made = text(law(lambda x: 0.7 + x, *numbers))
+    assert "least = 0.7f;" in made and "m or 1; range; drawing; of a, b */" in made
 
 
 def test_equal_numbers_without_common_words_are_one_under_the_first_name() -> None:
