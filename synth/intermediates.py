@@ -36,8 +36,9 @@ DEPTH = 3  # of containers in containers
 LIBRARIES = sys.stdlib_module_names - {"__main__"} | {"casadi", "numpy"}
 CHECKS = ("synth.arguments", "synth.kinds", "synth.law")
 # They name a role in Python, not the value that they hold.
-SKIPPED = {"output", "next", "named", "computed", "result", "value", "values", "each", "expr", "exprs", "self", "v"}
-SKIPPED |= {"terms"}
+SKIPPED = {"output", "next", "named", "computed", "result", "value", "values", "terms"} | {
+    *("each", "expr", "exprs", "self", "v"),
+}
 _COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 

@@ -140,7 +140,7 @@ def transfer(op: str, args: Sequence[Interval], ulps: int) -> Interval:
 
     Raises KeyError for an unknown operation.
     """
-    if any(a.low.size > 1 for a in args):
+    if any(a.low.shape != (1,) for a in args):
         return _transfer(op, args, ulps)
     return _kept_transfer(op, args[0].low.dtype.str, ulps, *(side.tobytes() for a in args for side in a.sides))
 
