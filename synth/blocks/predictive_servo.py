@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
-from synth.signals import Signal, dimension, product_unit
+from synth.signals import Signal, dimension
 from synth.synthesise.feedback.lqr import Gain
 from synth.synthesise.regulation import internal_model
 from synth.timing import Discrete
@@ -81,7 +81,6 @@ def block(
     numbers = [
         Constant("largest_error", limits.error, unit, "a larger error counts as this in the internal models"),
         Constant("largest_step", limits.fastest * T, unit, "a larger change of the set-point has no rate"),
-        Constant("squared_memory", limits.memory**2, product_unit(unit, unit), "limit of |eta|^2", is_limit=True),
         Constant("cancelled", cancelled, "1", "part of the disturbance that is cancelled"),
     ]
 

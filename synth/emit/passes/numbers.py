@@ -21,6 +21,7 @@ from synth.block import Block, Constant
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
 from synth.emit.passes import owners, words
+from synth.emit.proof.conditions import bounds_of_squares
 
 GEOMETRY = {
     "pi": (pi, "pi"),
@@ -125,6 +126,8 @@ class _Namer:
     def _constant(self, k: int, literal: float) -> Node | None:
         if abs(literal) == 2 and self.p.nodes[k].op == "mul":
             return None  # a factor of a formula, as in 2 p v
+        if bounds_of_squares(self.p.nodes, k, self.scalar):
+            return None  # the C states what follows for each square, from the literal
         for equal in (*self.known.get(self.owner[k], ()), *self.known[""]):
             size = abs(equal.either.value)
             close = not equal.either.of and abs(abs(literal) - size) <= _CLOSE * size
