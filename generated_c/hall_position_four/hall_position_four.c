@@ -311,8 +311,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         last_start <= start_number, else start_number + ends)))
      *     missed_next = (0 if accepted and not lost, else (missed if lost, else missed + 1)) if tracking, else
      *         0
-     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else (age if last_age <= age,
-     *         else age + 1))
+     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
      *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
      *         else begin_yaw) */
@@ -350,6 +349,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float largest_chi_square = 1e+09f;             /* 1; weighted sum that is reported at most */
     /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 3.026e-05f;
+    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot; of x, y */
+    static const float largest_information_phase = 12104.0f;
+    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot */
+    static const float largest_information_yaw = 75650.0f;
     /* V^2; a larger N_ii is not resolved: 500^2 times the least pivot */
     static const float largest_information_amplitude = 18912.5f;
     /* rad^2/V^2; sigma^2 / channel_variance, sigma = 0.25 rad, less 1e-05 of it for rounding; of x, y */
@@ -1122,8 +1125,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
     const float chi_square = hall_position_four_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
     const bool converged = chi_square_sum <= decrease_tolerance;
-    const bool factors_2 = (left_1_1 <= 12104.0f) && (left_2_2_phase_x <= 12104.0f) && (left_3_3_phase_x <= 75650.0f) &&
-        (left_4_4_phase_x <= largest_information_amplitude);
+    const bool factors_2 = (left_1_1 <= largest_information_phase) && (left_2_2_phase_x <= largest_information_phase) &&
+        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information_amplitude);
     const bool weak = !factors_2 || (weak_from_phase <= variances_1) || (weak_from_phase <= variances_2) ||
         (weak_from_yaw <= variances_3) || (weak_from_amplitude <= variances_4);
     const bool phases_valid_test = screened && !weak;
@@ -1383,8 +1386,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
-        const bool age_at_least_3 = last_age <= estimator_age;
-        const bool ends = converged || age_at_least_3;
+        const bool ends = converged || (last_age <= estimator_age);
         const bool start_number_at_least_23 = last_start <= estimator_start_number;
         const bool last = ends && start_number_at_least_23;
         const uint32_t estimator_candidates = state->estimator_candidates;
@@ -1452,9 +1454,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             state->estimator_age = 0u;
         } else {
             estimator_amplitude_choice = amplitude;
-            if (!age_at_least_3) {
-                state->estimator_age = estimator_age + 1u;
-            }
+            const uint32_t estimator_age_sum = estimator_age + 1u;
+            state->estimator_age = (uint32_t)hall_position_four_min((float)estimator_age_sum, 3.0f);
         }
         if (unique) {
             state->estimator_phase_x = candidate_phase_x;

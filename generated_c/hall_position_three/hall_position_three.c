@@ -280,8 +280,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
      *         last_start <= start_number, else start_number + ends)))
      *     missed_next = (0 if accepted and not lost, else (missed if lost, else missed + 1)) if tracking, else
      *         0
-     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else (age if last_age <= age,
-     *         else age + 1))
+     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
      *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
      *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
      *         else begin_yaw) */
@@ -321,6 +320,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     static const float decrease_tolerance = 2.6e-07f;
     /* V^2/rad^2 or V^2; a larger N_ii is not resolved: 500^2 times the least pivot; of phase x, phase y, amplitude */
     static const float largest_information = 16250.0f;
+    /* V^2/rad^2; a larger N_ii is not resolved: 500^2 times the least pivot */
+    static const float largest_information_yaw = 101562.5f;
     /* rad^2/V^2 or 1/V^2; sigma^2 / channel_variance, sigma = 0.02 rad, less 1e-05 of it for rounding; sigma^2 /
      * channel_variance, sigma = 0.02, less 1e-05 of it for rounding; of phase x, phase y, amplitude */
     static const float weak_from = 15.384461f;
@@ -945,8 +946,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
     const float chi_square = hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
     const bool converged = chi_square_sum <= decrease_tolerance;
-    const bool factors_2 = (left_1_1 <= 16250.0f) && (left_2_2_phase_x <= 16250.0f) &&
-        (left_3_3_phase_x <= 101562.5f) && (left_4_4_phase_x <= largest_information);
+    const bool factors_2 = (left_1_1 <= largest_information) && (left_2_2_phase_x <= largest_information) &&
+        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information);
     const bool weak = !factors_2 || (weak_from <= variances_1) || (weak_from <= variances_2) ||
         (weak_from_yaw <= variances_3) || (weak_from <= variances_4);
     const bool phases_valid_test = screened && !weak;
@@ -1178,8 +1179,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_age = 0u;
     } else {
         const uint32_t estimator_age = state->estimator_age;
-        const bool age_at_least_3 = last_age <= estimator_age;
-        const bool ends = converged || age_at_least_3;
+        const bool ends = converged || (last_age <= estimator_age);
         const bool start_number_at_least_23 = last_start <= estimator_start_number;
         const bool last = ends && start_number_at_least_23;
         const uint32_t estimator_candidates = state->estimator_candidates;
@@ -1247,9 +1247,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             state->estimator_age = 0u;
         } else {
             estimator_amplitude_choice = amplitude;
-            if (!age_at_least_3) {
-                state->estimator_age = estimator_age + 1u;
-            }
+            const uint32_t estimator_age_sum = estimator_age + 1u;
+            state->estimator_age = (uint32_t)hall_position_three_min((float)estimator_age_sum, 3.0f);
         }
         if (unique) {
             state->estimator_phase_x = candidate_phase_x;

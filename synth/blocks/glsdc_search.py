@@ -161,8 +161,7 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
     missed = ca.if_else(is_lost(of, x), x["missed"], x["missed"] + 1)
     kept = ca.logic_or(ca.logic_not(last), unique)
     if of.dwell > 1:
-        longer = ca.if_else(x["age"] >= of.dwell - 1, x["age"], x["age"] + 1)
-        age = ca.if_else(ends, 0, longer)
+        age = ca.if_else(ends, 0, ca.fmin(x["age"] + 1, of.dwell - 1))
         next["age"] = ca.if_else(tracking, 0, age)
     followed = ca.logic_and(accepted, ca.logic_not(is_lost(of, x)))
     return next | {

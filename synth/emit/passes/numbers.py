@@ -126,7 +126,8 @@ class _Namer:
     def _constant(self, k: int, literal: float) -> Node | None:
         if abs(literal) == 2 and self.p.nodes[k].op == "mul":
             return None  # a factor of a formula, as in 2 p v
-        if bounds_of_squares(self.p.nodes, k, self.scalar):
+        decides = any(self.p.nodes[u].op == "choose" and self.p.nodes[u].args[0] == k for u in self.users[k])
+        if decides and bounds_of_squares(self.p.nodes, k, self.scalar):
             return None  # the C states what follows for each square, from the literal
         for equal in (*self.known.get(self.owner[k], ()), *self.known[""]):
             size = abs(equal.either.value)
