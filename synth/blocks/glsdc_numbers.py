@@ -16,6 +16,7 @@ from synth.blocks.glsdc_model import Unknown
 from synth.blocks.glsdc_monitor import Monitor
 from synth.blocks.glsdc_search import Search
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration
+from synth.blocks.range_numbers import limit
 from synth.signals import product_unit, quotient_unit
 
 
@@ -24,7 +25,7 @@ def of_solution(of: Model, iteration: Iteration) -> list[Constant]:
     s, unit = of.scale, _scale_unit(of)
     square = product_unit(unit, unit)
     tolerance = f"({iteration.convergence:g} channel_sigma)^2: a smaller predicted decrease has converged"
-    numbers = [_limit("decrease_tolerance", iteration.convergence**2 * s**2, square, tolerance)]
+    numbers = [limit("decrease_tolerance", iteration.convergence**2 * s**2, square, tolerance)]
     if s != 1:
         numbers += [
             Constant("channel_sigma", s, unit, "deviation of a channel, from R"),
@@ -38,14 +39,10 @@ def of_solution(of: Model, iteration: Iteration) -> list[Constant]:
         ]
     for p in of.phases:
         numbers += [
-            _limit(f"largest_phase_{p.name}", p.largest, "rad", "largest size of a phase"),
-            _limit(f"largest_change_{p.name}", p.change, "rad", "largest change of a phase in a sample"),
+            limit(f"largest_phase_{p.name}", p.largest, "rad", "largest size of a phase"),
+            limit(f"largest_change_{p.name}", p.change, "rad", "largest change of a phase in a sample"),
         ]
     return [*numbers, *_of_unknowns(of, square), *_of_factors(of)]
-
-
-def _limit(name: str, value: float, unit: str, source: str) -> Constant:
-    return Constant(name, value, unit, source, is_limit=True)
 
 
 def _of_unknowns(of: Model, square: str) -> Iterator[Constant]:
@@ -57,21 +54,21 @@ def _of_unknowns(of: Model, square: str) -> Iterator[Constant]:
         information = quotient_unit(square, product_unit(unit, unit))
         inverse, largest = quotient_unit("1", information), _quantity(u.largest_deviation, unit)
         resolved = f"a larger N_ii is not resolved: {DYNAMIC_RANGE:g}^2 times the least pivot"
-        yield _limit(
+        yield limit(
             f"least_pivot_{n}", floor, information, f"channel_variance / sigma^2, sigma = {largest}, the largest"
         )
-        yield _limit(f"largest_information_{n}", DYNAMIC_RANGE**2 * floor, information, resolved)
-        yield _limit(
+        yield limit(f"largest_information_{n}", DYNAMIC_RANGE**2 * floor, information, resolved)
+        yield limit(
             f"weak_from_{n}",
             weak,
             inverse,
             f"sigma^2 / channel_variance, sigma = {largest}, less 1e-05 of it for rounding",
         )
-        yield _limit(f"largest_deviation_{n}", u.largest_deviation, unit, "largest sigma that is reported")
-        yield _limit(f"largest_step_{n}", u.step, unit, "correction of a sample at most")
+        yield limit(f"largest_deviation_{n}", u.largest_deviation, unit, "largest sigma that is reported")
+        yield limit(f"largest_step_{n}", u.step, unit, "correction of a sample at most")
         if u.velocity_gain:
-            yield _limit(f"largest_motion_{n}", u.step, unit, "predicted change a sample at most")
-        yield _limit(f"largest_z_{n}", forward, quotient_unit(square, unit), "bound of L^-1 H'e, which never acts")
+            yield limit(f"largest_motion_{n}", u.step, unit, "predicted change a sample at most")
+        yield limit(f"largest_z_{n}", forward, quotient_unit(square, unit), "bound of L^-1 H'e, which never acts")
         if weight:
             prior = _quantity(u.prior, unit)
             yield Constant(
@@ -91,7 +88,7 @@ def _of_factors(of: Model) -> Iterator[Constant]:
     for i, (row, of_row) in enumerate(zip(of.unknowns, of.floors, strict=True)):
         for column, of_column in zip(of.unknowns[:i], of.floors[:i], strict=True):
             unit = quotient_unit(column.signal.unit, row.signal.unit)
-            yield _limit(
+            yield limit(
                 f"largest_L_{row.name}_{column.name}",
                 DYNAMIC_RANGE * sqrt(of_row / of_column),
                 unit,
@@ -109,19 +106,19 @@ def of_monitor(of: Monitor) -> list[Constant]:
     gain = "1 / separability, less 1e-05 of it, of a fault that is detectable"
     numbers = [
         Constant("test_threshold", t.test, "1", test),
-        _limit("test_cost", t.test * s**2, square, "test_threshold times channel_variance"),
+        limit("test_cost", t.test * s**2, square, "test_threshold times channel_variance"),
         Constant("level_sigmas", t.deviations, "1", f"sigmas of a protection level, half of {risk}"),
         Constant("undetected", sqrt(t.noncentrality) * s, unit, undetected),
-        _limit("least_separability", least, "1", "below it a fault looks like a motion"),
-        _limit("largest_gain", (1 - glsdc_integrity.ROUNDING) / least, "1", gain),
-        _limit("largest_mixing", sqrt(1 / least), "1", "bound of the factors of a group's separability"),
+        limit("least_separability", least, "1", "below it a fault looks like a motion"),
+        limit("largest_gain", (1 - glsdc_integrity.ROUNDING) / least, "1", gain),
+        limit("largest_mixing", sqrt(1 / least), "1", "bound of the factors of a group's separability"),
     ]
     if of.integrity.exclude:
         projection = glsdc_exclusion.largest_projection(of.model)
         numbers += [
             Constant("level_noise", t.deviations * s, unit, "level_sigmas times channel_sigma"),
             Constant("cancellation", glsdc_integrity.ROUNDING, "1", "relative error of a cost by rounding"),
-            _limit("largest_projection", projection, unit, "bound of |x_j'g|, which never acts"),
+            limit("largest_projection", projection, unit, "bound of |x_j'g|, which never acts"),
         ]
     for size, threshold in sorted({len(g): T for g, T in zip(of.groups, of.hypothesis, strict=True)}.items()):
         if np.isfinite(threshold):
@@ -138,14 +135,14 @@ def of_monitor(of: Monitor) -> list[Constant]:
 def _of_limits(of: Monitor) -> Iterator[Constant]:
     share = of.integrity.excluded_limits
     for u in of.model.unknowns:
-        if limit := of.integrity.limits.get(u.name):
+        if most := of.integrity.limits.get(u.name):
             n, unit, times = u.name, u.signal.unit, glsdc_monitor.LEVEL_RANGE
             largest = f"{times:g} times the limit: level that is reported at most"
-            yield _limit(f"limit_{n}", limit, unit, "of a valid protection level")
-            yield _limit(f"largest_level_{n}", times * limit, unit, largest)
+            yield limit(f"limit_{n}", most, unit, "of a valid protection level")
+            yield limit(f"largest_level_{n}", times * most, unit, largest)
             if share < 1:
                 about = f"{share:g} times the limit, while a group is excluded"
-                yield _limit(f"excluded_limit_{n}", glsdc_monitor.excluded_limit(of, n), unit, about)
+                yield limit(f"excluded_limit_{n}", glsdc_monitor.excluded_limit(of, n), unit, about)
 
 
 def of_search(of: Search, unknowns: Sequence[Unknown]) -> list[Constant]:
@@ -157,7 +154,7 @@ def of_search(of: Search, unknowns: Sequence[Unknown]) -> list[Constant]:
         numbers += [
             *([] if u.periodic or u.signal.high == pi else [_width(u)]),
             Constant(f"increment_{n}", increments[n], unit, "from one start to the next: Roberts' sequence"),
-            _limit(f"agreement_{n}", of.agreement[n], unit, "solutions closer than this count as one"),
+            limit(f"agreement_{n}", of.agreement[n], unit, "solutions closer than this count as one"),
         ]
     return numbers
 

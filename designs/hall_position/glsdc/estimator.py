@@ -104,8 +104,7 @@ def _numbers(of: Problem) -> list[Constant]:
     array, r = of.array, of.tuning.yaw_damping_ratio
     least, w = of.damping * array.radius**2, array.wave_number
     return [
-        Constant("pitch", array.pitch, "m", "of the magnet matrix"),
-        Constant("length_per_phase", 1 / w, "m/rad", "pitch / (2 pi)"),
+        *planar.position_numbers(array),
         Constant("sigma_per_wave_number", array.deviation / w, "V m/rad", "deviation of a voltage, pitch / (2 pi)"),
         Constant("squared_radius", array.radius**2, "rad^2", "of the arms of the sensors, sum of squares"),
         Constant("yaw_damping", (1 - r**2) * least, "V^2/rad^2", f"(1 - r^2) times that of the phases, r = {r:g}"),

@@ -20,7 +20,7 @@ import numpy as np
 from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.parameters import Tuning
 from models.hall_array import Pair
-from models.hall_two_waves import PlanarArray
+from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Constant, Exprs
 from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_solution
 from synth.blocks.glsdc import NamedExpressions, Solution
@@ -105,6 +105,14 @@ def _phase(axis: str, arm: Pair) -> Callable[[Exprs, Exprs], ca.SX]:
         return q[f"phase_{axis}"] + arm[0] * q["cos_yaw"] + arm[1] * q["sin_yaw"]
 
     return phase
+
+
+def position_numbers(array: PlanarArray | SpatialArray) -> list[Constant]:
+    """Return the numbers of a position from its phase and its pitch that the C names."""
+    return [
+        Constant("pitch", array.pitch, "m", "of the magnet matrix"),
+        Constant("length_per_phase", 1 / array.wave_number, "m/rad", "pitch / (2 pi)"),
+    ]
 
 
 def arm_numbers(arms: Sequence[Pair]) -> list[Constant]:

@@ -27,6 +27,7 @@ from designs.hall_position.glsdc.planar import AXES, POSE, Problem
 from synth.block import Constant, Exprs, State
 from synth.blocks.glsdc import Solution
 from synth.blocks.glsdc_solution import Normal
+from synth.blocks.range_numbers import limit
 from synth.signals import Signal
 
 MOTION = ("motion_x", "motion_y", "motion_yaw")
@@ -82,37 +83,33 @@ def states(problem: Problem) -> list[State]:
 def numbers(of: Problem) -> list[Constant]:
     """Return the numbers of the gates, the ambiguity and the restarts that the C names."""
     array, tuning = of.array, of.tuning
-    freedom, limit = channels.freedom(len(array.positions), 3), valid_yaw_limit(tuning)
+    freedom, valid_yaw = channels.freedom(len(array.positions), 3), valid_yaw_limit(tuning)
     yaw_gain = tuning.velocity_gain / tuning.yaw_damping_ratio
     decided = "parameters that the prior decides, over the damping"
     return [
-        _limit("damped_from", tuning.max_prior_weight / of.damping, "1/V^2", f"{tuning.max_prior_weight:g} {decided}"),
-        _limit(
+        limit("damped_from", tuning.max_prior_weight / of.damping, "1/V^2", f"{tuning.max_prior_weight:g} {decided}"),
+        limit(
             "resolved_to", tuning.ambiguity_threshold / of.damping, "1/V^2", f"{tuning.ambiguity_threshold:g} {decided}"
         ),
-        _limit(
+        limit(
             "squared_gate",
             _gate(of) ** 2,
             "rad^2",
             f"{tuning.innovation_gate_sigma:g} sigma of the innovation, squared",
         ),
-        _limit(
+        limit(
             "residual_limit",
             _residual_limit(of),
             "V^2",
             f"{freedom} times the square of {tuning.residual_limit:g} V rms",
         ),
-        _limit("yaw_window", tuning.yaw_window, "rad", "about the last good yaw: there two sensors are unambiguous"),
-        _limit("yaw_limit", limit, "rad", "of a valid estimate"),
-        _limit("ambiguous_yaw_limit", 2 * limit, "rad", "before the ambiguity is resolved"),
-        _limit("most_pitches", tuning.pitches, "1", "counted to either side"),
+        limit("yaw_window", tuning.yaw_window, "rad", "about the last good yaw: there two sensors are unambiguous"),
+        limit("yaw_limit", valid_yaw, "rad", "of a valid estimate"),
+        limit("ambiguous_yaw_limit", 2 * valid_yaw, "rad", "before the ambiguity is resolved"),
+        limit("most_pitches", tuning.pitches, "1", "counted to either side"),
         Constant("yaw_velocity_gain", yaw_gain, "1", "of a correction, added to the predicted motion of the yaw"),
         *restarts.numbers(),
     ]
-
-
-def _limit(name: str, value: float, unit: str, source: str) -> Constant:
-    return Constant(name, value, unit, source, is_limit=True)
 
 
 def _gate(of: Problem) -> float:

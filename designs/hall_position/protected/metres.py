@@ -8,8 +8,10 @@ from math import pi
 
 import casadi as ca
 
+from designs.hall_position.glsdc import planar
 from models.hall_two_waves import PlanarArray, SpatialArray
-from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks.range_numbers import limit
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -31,10 +33,9 @@ def metres(array: PlanarArray | SpatialArray, time: Discrete, pitches: int, phas
     counts = {a: Signal(f"pitch_{a}", "1", -pitches - 1, pitches + 1, f"pitches along {a}") for a in AXES}
 
     numbers = [
-        Constant("pitch", array.pitch, "m", "of the magnet matrix"),
-        Constant("length_per_phase", 1 / array.wave_number, "m/rad", "pitch / (2 pi)"),
-        Constant("most_pitches", pitches, "1", "counted to either side", is_limit=True),
-        Constant("end_of_count", pitches + 1, "1", "pitches at which counting stays", is_limit=True),
+        *planar.position_numbers(array),
+        limit("most_pitches", pitches, "1", "counted to either side"),
+        limit("end_of_count", pitches + 1, "1", "pitches at which counting stays"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

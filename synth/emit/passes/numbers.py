@@ -225,13 +225,13 @@ def _merge(numbers: Sequence[Constant], used: Container[str]) -> list[_Equal]:
         common = commons[key]
         if common and counts[common] > 1:
             common = words.combine([n.name for n in equal])
-        either = _as_one(equal, equal[0].name if not common or common in used else common)
+        either = _as_one(equal, common if common and common not in used else equal[0].name)
         kinds: dict[tuple[str, str], list[Constant]] = {}
         for number in equal:
             kinds.setdefault((number.unit, number.source), []).append(number)
-        each = [_as_one(alike, _free_common(alike, used)) for alike in kinds.values()]
-        apart = len({c.name for c in each}) == len(each) > 1
-        merged.append(_Equal(either, tuple(each) if apart else (either,)))
+        each = [_as_one(alike, _free_common(alike, used)) for alike in kinds.values()] if len(kinds) > 1 else [either]
+        are_distinct = len({c.name for c in each}) == len(each)
+        merged.append(_Equal(either, tuple(each) if are_distinct else (either,)))
     return merged
 
 

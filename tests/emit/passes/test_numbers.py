@@ -146,11 +146,11 @@ def test_products_of_a_negative_number_are_subtracted(scalar: type[np.floating])
 def test_the_bound_of_a_sum_of_squares_stays_a_literal_from_which_the_proof_follows() -> None:
     largest = Constant("largest_norm", 0.75, "m^2", "chosen", is_limit=True)
 
-    def kept(x: ca.SX) -> ca.SX:
+    def inside(x: ca.SX) -> ca.SX:
         u, v = 1.5 * x + 0.3, 0.7 - x
         return ca.if_else(u**2 + v**2 <= 0.75, u - v, 0)
 
-    made = text(law(kept, largest))
+    made = text(law(inside, largest))
     assert "<= 0.75f" in made and "@ admit" in made and "largest_norm" not in made
 
 
