@@ -1,9 +1,8 @@
-# `make build` and `make test` need python3 and make alone; everything else comes into .venv, pinned. `make bench` adds
-# gcc's figures where arm-none-eabi-gcc is installed; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
+# `make build` and `make test` need python3 with its venv, and make; everything else comes into .venv, pinned. `make bench`
+# adds gcc's figures where arm-none-eabi-gcc is installed; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed
 
 # Tests and commands start many processes of Python: without bytecode on disk each compiles the whole toolkit again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -11,38 +10,38 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: install build quick test types tests test-kernels docs bench prove clean
+.PHONY: install build quick test types tests test-kernels docs bench prove constraints machines clean
 
-install: $(STAMP)
+install: $(VENV)/.build
 
-build: $(STAMP)
+build: $(VENV)/.build
 	$(BIN)/synth build
 
-quick: $(STAMP)
+quick: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -q -n auto -m "not slow" $(QUICK)
 
 # mypy runs on one core, beside the tests.
-test: $(STAMP)
+test: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(MAKE) --no-print-directory --jobs=2 types tests
 
-types: $(STAMP)
+types: $(VENV)/.dev
 	$(BIN)/mypy
 
-tests: $(STAMP)
+tests: $(VENV)/.dev
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # The vocabulary, analysis and synthesis under two other kernels of OpenBLAS, which round otherwise.
-test-kernels: $(STAMP)
+test-kernels: $(VENV)/.dev
 	$(BIN)/python -m tests.kernels
 
 # The site, with its reference from the docstrings; a warning fails it.
-docs: $(STAMP)
+docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -q -W --keep-going -j auto -b html docs build/docs
 
-bench: $(STAMP)
+bench: $(VENV)/.dev
 	$(BIN)/synth cost
 	$(BIN)/synth verify --target cortex-m4f
 	$(BIN)/synth verify --target cortex-m7
@@ -59,16 +58,26 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.hall
 	$(BIN)/python -m benchmarks.hostile
 
-prove: $(STAMP)
+prove: $(VENV)/.dev
 	$(BIN)/synth prove --whole
 
-# The build backend is installed first and build isolation is off, so that it too is the pinned one.
-$(STAMP): pyproject.toml constraints.txt
+# Resolves every dependency for all served Pythons, and checks that each has wheels for all of them.
+constraints:
+	bash .ci/constraints
+
+# Runs the commands of the README on stock systems; needs root and debootstrap.
+machines:
+	bash .ci/machines
+
+# The build backend is installed first and build isolation is off, so that it too is the pinned one. Wheels alone: a pin
+# without one for this Python is refused, not compiled.
+$(VENV)/.build $(VENV)/.dev $(VENV)/.docs: $(VENV)/.%: pyproject.toml constraints.txt
+	@$(PYTHON) .ci/served.py
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet -c constraints.txt setuptools
-	$(BIN)/python -m pip install --quiet -c constraints.txt --no-build-isolation -e '.[dev,docs]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: setuptools
+	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: --no-build-isolation -e '.[$(filter-out build,$*)]'
 	touch $@
 
 clean:
-	rm -rf $(VENV) build dist reports *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv build dist reports *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

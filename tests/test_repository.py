@@ -6,12 +6,15 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYTHONS = ("3.11.2", "3.12.0", "3.13.0", "3.14.0", "3.15.0")  # the oldest of each served version
 MACHINE = re.compile(
     r"(?<![\w.~$}])/(?:home|root|Users|work|tmp|opt|mnt|srv|builds?)/\w"  # a path that one machine has
     r"|\b[A-Za-z]:\\\\?Users\b"
@@ -50,12 +53,15 @@ def machine_traces(texts: dict[str, str]) -> list[str]:
 
 
 def unpinned(constraints: str, requirements: list[str]) -> list[str]:
-    """Return the lines that are no `name==version`, and the required names that have no such line."""
+    """Return the lines that are no `name==version`, and the required names without exactly one on each Python."""
     lines = [line for line in constraints.splitlines() if line and not line.startswith("#")]
-    pin = re.compile(r"([A-Za-z0-9._-]+)==[\w.+!]+")
-    pinned = {normal(match[1]) for line in lines if (match := pin.fullmatch(line))}
-    loose = [line for line in lines if not pin.fullmatch(line)]
-    return loose + [name for name in requirements if normal(name) not in pinned]
+    loose = [line for line in lines if not re.fullmatch(r"[A-Za-z0-9._-]+==[\w.+!]+( ; .+)?", line)]
+    pins = [Requirement(line) for line in lines if line not in loose]
+    for python in PYTHONS:
+        machine = {"python_full_version": python, "python_version": python.rpartition(".")[0], "sys_platform": "linux"}
+        here = Counter(normal(p.name) for p in pins if p.marker is None or p.marker.evaluate(machine))
+        loose += [f"{name} on Python {python}" for name in map(normal, requirements) if here[name] != 1]
+    return loose
 
 
 def normal(name: str) -> str:
@@ -139,7 +145,22 @@ def test_every_package_is_pinned() -> None:
 
 
 def test_a_missing_or_loose_pin_is_found() -> None:
-    assert unpinned("# note\nnumpy==2.0\nscipy>=1.0\n", ["numpy>=2", "python-flint"]) == ["scipy>=1.0", "python-flint"]
+    found = unpinned("# note\nnumpy==2.0\nscipy>=1.0\n", ["numpy>=2", "python-flint"])
+    assert found == ["scipy>=1.0", *(f"python-flint on Python {python}" for python in PYTHONS)]
+
+
+def test_a_pin_that_some_python_lacks_or_has_twice_is_found() -> None:
+    pins = "numpy==2.4 ; python_full_version < '3.12'\nnumpy==2.5 ; python_full_version >= '3.12'\n"
+    assert not unpinned(pins, ["numpy"])
+    assert unpinned(pins.replace(">=", ">"), ["numpy"]) == ["numpy on Python 3.12.0"]
+    assert unpinned(pins + "numpy==2.6 ; python_full_version >= '3.15'\n", ["numpy"]) == ["numpy on Python 3.15.0"]
+
+
+def test_the_served_pythons_are_named_alike() -> None:
+    oldest, newest = PYTHONS[0].replace(".", ", "), PYTHONS[-1].replace(".0", "").replace(".", ", ")
+    assert f"OLDEST, NEWEST = ({oldest}), ({newest})" in (ROOT / ".ci/served.py").read_text(encoding="utf-8")
+    assert PROJECT["requires-python"] == f">={PYTHONS[0]}"
+    assert f"pythons=({' '.join(PYTHONS)})" in (ROOT / ".ci/constraints").read_text(encoding="utf-8")
 
 
 def test_the_version_stands_once() -> None:

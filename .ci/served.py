@@ -1,0 +1,18 @@
+"""Refuse, in one line, a Python that synth does not serve or that cannot make an environment. Any Python reads it."""
+
+import sys  # ruff: noqa: UP
+
+OLDEST, NEWEST = (3, 11, 2), (3, 15)
+FIX = "name another one, as in `make build PYTHON=python3.12`"
+
+if sys.version_info[:3] < OLDEST or sys.version_info[:2] > NEWEST:
+    served = "{0}.{1}.{2} to {3}.{4}".format(*(OLDEST + NEWEST))
+    sys.exit("synth needs Python %s, found %s: %s" % (served, ".".join(map(str, sys.version_info[:3])), FIX))
+try:
+    import ensurepip  # noqa: F401
+    import venv  # noqa: F401
+except ImportError:
+    sys.exit(
+        "%s cannot make an environment: install its venv (Debian, Ubuntu: `apt install python3-venv`), or %s"
+        % (sys.executable, FIX)
+    )
