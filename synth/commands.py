@@ -19,7 +19,6 @@ from synth.check import Check
 from synth.command_results import Failed, finish, run_jobs, successful, writer
 from synth.emit import write
 from synth.emit.c import vectors
-from synth.errors import CompileError
 from synth.jobs import Job
 from synth.new import create
 from synth.progress import Progress
@@ -69,8 +68,6 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
 
 def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
     """Compare the witnesses on this machine, or the machine code of a `core` with that of this machine."""
-    if core is not None:
-        _require_emulator()
     results = _for_each_design(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
     documents = [r.document for r in successful(results)]
     for name, verified in results.items():
@@ -121,7 +118,6 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
-    _require_emulator()
 
     def measure(design: workspace.Design, report: Progress) -> list[Cost]:
         return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
@@ -252,10 +248,3 @@ def _experiment(e: Experiment) -> Mapping[str, Any]:
 
 def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
     return [c.document() | {"passed": c.passed} for c in checks]
-
-
-def _require_emulator() -> None:
-    if missing := tasks.missing():
-        raise CompileError(
-            f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
-        )

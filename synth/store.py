@@ -22,6 +22,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
+from synth.errors import SynthError
+
 T = TypeVar("T")
 
 FRESH = "SYNTH_FRESH"
@@ -30,11 +32,21 @@ MAX_BYTES = 4 * 2**30  # bytes of stored results; the least recently used ones a
 
 
 def folder() -> Path:
-    """Return the folder of the results: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
+    """Return the folder of the results: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`.
+
+    Raises SynthError when none of them names a folder.
+    """
     if chosen := os.environ.get("SYNTH_CACHE"):
         return Path(chosen).absolute()
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base).absolute() if base else Path.home() / ".cache") / "synth"
+    if base := os.environ.get("XDG_CACHE_HOME"):
+        return Path(base).absolute() / "synth"
+    try:
+        return Path.home() / ".cache" / "synth"
+    except RuntimeError as error:
+        raise SynthError(
+            f"cache: HOME is not set and the system knows no home of user {os.getuid()}, a folder is needed: "
+            "set SYNTH_CACHE to one that can be written"
+        ) from error
 
 
 def run_name() -> str:

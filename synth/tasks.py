@@ -10,7 +10,6 @@ every result that depends on the law.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache as once
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -36,7 +35,6 @@ from synth.workspace import Design
 
 T = TypeVar("T")
 
-EMULATOR = ("unicorn", "elftools", "capstone")  # packages of the extra `target`
 LIBRARY = "cross compiler"
 
 
@@ -136,8 +134,8 @@ def audit(design: Design) -> Task[list[Row]]:
 
 
 def brief_cost(design: Design) -> Task[Cost | None]:
-    """Return the task of measuring the cost in a few seconds; its result is None without emulator or cross compiler."""
-    if design.scalar is not np.float32 or missing() or not cross.available():
+    """Return the task of measuring the cost in a few seconds; its result is None for a design in double."""
+    if design.scalar is not np.float32:
         return Task("cost", _nothing, (_nothing,))
     from synth.verify import meter
 
@@ -230,12 +228,11 @@ def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
 
     The C is written to `root`/generated_c as soon as it is emitted.
     """
-    emulated = not missing() and "zig" in cross.available()
-    library = [Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))] if emulated else []
-    return [*library, *(job for design in designs for job in _build_jobs(design, root, tuple(j.name for j in library)))]
+    library = Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))
+    return [library, *(job for design in designs for job in _build_jobs(design, root))]
 
 
-def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Job]:
+def _build_jobs(design: Design, root: Path) -> list[Job]:
     name, whole = design.name, build(design)
 
     def save(say: Progress) -> None:
@@ -253,7 +250,7 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         *((what, task, (first,)) for what, task in parts.items()),
         ("study", brief_study(design), (first, *(f"{name} {what}" for what in parts))),
         ("verify", verification(design, False), (first,)),
-        ("cost", brief_cost(design), (first, *library)),
+        ("cost", brief_cost(design), (first, LIBRARY)),
         ("audit", audit(design), (first,)),
         *((f"report {name}", task, (first, f"{design.name} verify")) for name, task in report_parts(design).items()),
     )
@@ -271,11 +268,6 @@ def _run_only(task: Task[Any]) -> Callable[[Progress], None]:
         task.result(say)
 
     return run
-
-
-def missing() -> list[str]:
-    """Return the packages of the emulator that are not installed."""
-    return [name for name in EMULATOR if find_spec(name) is None]
 
 
 @once

@@ -204,7 +204,7 @@ def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
 
 
 def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
-    from synth.verify import meter, steps  # needs the extra `target`
+    from synth.verify import meter, steps
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)

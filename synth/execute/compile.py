@@ -10,7 +10,6 @@ processor.
 """
 
 import hashlib
-import importlib.util
 import json
 import os
 import platform
@@ -55,29 +54,22 @@ class Compiler:
 
 
 def find_compiler() -> Compiler:
-    """Find the host's C compiler: `$CC`, else `cc`, else the ziglang wheel.
+    """Find the host's C compiler: `$CC`, else `cc`, else the clang of the ziglang wheel.
 
-    Raises CompileError if `$CC` cannot be run, or if none of the three is available.
+    Raises CompileError if that compiler cannot be run.
     """
     if chosen := shlex.split(os.environ.get("CC", "")):
         return identify_compiler(tuple(chosen), "set CC to a C compiler, or unset it")
     if shutil.which("cc"):
         return identify_compiler(("cc",), "mend it, or set CC to another C compiler")
-    if zig := zig_compiler():
-        return zig
-    raise CompileError(
-        "C compiler: CC is not set, there is no `cc` on the PATH and no ziglang wheel; one of them is needed: "
-        "run `pip install ziglang`, or install a compiler and set CC to it"
-    )
+    return zig_compiler()
 
 
-def zig_compiler() -> Compiler | None:
-    """Return the clang of the ziglang wheel, or None where the wheel is not installed."""
-    if importlib.util.find_spec("ziglang") is None:
-        return None
+def zig_compiler() -> Compiler:
+    """Return the clang of the ziglang wheel; raise CompileError if it cannot be run."""
     command = (sys.executable, "-m", "ziglang", "cc")
     # By default zig builds for the processor it runs on; code in a shared cache would then trap on other processors.
-    mend = "reinstall the wheel: `pip install --force-reinstall ziglang`"
+    mend = "correct what it names, or reinstall the wheel: `pip install --force-reinstall ziglang`"
     return identify_compiler(command, mend, ("-mcpu=baseline",))
 
 
@@ -168,13 +160,19 @@ def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compi
 def identify_compiler(command: tuple[str, ...], mend: str, machine_flags: tuple[str, ...] = ()) -> Compiler:
     """Return the compiler that `command` calls, with the version text that it prints.
 
-    Raises CompileError, with the `mend`, when the command cannot be run.
+    Raises CompileError, with the compiler's own message and the `mend`, when the command cannot be run.
     """
+    asked = [*command, "--version"]
     try:
-        version_text = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise CompileError(f"C compiler: `{shlex.join(command)} --version` fails ({error}); {mend}") from error
-    return Compiler(command, version_text.strip(), machine_flags)
+        done = subprocess.run(asked, capture_output=True, text=True, env=_environment())
+    except OSError as error:
+        raise CompileError(f"C compiler: `{shlex.join(asked)}` cannot be run ({error}); {mend}") from error
+    if done.returncode != 0:
+        raise CompileError(
+            f"C compiler: `{shlex.join(asked)}` ends with status {done.returncode}, 0 is needed; {mend}\n"
+            f"{done.stderr.strip()}"
+        )
+    return Compiler(command, done.stdout.strip(), machine_flags)
 
 
 def c_files(sources: Mapping[str, str]) -> list[str]:
@@ -213,8 +211,13 @@ def _write(sources: Mapping[str, str], folder: Path) -> None:
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
 
 
+def _environment() -> dict[str, str]:
+    """Return the environment of a compiler: zig, which needs a cache of its own, has it here unless told where."""
+    return {"ZIG_GLOBAL_CACHE_DIR": str(store.folder() / "zig"), **os.environ}
+
+
 def _run(command: Sequence[str], folder: Path) -> None:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=_environment())
     if done.returncode != 0:
         raise CompileError(
             f"C source: the compiler refused it with status {done.returncode}, 0 is needed; mend the lines it names\n"

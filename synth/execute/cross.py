@@ -4,8 +4,8 @@
     cortex-m7     Armv7E-M, FPv5-D16: float and double in hardware
 
 An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions. All
-products are stored in the cache of `compile`. The first image that zig links for a core also builds musl, in zig's own
-cache. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
+products are stored in the cache of `compile`. The first image that zig links for a core also builds musl, in the cache
+of zig. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
 """
 
 import re
@@ -58,9 +58,8 @@ CORES = {
 
 
 def available() -> tuple[str, ...]:
-    """Return which of the cross compilers "zig" and "gcc" are installed."""
-    installed = {"zig": host_compiler.zig_compiler() is not None, "gcc": shutil.which("arm-none-eabi-gcc") is not None}
-    return tuple(name for name in installed if installed[name])
+    """Return the installed cross compilers: "zig", and "gcc" where arm-none-eabi-gcc is on the PATH."""
+    return ("zig", "gcc") if shutil.which("arm-none-eabi-gcc") else ("zig",)
 
 
 def find_core(name: str) -> Core:
@@ -76,14 +75,15 @@ def find_compiler(core: str, name: str) -> host_compiler.Compiler:
     Raises CompileError when the core or the compiler is unknown, or when the compiler is not installed.
     """
     chosen = find_core(core)
-    if name == "zig" and (zig := host_compiler.zig_compiler()):
+    if name == "zig":
+        zig = host_compiler.zig_compiler()
         return host_compiler.Compiler(zig.command, zig.identity, (*_ZIG_TARGET, *chosen.zig))
     if name == "gcc" and shutil.which("arm-none-eabi-gcc"):
         flags = (*_GCC_TARGET, *chosen.gcc)
         return host_compiler.identify_compiler(("arm-none-eabi-gcc",), "reinstall gcc-arm-none-eabi", flags)
     raise CompileError(
-        f"cross compiler: found no '{name}', need 'zig' (pip install ziglang) or 'gcc' (arm-none-eabi-gcc with newlib "
-        f"on the PATH); installed: {', '.join(available()) or 'neither'}"
+        f"cross compiler: found no '{name}', need 'zig' or 'gcc' (arm-none-eabi-gcc with newlib on the PATH): install "
+        f"it, or choose from those installed: {', '.join(available())}"
     )
 
 

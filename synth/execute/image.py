@@ -4,8 +4,6 @@ The emulator is unicorn with the nearest application core, which executes the sa
 arithmetic. The floating-point modes are those after reset (round to nearest, no flush to zero, no default NaN); they
 are checked before and after every run. The emulator models no caches, wait states or interrupts. Its instruction counts
 are exact, its run time says nothing about the core.
-
-Needs the extra `target`: unicorn, pyelftools, capstone, and ziglang or arm-none-eabi-gcc.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,6 @@
 """Processor-in-the-loop execution of emitted C on an emulated Cortex-M core, with measurement.
 
-    state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
-
-Needs the extra `target`, as `image` does.
+state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
 """
 
 from collections.abc import Mapping, Sequence

@@ -133,7 +133,8 @@ def audit(rows: Iterable[Row]) -> Table:
 def cost(measured: Cost | None) -> Section:
     """Return the cost of the emitted step on a core, with that of other generators; None if it was not measured."""
     if measured is None:
-        return Section("Cost", (Text("Not measured: no emulator or no cross compiler was installed."),))
+        why = "Not measured: the step computes in double, for which a Cortex-M4F has no hardware."
+        return Section("Cost", (Text(why),))
     rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(measured))
     return Section("Cost", (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
 

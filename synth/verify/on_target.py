@@ -5,7 +5,7 @@
     QEMU       the replay itself, on an M-class core with start-up code: outputs, fault words and the last state
 
 Contraction is off. With contraction the last bits depend on the compiler; `drift` measures how far a replay from `init`
-then deviates from the host. Needs the extra `target`; QEMU and arm-none-eabi-gcc are used if they are installed.
+then deviates from the host. QEMU and arm-none-eabi-gcc are used if they are installed.
 """
 
 import shutil

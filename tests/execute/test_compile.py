@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from synth import store
-from synth.errors import CompileError
+from synth.errors import CompileError, SynthError
 from synth.execute import compile as host
 
 HEADER = {"gain.h": "#define GAIN 3.0\ndouble amplify(double u);\n"}
@@ -146,9 +146,14 @@ def test_cc_comes_first_then_cc_then_zig(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.delenv("CC")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert host.find_compiler() == host.zig_compiler()
-    monkeypatch.setattr(host.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(CompileError, match="pip install ziglang"):
-        host.find_compiler()
+
+
+def test_a_compiler_that_cannot_start_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Zig needs a folder for its cache; that one is a file."""
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path / "file"))
+    with pytest.raises(CompileError, match=r"(?s)status 1, 0 is needed.*--force-reinstall ziglang`\n.*error"):
+        host.zig_compiler()
 
 
 @pytest.mark.parametrize("command", ["no-such-compiler", "false"])
@@ -165,6 +170,22 @@ def test_the_cache_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     assert store.folder() == tmp_path / "home" / ".cache" / "synth"
+
+
+def test_without_a_home_zig_has_a_cache_and_a_missing_one_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("HOME", "XDG_CACHE_HOME", "ZIG_GLOBAL_CACHE_DIR"):
+        monkeypatch.delenv(name, raising=False)
+    assert host.zig_compiler().identity and (tmp_path / "cache" / "zig").is_dir()
+    monkeypatch.delenv("SYNTH_CACHE")
+
+    def unknown() -> Path:
+        raise RuntimeError("Could not determine home directory.")  # as of a user without an entry in the password file
+
+    monkeypatch.setattr(Path, "home", unknown)
+    with pytest.raises(SynthError, match=r"cache: HOME is not set.*set SYNTH_CACHE"):
+        host.zig_compiler()
 
 
 def test_a_cache_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

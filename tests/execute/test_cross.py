@@ -131,9 +131,6 @@ def test_unknown_cores_and_absent_compilers_are_named(monkeypatch: pytest.Monkey
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompileError, match=r"found no 'gcc'.*installed: zig"):
         cross.find_compiler("cortex-m4f", "gcc")
-    monkeypatch.setattr(host_compiler.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(CompileError, match=r"pip install ziglang.*installed: neither"):
-        cross.find_compiler("cortex-m4f", "zig")
 
 
 def test_installed_compilers() -> None:

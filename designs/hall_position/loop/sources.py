@@ -16,7 +16,6 @@ from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
 from models.hall_bench import Bench
 from synth.check import Check
-from synth.execute import cross
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.statespace import Array
@@ -85,5 +84,5 @@ def _path_errors(run: Trajectory) -> dict[str, float]:
 def instructions(loop: Loop, run: Trajectory) -> list[int]:
     """Return the largest instruction count of a controller step on a Cortex-M4F; empty without the compiler."""
     path = steps.thinned(steps.record(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
-    builds = [b for b in (meter.builds() if cross.available() else ()) if b.name == BUILD]
+    builds = [b for b in meter.builds() if b.name == BUILD]
     return [int(meter.run(baselines.emitted_c(loop.emitted), path, b).cost.instructions.max()) for b in builds]
