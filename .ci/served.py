@@ -1,6 +1,7 @@
+# ruff: noqa: UP030, UP031
 """Refuse, in one line, a Python that synth does not serve or that cannot make an environment. Any Python reads it."""
 
-import sys  # ruff: noqa: UP
+import sys
 
 OLDEST, NEWEST = (3, 11, 2), (3, 15)
 FIX = "name another one, as in `make build PYTHON=python3.12`"
