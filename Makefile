@@ -75,7 +75,7 @@ $(VENV)/.build $(VENV)/.dev $(VENV)/.docs: $(VENV)/.%: pyproject.toml constraint
 	@$(PYTHON) .ci/served.py
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: setuptools
-	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: --no-build-isolation -e '.[$(filter-out build,$*)]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: --no-build-isolation -e '.$(if $(filter-out build,$*),[$*])'
 	touch $@
 
 clean:
