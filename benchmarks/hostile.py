@@ -41,8 +41,8 @@ from synth.errors import SynthError
 
 LIMIT_S = 5.0  # of processor time, which does not depend on other load
 MEMORY = 4 << 30  # bytes
-VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "composition", "check")
-UNCHECKED = ("timing.Discrete", "check.Check", "safety.GuardedInput", "logs.Log")  # check their own arguments
+VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "composition")
+UNCHECKED = ("timing.Discrete", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",
     "structure.transmission_zeros": "the damping of a zero at 0",
@@ -215,9 +215,15 @@ def search(
     """Return `calls` cases, or all if there are fewer, drawn by `seed` without replacement, with their outcomes."""
     every = cases(only)
     sample = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
-    good = {name: call(function, example(name, function)) for name, function in library().items() if only in name}
+    return evaluate_each(sample, progress, limit_s)
+
+
+def evaluate_each(some: Sequence[Case], progress: bool = False, limit_s: float = LIMIT_S) -> list[tuple[Case, Outcome]]:
+    """Return cases with their outcomes."""
+    functions = {case.name: case.function for case in some}
+    good = {name: call(function, example(name, function)) for name, function in functions.items()}
     outcomes = []
-    for k, case in enumerate(sample):
+    for k, case in enumerate(some):
         outcomes.append((case, evaluate(case, good[case.name], limit_s)))
         if progress and k % 500 == 499:
             print(f"{k + 1} calls", file=sys.stderr)  # noqa: T201

@@ -79,5 +79,4 @@ def examples() -> Mapping[str, Call]:
         },
         "block.clip": {"expr": u, "bounds": GAP},
         "composition.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
-        "check.Check": {"name": "c", "value": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }

@@ -61,7 +61,7 @@ def checked(target: Target) -> Target:
 
 
 def _with_checks(function: Callable[..., Any], where: str) -> Callable[..., Any]:
-    known = functools.cache(lambda: _kinds(function))  # read at the first call, when all names in them are defined
+    known = functools.cache(lambda: kinds_of(function, where))  # at the first call, when all their names are defined
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
@@ -127,14 +127,32 @@ class Kinds:
     others: ArgumentKind | None
 
 
-def _kinds(function: Callable[..., Any]) -> Kinds:
+def kinds_of(function: Callable[..., Any], where: str) -> Kinds:
+    """Return the kinds of a function's arguments.
+
+    Raises TypeError, calling the function `where`, for an annotation that has no kind, and for a parameter without one.
+    """
     hints = typing.get_type_hints(function)
     parameters = inspect.signature(function).parameters.values()
-    names = {p.name: kinds.of(hints[p.name]) if p.name in hints else None for p in parameters}
+    names = {p.name: None if p.name == "self" else _kind(where, p.name, hints) for p in parameters}
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     places = tuple((p.name, names[p.name]) for p in parameters if p.kind in by_place)
     further = next(((p.name, names[p.name]) for p in parameters if p.kind is p.VAR_POSITIONAL), ("", None))
     return Kinds(places, further, names, next((names[p.name] for p in parameters if p.kind is p.VAR_KEYWORD), None))
+
+
+def _kind(where: str, name: str, hints: Mapping[str, Any]) -> ArgumentKind | None:
+    if name not in hints:
+        raise TypeError(
+            f"`{name}` of `{where}` has no annotation, with which `checked` compares it: give it one, or Any"
+        )
+    try:
+        return kinds.of(hints[name])
+    except TypeError as error:
+        raise TypeError(
+            f"`checked` cannot read the annotation of `{name}` of `{where}` ({error}): give one that `synth.arguments` "
+            "lists, or Any where the function reads the value itself"
+        ) from error
 
 
 def real(what: str, values: ArrayLike) -> Array:

@@ -6,14 +6,18 @@ import math
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Union, get_args, get_origin
+from typing import Any, Protocol, Union, get_args, get_origin
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 MAX_MAGNITUDE = 1e100  # three factors of such a size have a product in double precision
 EXACT_INTEGERS = 1 << 53  # below it double precision holds every whole number
+# What a union holds of ArrayLike: its members up to Python 3.11, the alias itself later, when the union keeps scalars.
+ARRAY_MEMBERS = frozenset(get_args(ArrayLike) or {ArrayLike})
+SCALARS = frozenset({bool, int, float, complex, str, bytes})
+ARRAYS = (np.ndarray, get_origin(NDArray[np.float64]))  # the latter is an alias of its own from NumPy 2.5 on
 NO_LISTS = (str, bytes, Mapping, np.ndarray, ca.SX, ca.DM, ca.MX)
 NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
@@ -29,36 +33,37 @@ class ArgumentKind:
 
 @functools.cache
 def of(annotation: Any) -> ArgumentKind | None:
-    """Return the kind of an annotation, None where every value passes."""
+    """Return the kind of an annotation, None where it is Any or object, for which every value passes.
+
+    Raises TypeError for an annotation that is none of those that `arguments` lists.
+    """
     if annotation in KINDS:
         return KINDS[annotation]
     origin, inner = get_origin(annotation), get_args(annotation)
     if origin in (Union, types.UnionType):
         return _union(set(inner))
-    if origin is np.ndarray:
+    if origin in ARRAYS:
         return ARRAY_LIKE
     if origin is type:
         return ArgumentKind(inspect.isclass, "a type")
     if origin is tuple and inner[-1:] != (...,):
         return _tuple(tuple(map(of, inner)))
+    if origin is Callable:
+        return ArgumentKind(callable, "a function")
     if inspect.isclass(origin) and issubclass(origin, Mapping):
         return _mapping(*map(of, inner))
-    if origin is not None and inspect.isclass(origin) and issubclass(origin, Iterable):
+    if inspect.isclass(origin) and (issubclass(list, origin) or issubclass(tuple, origin)):
         return _sequence(of(inner[0]), once=origin is Iterable)
-    if origin is not None and annotation is not Any and callable(origin):
-        return ArgumentKind(callable, "a function")
-    if inspect.isclass(annotation) and not getattr(annotation, "_is_protocol", False) and annotation is not object:
+    if origin is None and inspect.isclass(annotation) and Protocol not in annotation.__bases__:
         return ArgumentKind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
-    return None
+    raise TypeError(f"the annotation {annotation} has no kind of values")
 
 
 def _union(members: set[Any]) -> ArgumentKind | None:
-    arrays = set(get_args(ArrayLike))
-    kinds = [ARRAY_LIKE] if arrays <= members else []
+    kinds = [ARRAY_LIKE] if members >= ARRAY_MEMBERS else []
     if kinds and Sequence[str] in members:
         kinds.append(TEXT)
-    for member in members - arrays if kinds else members:
-        kind = of(member)
+    for kind in list(map(of, members - ARRAY_MEMBERS - SCALARS if kinds else members)):
         if kind is None:
             return None
         kinds.append(kind)
@@ -145,6 +150,7 @@ KINDS: dict[Any, ArgumentKind | None] = {
     Any: None,
     object: None,
     type(None): NONE,
+    ArrayLike: ARRAY_LIKE,
     float: ArgumentKind(is_number, "a number", _float),
     complex: ArgumentKind(
         lambda v: is_number(abs(v) if isinstance(v, complex | np.complexfloating) else v), "a number"

@@ -27,7 +27,7 @@ class Discrete:
 
     def __post_init__(self) -> None:
         if not isinstance(self.period_s, Real) or isinstance(self.period_s, bool):
-            raise TimingError(f"the sample period is {self.period_s!r}: give a number of seconds")
+            raise TimingError(f"the sample period is {arguments.describe(self.period_s)}: give a number of seconds")
         if not (math.isfinite(self.period_s) and self.period_s > 0):
             raise TimingError(f"the sample period is {self.period_s} s: it must be finite and positive")
 

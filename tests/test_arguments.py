@@ -1,16 +1,20 @@
 """Names in every form that can be listed, and what is no list of names."""
 
+import importlib
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import pkgutil
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, NewType, Protocol, TypeVar
 
 import numpy as np
 import pytest
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from synth import arguments
+import synth
+from synth import arguments, kinds
 from synth.errors import ModelError, SignalError, TimingError
 
 
@@ -138,6 +142,7 @@ def test_a_checked_function_keeps_its_name_its_text_and_its_signature() -> None:
     ],
 )
 def test_arithmetic_beyond_double_precision_is_a_model_error(fail: Callable[[float], Any]) -> None:
+    fail.__annotations__["x"] = float
     with pytest.raises(ModelError, match="cannot compute with these numbers in double precision"):
         arguments.checked(fail)(1.0)
 
@@ -155,3 +160,73 @@ def test_a_mistake_of_ours_stays_raw(wrong: type[Exception]) -> None:
 def test_what_is_no_array_of_numbers_is_refused(values: Any) -> None:
     with pytest.raises(SignalError, match="the weights"):
         arguments.real("weights", values)
+
+
+ARRAY = "an array of numbers without a mask"
+
+
+@pytest.mark.parametrize(
+    ("annotation", "need"),
+    [
+        (ArrayLike, ARRAY),
+        (arguments.Array, ARRAY),
+        (ArrayLike | None, f"{ARRAY} or None"),
+        (arguments.Array | None, f"{ARRAY} or None"),
+        (ArrayLike | float, ARRAY),
+        (ArrayLike | Mapping[str, float], f"a mapping from a text to a number or {ARRAY}"),
+        (ArrayLike | Sequence[str] | None, f"a list of names or a text or {ARRAY} or None"),
+        (ArrayLike | Sequence[complex], f"a list, each entry a number or {ARRAY}"),
+        (Sequence[ArrayLike], f"a list, each entry {ARRAY}"),
+        (Mapping[str, ArrayLike], f"a mapping from a text to {ARRAY}"),
+        (tuple[Box, ArrayLike], f"2 of them: a Box, {ARRAY}"),
+    ],
+)
+def test_arrays_are_read_in_every_annotation_by_every_version_of_numpy(annotation: Any, need: str) -> None:
+    kind = kinds.of(annotation)
+    assert kind is not None and kind.need == need
+    assert not any(map(kind.passes, (b"x", True, {1.0}, abs, np.ma.masked, {"a": "b"})))
+
+
+class Sized(Protocol):
+    """A class that only says what its instances can do."""
+
+    size: int
+
+
+UNREADABLE: list[Any] = [
+    *(Literal["a"], Sized, TypeVar("T"), NewType("Length", float), set[int], Iterator[float], Counter[str]),
+    *(Sized | None, Any | Sized, Sequence[Sized], Mapping[str, Literal[1]], tuple[float, Sized]),
+]
+
+
+@pytest.mark.parametrize("annotation", UNREADABLE)
+def test_an_annotation_that_cannot_be_read_is_refused_at_the_first_call(annotation: Any) -> None:
+    def planted(gap: object) -> object:
+        return gap
+
+    planted.__annotations__["gap"] = annotation
+    with pytest.raises(TypeError, match=r"cannot read the annotation of `gap` of `test_arguments.*planted` .*: give"):
+        arguments.checked(planted)(1.0)
+
+
+def test_a_parameter_without_annotation_is_refused_at_the_first_call() -> None:
+    with pytest.raises(TypeError, match=r"`gap` of `test_arguments.* has no annotation.*: give it one, or Any"):
+        arguments.checked(lambda gap: gap)(1.0)
+
+
+def checked_functions() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Yield the functions, constructors and methods of the toolkit that check their arguments, and their names."""
+    for info in pkgutil.walk_packages(synth.__path__, "synth."):
+        module = importlib.import_module(info.name)
+        of_module = [v for v in vars(module).values() if getattr(v, "__module__", "") == info.name]
+        members = [m for v in of_module if inspect.isclass(v) for m in vars(v).values()]
+        for function in [*of_module, *members]:
+            if getattr(function, "__code__", None) is take.__code__:  # type: ignore[attr-defined]
+                yield f"{info.name}.{function.__qualname__}", function.__wrapped__
+
+
+def test_every_annotation_of_the_toolkit_is_read() -> None:
+    named = list(checked_functions())
+    assert len(named) > 250
+    for name, function in named:
+        arguments.kinds_of(function, name)

@@ -56,11 +56,13 @@ RESTS = "rests"  # flag by which they choose the safe output
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class GuardedInput:
     """An input with its value before the first good sample; only a measurement causes a latch.
 
-    An input that is not `held` takes that value whenever it is refused, and needs no state.
+    An input that is not `held` takes that value whenever it is refused, and needs no state. Raises SignalError for a
+    field of another kind.
     """
 
     signal: Signal

@@ -43,7 +43,7 @@ class Log:
         if not len(self):
             raise SignalError(f"the log has no sample of '{first}': give one row or more")
         if self.period_s is not None:
-            _check_period(self.period_s)
+            Discrete(self.period_s)
         if self.times is not None:
             self._check_times(_column("times", self.times))
             object.__setattr__(self, "times", None)
@@ -88,13 +88,6 @@ class Log:
                 f"the rows of the log are {gaps.mean():.6g} s apart on average, and its period is {period:g} s: "
                 f"give period_s = {gaps.mean():.6g}, or mend the clock"
             )
-
-
-def _check_period(period_s: float) -> None:
-    try:
-        Discrete(period_s)
-    except TypeError as error:
-        raise TimingError(f"the sample period is {period_s!r}: give seconds as a number") from error
 
 
 def _column(name: str, values: ArrayLike) -> Array:

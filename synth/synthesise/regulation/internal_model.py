@@ -85,7 +85,7 @@ def of(exosystem_or_model: Exosystem) -> InternalModel:
         return from_matrix(arguments.matrix("S", exosystem_or_model))
     if not np.ndim(exosystem_or_model):
         raise SignalError(
-            f"{exosystem_or_model!r} is not an exosystem: give frequencies in rad/s as a list, or a matrix"
+            f"{arguments.describe(exosystem_or_model)} is not an exosystem: list frequencies in rad/s, or give a matrix"
         )
     return (
         exosystem(np.asarray(exosystem_or_model).tolist())
