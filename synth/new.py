@@ -1,7 +1,7 @@
 """Project template (`synth new`): a one-axis levitator with law, reference and experiments, as a start for a stage.
 
-Outside a workspace it makes one, with README, .gitignore and continuous integration. In the root of a workspace it
-adds the stage to those present.
+Outside a workspace it makes one, with README, .gitignore, settings of pytest and continuous integration. In the root
+of a workspace it adds the stage to those present.
 """
 
 import keyword
@@ -20,7 +20,12 @@ STAGE = {
     "design.py.j2": "designs/{name}/design.py",
     "test_design.py.j2": "tests/test_{name}.py",
 }
-WORKSPACE = {"README.md.j2": "README.md", "gitignore.j2": ".gitignore", "ci.yml.j2": ".github/workflows/ci.yml"}
+WORKSPACE = {
+    "README.md.j2": "README.md",
+    "gitignore.j2": ".gitignore",
+    "pytest.ini.j2": "pytest.ini",
+    "ci.yml.j2": ".github/workflows/ci.yml",
+}
 RESERVED = ("designs", "models", "synth", "test", "tests")  # a model of that name would hide the module
 
 

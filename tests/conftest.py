@@ -2,10 +2,11 @@
 
 import os
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 from synth import store
-from tests import kernels
+from tests import kernels, tools
 
 # Without a deadline for one example and for drawing it, a busy machine fails nothing; the examples are always the same.
 settings.register_profile("synth", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
@@ -13,6 +14,11 @@ settings.load_profile("synth")
 
 # A test with a cache of its own shares zig's libraries, which take a minute to build.
 os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(store.folder() / "zig"))
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if reason := tools.missing(item):
+        pytest.skip(reason)
 
 
 def pytest_report_header() -> str:

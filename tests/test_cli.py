@@ -27,6 +27,7 @@ from synth.verify import on_target, prove, steps
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
+from tests import tools
 
 pytestmark = pytest.mark.slow
 
@@ -102,6 +103,7 @@ def test_cost_prints_tables() -> None:
 
 
 @pytest.mark.usefixtures("one_design")
+@tools.sees_more_with_tools
 @pytest.mark.parametrize(("core", "scalar"), [("cortex-m4f", "float32"), ("cortex-m7", "float64")])
 def test_verify_on_a_target(core: str, scalar: str) -> None:
     (document,) = printed("verify", "--target", core)

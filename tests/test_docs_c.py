@@ -1,7 +1,6 @@
 """The loops in C that the documentation shows compile, and the one for Linux runs."""
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 from docs import pages
 from synth import new
 from synth.execute import compile as host_compiler
-from synth.execute import cross
+from tests import tools
 
 pytestmark = pytest.mark.slow
 
@@ -54,16 +53,15 @@ def test_the_loop_for_linux_runs_with_the_flags_of_the_page(emitted: dict[str, s
     assert done.returncode == 0 and "samples were late" in done.stdout
 
 
-def test_the_loop_for_bare_metal_compiles_with_the_flags_of_the_page(emitted: dict[str, str], tmp_path: Path) -> None:
-    """By gcc-arm where it is installed, else by clang of the ziglang wheel, which takes the core in its own way."""
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
+def test_the_loop_for_bare_metal_compiles_with_the_flags_of_the_page(
+    compiler: str, emitted: dict[str, str], tmp_path: Path
+) -> None:
+    """By gcc for Arm, and by clang of the ziglang wheel, which takes the core in its own way."""
     for name, text in {**emitted, "interrupt.c": SHOWN["interrupt.c"]}.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    if not shutil.which(ARM[0]):
-        assert "zig" in cross.available()
-        flags = ["-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off", "-c"]
-        zig = [sys.executable, "-m", "ziglang", "cc", "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4"]
-        command = [*zig, *flags, "interrupt.c"]
-    else:
-        command = ARM
+    flags = ["-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off", "-c"]
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4"]
+    command = ARM if compiler == "gcc" else [*zig, *flags, "interrupt.c"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests import levitator
+from tests import levitator, tools
 
 ROOT = Path(__file__).parents[1]
 NAME = "levitator_2dof"
@@ -74,12 +74,10 @@ def test_verify_compares_all_witnesses_and_margins(workspace: Path) -> None:
     assert any("reference against c64" in n for n in names) and any("phase margin" in n for n in names)
 
 
-PROVERS = all(shutil.which(command) for command in ("frama-c", "clang", "cppcheck"))
-PROVE = pytest.param(
-    ["prove"], marks=pytest.mark.skipif(not PROVERS, reason="apt-get install frama-c-base clang cppcheck")
-)
+PROVE = pytest.param(["prove"], marks=tools.needs(*tools.PROVERS, shows="that a user's own C is proved"))
 
 
+@tools.sees_more_with_tools
 @pytest.mark.parametrize("arguments", [["cost"], ["audit"], ["verify", "--target", "cortex-m4f"], PROVE])
 def test_the_other_commands_work(workspace: Path, arguments: Sequence[str]) -> None:
     printed = documents(workspace, *arguments)

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def run(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
@@ -35,7 +35,7 @@ def test_two_new_stages_build_and_pass_their_own_tests(tmp_path: Path) -> None:
     assert {d["design"]: d["failed"] for d in json.loads(built.stdout)} == {"lens_focus": [], "mirror": []}
     lens, mirror = ((workspace / f"generated_c/{n}/{n}.c").read_text().lower() for n in ("lens_focus", "mirror"))
     assert "".join(lens.replace("lens_focus", "mirror").split()) == "".join(mirror.split())
-    tests = run(workspace, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    tests = run(workspace, sys.executable, "-P", "-m", "pytest", "-q", "-p", "no:cacheprovider")
     assert tests.returncode == 0 and "10 passed" in tests.stdout, tests.stdout[-3000:]
 
 

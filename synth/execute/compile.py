@@ -212,7 +212,7 @@ def _write(sources: Mapping[str, str], folder: Path) -> None:
 
 
 def _environment() -> dict[str, str]:
-    """Return the environment of a compiler: zig, which needs a cache of its own, has it here unless told where."""
+    """Return the environment of a compiler: zig keeps a cache of its own beside the products, or where it is set."""
     return {"ZIG_GLOBAL_CACHE_DIR": str(store.folder() / "zig"), **os.environ}
 
 

@@ -9,10 +9,10 @@ from synth.errors import SignalError
 from synth.execute import host
 from synth.verify import baselines, lines, meter, steps
 from synth.verify.steps import Steps
-from tests.execute.planted import COMPILERS
+from tests import tools
 
 EMITTED = axes.emit(2, np.float32)
-BUILDS = {b.compiler: b for b in reversed(meter.builds())}  # without contraction
+BUILDS = {b.compiler: b for b in reversed(meter.BUILDS)}  # without contraction
 LOOP = "for (volatile int i = 0; i < 20; i++) { }"
 BLOCKS = {tag.split(":")[0] for tag in EMITTED.manifest["trace"]}
 
@@ -40,7 +40,7 @@ def line_of(block: str) -> str:
     return [line for line in lines_found if line.strip().startswith("const float")][-1]  # of the step
 
 
-@pytest.mark.parametrize("build", meter.builds(), ids=[b.name for b in meter.builds()])
+@pytest.mark.parametrize("build", tools.BUILDS)
 def test_parts_add_up_to_what_is_issued(build: meter.Build, stimulus: Steps) -> None:
     counts = parts.measure(EMITTED, stimulus, build)
     issued = meter.run(baselines.emitted_c(EMITTED), stimulus, build).cost.instructions
@@ -51,7 +51,7 @@ def test_parts_add_up_to_what_is_issued(build: meter.Build, stimulus: Steps) -> 
     assert counts[parts.FRAME].mean() < 0.2 * issued.mean()  # clang gives some of what it merges no line
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_what_is_planted_in_a_block_is_charged_to_it(compiler: str, stimulus: Steps) -> None:
     line = line_of("regulator_2")
     usual = parts.measure(EMITTED, stimulus, BUILDS[compiler])
@@ -61,7 +61,7 @@ def test_what_is_planted_in_a_block_is_charged_to_it(compiler: str, stimulus: St
     assert sum(abs(m) for name, m in more.items() if name != "regulator_2") < 20  # registers are allocated again
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_a_function_is_charged_to_the_line_that_calls_it(compiler: str, stimulus: Steps) -> None:
     """Whether the compiler calls it or puts its text in."""
     line = line_of("regulator_1")
@@ -73,7 +73,7 @@ def test_a_function_is_charged_to_the_line_that_calls_it(compiler: str, stimulus
         assert more["regulator_1"] > 80 and sum(abs(m) for m in more.values()) < more["regulator_1"] + 20
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_inlined_calls_stand_at_their_lines(compiler: str) -> None:
     path = meter.link(baselines.emitted_c(EMITTED), BUILDS[compiler])
     text = EMITTED.files["axes_2.c"].splitlines()

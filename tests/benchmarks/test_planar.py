@@ -8,27 +8,29 @@ import pytest
 
 from benchmarks import planar
 from synth.verify import baselines, meter, steps
+from tests import ceilings, tools
 
 GENERATED = Path(__file__).parents[2] / "generated_c"
+GCC = ceilings.BUILDS[ceilings.O2]
 PARTS = {"guard", "sensing", "filters", "prediction", "positions", "law", "allocation", "commutation", "safe output"}
 
 
 @pytest.fixture(scope="module")
 def costs() -> dict[str, planar.Costs]:
-    if not planar.builds():
-        pytest.skip("no arm-none-eabi-gcc")
-    return {subject.name: planar.measure(subject, planar.builds()[0]) for subject in planar.cores()}
+    return {subject.name: planar.measure(subject, GCC) for subject in planar.cores()}
 
 
+@tools.needs_arm_gcc
 def test_parts_add_up_to_the_mean_and_to_the_costliest_step(costs: dict[str, planar.Costs]) -> None:
     for name, subject in ((s.name, s) for s in planar.cores()):
         cost, candidate = costs[name], baselines.emitted_c(subject.emitted)
-        issued = meter.run(candidate, subject.every, planar.builds()[0]).cost.instructions
+        issued = meter.run(candidate, subject.every, GCC).cost.instructions
         assert cost.most == issued.max() == sum(most for _, most in cost.parts.values())
-        small = meter.run(candidate, steps.thinned(subject.within, 50), planar.builds()[0]).cost.instructions
+        small = meter.run(candidate, steps.thinned(subject.within, 50), GCC).cost.instructions
         assert cost.mean == pytest.approx(small.mean(), abs=2) and cost.mean < cost.most
 
 
+@tools.needs_arm_gcc
 def test_the_reduced_core_costs_less_and_casadi_more(costs: dict[str, planar.Costs]) -> None:
     reduced, full = costs["reduced core"], costs["full core"]
     assert reduced.mean < 0.8 * full.mean and reduced.most < full.most
@@ -37,6 +39,7 @@ def test_the_reduced_core_costs_less_and_casadi_more(costs: dict[str, planar.Cos
         assert 1.2 < shimmed < plain and cost.bar == planar.BARS[cost.subject]
 
 
+@tools.needs_arm_gcc
 def test_lines_hold_what_was_measured(costs: dict[str, planar.Costs]) -> None:
     title, *rows = planar.comparison_lines(list(costs.values()))
     assert title.split()[-2:] == ["float", "CasADi"] and [row[:12].rstrip() for row in rows] == [*costs]

@@ -1,6 +1,5 @@
 """Tables of constants: looked up as CasADi does, by an index that is proved to stay inside, or not emitted."""
 
-import shutil
 from typing import Any
 
 import casadi as ca
@@ -16,6 +15,7 @@ from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import eva
+from tests import tools
 
 pytestmark = pytest.mark.slow
 
@@ -159,7 +159,7 @@ def test_a_lookup_is_enclosed_by_the_values_in_its_index_range() -> None:
     np.testing.assert_array_equal(y.high, [0.1, 3.0, 11.0, 11.0])
 
 
-@pytest.mark.skipif(not shutil.which("frama-c"), reason="Frama-C: apt-get install frama-c-base")
+@tools.needs("frama-c", shows="that a lookup reads inside its table, and that a wider index does not")
 def test_the_access_is_proved_and_a_wider_index_is_not() -> None:
     made = emit(lookup_block(), np.float32)
     assert eva.prove(made.files, made.manifest).alarms == ()

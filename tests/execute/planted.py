@@ -1,18 +1,10 @@
 """Small sources for tests of machine code: functions in assembly, and a step without calls of libm."""
 
-import shutil
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import pytest
-
 from synth.execute import cross, elf
 from synth.execute.image import Image, boot
-
-COMPILERS = [
-    "zig",
-    pytest.param("gcc", marks=pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="no gcc")),
-]
 
 _HEADER = """#include <stdint.h>
 typedef REAL real;

@@ -12,6 +12,7 @@ import pytest
 from synth import store
 from synth.errors import CompileError, SynthError
 from synth.execute import compile as host
+from tests import tools
 
 HEADER = {"gain.h": "#define GAIN 3.0\ndouble amplify(double u);\n"}
 AMPLIFY = HEADER | {"amplify.c": '#include "gain.h"\ndouble amplify(double u) { return GAIN * u; }\n'}
@@ -36,11 +37,9 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache"
 
 
-@pytest.fixture(scope="module", params=["host", "zig"])
+@pytest.fixture(scope="module", params=tools.HOST_COMPILERS)
 def compiler(request: pytest.FixtureRequest) -> host.Compiler:
-    chosen = host.find_compiler() if request.param == "host" else host.zig_compiler()
-    assert chosen is not None, "the ziglang wheel belongs to the development extra: pip install -e .[dev]"
-    return chosen
+    return tools.host_compiler(request.param)
 
 
 def call(library: Path, name: str, *arguments: float) -> float:

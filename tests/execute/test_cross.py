@@ -8,13 +8,13 @@ import pytest
 from synth.errors import CompileError, SynthError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, elf
-from tests.execute.planted import COMPILERS
+from tests import tools
 
 SUM = "float f(float x, float y);\nfloat f(float x, float y) { return %s; }\n"
 MATH = "#include <math.h>\n" + SUM
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 @pytest.mark.parametrize(
     ("text", "symbols"),
     [
@@ -30,7 +30,7 @@ def test_double_arithmetic_is_detected(text: str, symbols: set[str], compiler: s
     assert set(cross.double_symbols({"f.c": text}, compiler)) == symbols
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_single_precision_has_none(compiler: str) -> None:
     singles = "sinf(x) + sqrtf(fabsf(y)) * 2.0f + logf(x) + atan2f(x, y) + (float)(long long)x"
     texts = {"f.c": MATH % singles, "g.c": "unsigned g(unsigned x);\nunsigned g(unsigned x) { return x / 7u; }\n"}
@@ -64,7 +64,7 @@ def test_names_of_double_arithmetic(name: str, double: bool) -> None:
     assert cross.double_symbols({"f.c": text}, flags=flags) == ((name,) if double else ())
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 @pytest.mark.parametrize(("core", "in_hardware"), [("cortex-m4f", False), ("cortex-m7", True)])
 def test_the_core_decides_what_is_hardware(core: str, in_hardware: bool, compiler: str) -> None:
     text = "double f(double x, double y);\ndouble f(double x, double y) { return x * y; }\n"
@@ -77,7 +77,7 @@ def test_the_core_decides_what_is_hardware(core: str, in_hardware: bool, compile
     )
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_image_contains_only_reachable_functions(compiler: str) -> None:
     text = """#include <math.h>
     float reached(float x); float unreached(float x); float entry(float x);
@@ -106,7 +106,7 @@ def test_products_are_cached_by_their_inputs() -> None:
     assert code_of(others[0]) == code_of(plain) != code_of(others[2])
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_later_flags_override(compiler: str) -> None:
     sources = {"f.c": "int f(void);\nint f(void) { typeof(1) x = 2; return x; }\n"}
     with pytest.raises(CompileError, match="typeof"):  # no keyword of C99

@@ -6,8 +6,9 @@ import pytest
 
 from synth.errors import CompileError
 from synth.execute import cross, elf
+from tests import tools
 from tests.execute import planted
-from tests.execute.planted import COMPILERS, assembly
+from tests.execute.planted import assembly
 
 TABLE = """static const float table[100] = {1.5f, [99] = 2.5f};
 static const float other[7] = {3.5f, [6] = 4.5f};
@@ -20,7 +21,7 @@ unsigned tick(unsigned i) { zeroed[i & 7u] += ++counter; return started += zeroe
 """
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_instructions_and_literals_are_distinguished(compiler: str) -> None:
     sources = assembly("f", "ldr r0, 1f; bx lr; .align 2; 1: .word 12345678; .word 2; .word 3")
     size = planted.size(sources, "f", compiler=compiler)
@@ -28,7 +29,7 @@ def test_instructions_and_literals_are_distinguished(compiler: str) -> None:
     assert size.functions == {"f": 16}
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_tables_and_variables_count_where_they_are_reached(compiler: str) -> None:
     look, elsewhere, tick = (
         planted.size({"f.c": TABLE}, f, compiler=compiler) for f in ("look", "look_elsewhere", "tick")
@@ -39,7 +40,7 @@ def test_tables_and_variables_count_where_they_are_reached(compiler: str) -> Non
     assert set(look.functions) == {"look"} and set(tick.functions) == {"tick"}
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_libm_and_run_time_functions_count(compiler: str) -> None:
     plain = "float f(float x);\nfloat f(float x) { return x; }\n"
     single = "#include <math.h>\nfloat f(float x);\nfloat f(float x) { return tanhf(x); }\n"
@@ -52,14 +53,14 @@ def test_libm_and_run_time_functions_count(compiler: str) -> None:
         assert 0 <= size.code + size.literals - sum(size.functions.values()) < 4 * len(size.functions)  # padding
 
 
-@pytest.mark.parametrize("compiler", COMPILERS[1:])  # zig would build a musl of its own for -s
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS[1:])  # zig would build a musl of its own for -s
 def test_an_image_without_symbols_is_refused(compiler: str) -> None:
     path = cross.link(assembly("f", "bx lr"), ["f"], "cortex-m4f", compiler, ["-s"])
     with pytest.raises(CompileError, match="no symbol table"):
         elf.read(path)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_segments_hold_the_instructions(compiler: str) -> None:
     program = elf.read(cross.link(assembly("f", "movs r0, #7; bx lr"), ["f"], "cortex-m4f", compiler))
     at = program.address("f")

@@ -6,8 +6,9 @@ import pytest
 
 from synth.emit.c import casadi_c
 from synth.errors import CompileError, SignalError, SynthError
+from tests import tools
 from tests.execute import planted
-from tests.execute.planted import COMPILERS, assembly
+from tests.execute.planted import assembly
 
 MANY = """#include <stdint.h>
 int32_t many(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, const int32_t *f);
@@ -24,7 +25,7 @@ uint32_t __attribute__((noinline)) deep(uint32_t n) {
 """
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_arguments_on_the_stack_and_in_memory(compiler: str) -> None:
     machine = planted.loaded({"many.c": MANY}, ["many"], compiler=compiler)
     at = machine.place(np.array([9, -4], dtype=np.int32))
@@ -50,7 +51,7 @@ def test_memory_keeps_what_is_written() -> None:
         machine.reserve(1 << 32)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_the_deepest_call_gives_the_stack(compiler: str) -> None:
     machine = planted.loaded({"deep.c": DEEP}, ["deep"], compiler=compiler)
     flat, *deeper = (machine.measure("deep", np.array([[n]])).cost.stack_bytes for n in (0, 1, 9))
@@ -117,7 +118,7 @@ def test_missing_functions_are_named() -> None:
         machine.measure("f", np.zeros((0, 1), dtype=np.int64))
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_c_of_casadi_can_be_measured(compiler: str) -> None:
     """`int f(const double **arg, double **res, long long *iw, double *w, int mem)` over N argument vectors."""
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y")

@@ -1,7 +1,6 @@
 """A second emulator, with M-class cores and start-up code, must give the same bits as the first and as the host."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +8,11 @@ import pytest
 
 from synth.errors import CompileError, DesignError, SignalError, SynthError
 from synth.execute import host, qemu, target
+from tests import tools
 from tests.execute.planted import lag
 from tests.execute.test_target import MAGLEV, SCALARS, require_same_bits, samples
 
-installed = pytest.mark.skipif(
-    not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")),
-    reason="qemu-system-arm and arm-none-eabi-gcc are not on the PATH",
-)
+installed = tools.needs("qemu-system-arm", tools.ARM_GCC, shows="the bits of an M-class core with start-up code")
 
 
 @installed

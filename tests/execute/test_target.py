@@ -15,7 +15,8 @@ from synth.errors import CompileError, DesignError, SignalError, SynthError
 from synth.execute import host, target
 from synth.signals import Signal
 from synth.timing import Discrete
-from tests.execute.planted import COMPILERS, lag
+from tests import tools
+from tests.execute.planted import lag
 
 SCALARS = {"cortex-m4f": "float32", "cortex-m7": "float64"}
 MAGLEV = Path(__file__).parents[2] / "generated_c" / "maglev_5dof"
@@ -39,7 +40,7 @@ def require_same_bits(actual: host.Replay, expected: host.Replay) -> None:
     assert np.array_equal(actual.faults, expected.faults) and actual.state.tobytes() == expected.state.tobytes()
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 @pytest.mark.parametrize("core", SCALARS)
 def test_the_core_gives_the_bits_of_the_host(core: str, compiler: str) -> None:
     files, manifest = lag(SCALARS[core])
@@ -83,7 +84,7 @@ def test_replay_in_two_parts_leaves_the_given_state() -> None:
     assert first.state.tobytes() == before and second.state.tobytes() == whole.state.tobytes()
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_emitted_block_in_double_on_the_cortex_m7(compiler: str) -> None:
     def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
         slow = x["slow"] + 0.1 * (u["a"] - x["slow"])
@@ -100,7 +101,7 @@ def test_an_emitted_block_in_double_on_the_cortex_m7(compiler: str) -> None:
     assert 15 <= measured.cost.instructions.max() < 60 and measured.cost.cycles is None
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_the_recorded_steps_of_a_design(compiler: str) -> None:
     """Libm differs between machines; as long as the C calls it, the last bits differ."""
     files = {path.name: path.read_text() for path in MAGLEV.glob("*.[ch]")}
@@ -120,7 +121,7 @@ def test_the_recorded_steps_of_a_design(compiler: str) -> None:
         assert gap.max() <= 1e-5 * (field["high"] - field["low"])
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_cost_of_a_step(compiler: str) -> None:
     files, manifest = lag("float32")
     quiet = {"u": np.full(5, 0.1), "gain": np.full(5, 0.5)}

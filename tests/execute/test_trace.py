@@ -5,8 +5,9 @@ import pytest
 
 from synth.errors import SynthError
 from synth.execute import elf, image, recorder, trace
+from tests import tools
 from tests.execute import planted
-from tests.execute.planted import COMPILERS, assembly
+from tests.execute.planted import assembly
 
 CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, #1; 1: bx lr"
 LOOP = "movs r2, #0; 1: adds r2, r2, r0; subs r1, #1; bne 1b; mov r0, r2; bx lr"
@@ -20,7 +21,7 @@ def directions(cost: image.Cost) -> list[tuple[str, int, int]]:
     return [(site.text.split()[0].removesuffix(".w"), site.taken, site.not_taken) for site in cost.sites]
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_instructions_predicated_false_count(compiler: str) -> None:
     results, cost = loaded("clamp", CLAMP, compiler).measure("clamp", np.array([[5, 0], [2, 1], [2, 0]]))
     # cmp, ite, both moves, cbz and bx always; adds only where r1 is not 0.

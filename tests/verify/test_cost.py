@@ -23,11 +23,12 @@ from synth.verify import baselines, cost, meter, operations, steps
 from synth.verify.baselines import CallLayout, Candidate
 from synth.verify.cost import Cost, Memory, StepCost, Summary
 from synth.verify.steps import Steps
-from tests.execute.planted import COMPILERS, assembly
+from tests import tools
+from tests.execute.planted import assembly
 
 MADE = axes.block(2)
 EMITTED = axes.emit(2, np.float32)
-BUILDS = {b.compiler: b for b in reversed(meter.builds())}  # without contraction
+BUILDS = {b.compiler: b for b in reversed(meter.BUILDS)}  # without contraction
 CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, #1; 1: bx lr"
 
 
@@ -58,6 +59,7 @@ def of(design_cost: Cost, generator: str) -> list[StepCost]:
     return [f for f in design_cost.compared if f.generator == generator]
 
 
+@tools.sees_more_with_tools
 def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
     assert {(f.generator, f.build) for f in design_cost.compared} == {
         (g, b.name) for g in (cost.SYNTH, baselines.CASADI, baselines.CASADI_FLOAT) for b in meter.builds()
@@ -68,6 +70,7 @@ def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
         assert f.difference <= (0 if f.generator == cost.SYNTH and "contracted" not in f.build else 1e-5)
 
 
+@tools.sees_more_with_tools
 def test_double_arithmetic_is_detected_and_measured(design_cost: Cost) -> None:
     for ours, plain, shimmed in zip(*(of(design_cost, g) for g in ("synth", "casadi", "casadi, float")), strict=True):
         assert ours.doubles == shimmed.doubles == 0
@@ -77,6 +80,7 @@ def test_double_arithmetic_is_detected_and_measured(design_cost: Cost) -> None:
         assert design_cost.ratio(ours) == 1 and design_cost.ratio(plain) == plain.issued.mean / ours.issued.mean
 
 
+@tools.sees_more_with_tools
 def test_bytes_are_those_of_the_structs(design_cost: Cost) -> None:
     sizes = {role: EMITTED.manifest["structs"][role]["size"] for role in ("state", "input", "output")}
     for f in design_cost.compared:
@@ -87,6 +91,7 @@ def test_bytes_are_those_of_the_structs(design_cost: Cost) -> None:
     assert sizes["state"] == 4 * len(MADE.states)
 
 
+@tools.sees_more_with_tools
 def test_counts_are_consistent(design_cost: Cost, sequences: Sequence[Steps]) -> None:
     for f in design_cost.compared:
         assert f.steps == 40 and f.executed.mean <= f.issued.mean and f.executed.most <= f.issued.most
@@ -98,12 +103,14 @@ def test_counts_are_consistent(design_cost: Cost, sequences: Sequence[Steps]) ->
     assert design_cost.most[meter.builds()[0].name] == max(m.issued.most for m in whole)
 
 
+@tools.sees_more_with_tools
 def test_common_steps_have_no_fault(design_cost: Cost) -> None:
     """A latched step is cheap only for the emitted C and would distort the ratio."""
     latched = min(m.issued.least for m in design_cost.sequences if m.name == "faults")
     assert all(f.issued.least > latched + 20 for f in of(design_cost, "synth"))
 
 
+@tools.sees_more_with_tools
 def test_all_decisions_are_covered(design_cost: Cost) -> None:
     assert [c.build for c in design_cost.coverage] == [b.name for b in meter.builds()]
     assert all(c.decisions == c.both > 10 for c in design_cost.coverage), design_cost.coverage
@@ -119,7 +126,7 @@ def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> 
     assert [line.split(":")[0] for line in design_cost.absent] == list(baselines.UNSUPPORTED)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_uncovered_branch_is_reported_with_its_line(
     compiler: str, controller: host.Controller, sequences: list[Steps]
 ) -> None:
@@ -130,7 +137,7 @@ def test_an_uncovered_branch_is_reported_with_its_line(
     assert any("latched" in line and "axes_2.c:" in line for line in lost.missing)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]) -> None:
     text = EMITTED.files["axes_2.c"].replace(
         "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
@@ -155,7 +162,8 @@ def test_a_different_control_law_is_reported_as_a_difference(
     assert meter.step_cost(planted, steps.thinned(sequences[0], 20), build, controller).difference > 1e-4
 
 
-def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
+@pytest.mark.parametrize("build", tools.BUILDS)
+def test_instructions_predicated_false_are_not_counted_as_executed(build: meter.Build) -> None:
     """cmp, ite, one of two moves, cbz, bx; and adds where r1 is not 0."""
 
     def lay_out(machine: image.Image, sequence: Steps) -> CallLayout:
@@ -163,9 +171,8 @@ def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
 
     candidate = Candidate("clamp", assembly("clamp", CLAMP), "clamp", 0, 0, lay_out)
     none = Steps("none", np.zeros(3, [("x", "f4")]), np.zeros(3, [("u", "f4")]))
-    for built in meter.builds():
-        assert meter.count_instructions(candidate, none, built).tolist() == [5, 6, 5]
-        assert meter.run(candidate, none, built).cost.instructions.tolist() == [6, 7, 6]
+    assert meter.count_instructions(candidate, none, build).tolist() == [5, 6, 5]
+    assert meter.run(candidate, none, build).cost.instructions.tolist() == [6, 7, 6]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,9 +19,10 @@ from synth.errors import CompileError, DesignError
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import eva
+from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
-needs_frama_c = pytest.mark.skipif(not shutil.which("frama-c"), reason="Frama-C: apt-get install frama-c-base")
+needs_frama_c = tools.needs("frama-c", shows="that Eva proves correct C and no planted defect")
 # Of 2 outputs and 10 states, 3 of them integers: each real is claimed finite, and each value above and below a bound.
 CLAIMS = 2 * 3 + 2 * (7 * 3 + 3 * 2)
 

@@ -1,6 +1,5 @@
 """The fuzzer reports nothing for correct C and finds every planted defect, including those beyond Eva."""
 
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -17,9 +16,10 @@ from synth.errors import CompileError, DesignError
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import fuzz
+from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
-needs_clang = pytest.mark.skipif(not shutil.which("clang"), reason="apt-get install clang libclang-rt-14-dev")
+needs_clang = tools.needs("clang", shows="that the fuzzer finds planted defects, and none in correct C")
 STEPS = 20_000
 
 

@@ -1,6 +1,5 @@
 """The MISRA addon of cppcheck reports nothing for clean C, finds planted violations, and is known to have run."""
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,9 +7,10 @@ import pytest
 
 from synth.errors import CompileError
 from synth.verify import misra
+from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
-needs_cppcheck = pytest.mark.skipif(not shutil.which("cppcheck"), reason="apt-get install cppcheck")
+needs_cppcheck = tools.needs("cppcheck", shows="that the C has no finding, and planted violations are found")
 
 
 @needs_cppcheck

@@ -1,15 +1,15 @@
 """Infinite and NaN inputs must act as finite inputs out of range; a NaN that passes the guard is detected."""
 
-import shutil
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from synth.verify import nonfinite
+from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
-pytestmark = pytest.mark.skipif(not shutil.which("clang"), reason="clang: apt-get install clang")
+pytestmark = tools.needs("clang", shows="that infinite and NaN inputs act as finite ones out of range")
 GUARD = "(0.0125f <= in->g1) && (in->g1 <= 0.0365f)"
 
 

@@ -13,11 +13,11 @@ from synth.emit.write import EmittedCode
 from synth.errors import CompileError, DesignError, SignalError
 from synth.execute import cross, host, qemu, target
 from synth.verify import on_target
+from tests import tools
 
 SCALARS = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
 EMITTED = {core: axes.emit(2, scalar) for core, scalar in SCALARS.items()}
-HAS_QEMU = bool(shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc"))
-with_gcc = pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="no gcc")
+HAS_QEMU = bool(shutil.which("qemu-system-arm") and shutil.which(tools.ARM_GCC))
 ERROR = "&state->filter_2, guard_ready, e2)"
 
 
@@ -37,6 +37,7 @@ def failed(checks: tuple[Check, ...]) -> list[str]:
     return [c.name for c in checks if not c.passed]
 
 
+@tools.sees_more_with_tools
 @pytest.mark.parametrize("core", SCALARS)
 def test_target_and_host_are_bit_identical(core: str) -> None:
     messages: list[str] = []
@@ -80,13 +81,14 @@ def test_a_changed_literal_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) 
     assert "filter_2_s" in states.about and "filter_1_s" not in states.about
 
 
+@tools.sees_more_with_tools
 def test_another_fault_word_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", lambda c: c.replace("0x00000001u", "0x00000004u")))
     checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     assert {n.split(": ")[1] for n in failed(checks)} == {"fault words that differ"}
 
 
-@pytest.mark.skipif(not HAS_QEMU, reason="qemu-system-arm and arm-none-eabi-gcc are not on the PATH")
+@tools.needs("qemu-system-arm", tools.ARM_GCC, shows="that a second emulator is compared, too")
 def test_the_second_emulator_is_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:
     load = qemu.load
     monkeypatch.setattr(qemu, "load", lambda f, *a: load(f | {"axes_2.c": last_bit(f["axes_2.c"])}, *a))
@@ -94,13 +96,14 @@ def test_the_second_emulator_is_compared_too(monkeypatch: pytest.MonkeyPatch) ->
     assert {n.split(": ")[0] for n in failed(checks)} == {"cortex-m4f, gcc, QEMU"}
 
 
-@with_gcc
+@tools.needs_arm_gcc
 def test_contraction_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "FLAGS", (*cross.FLAGS, *cross.CONTRACTED))
     checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     assert "cortex-m4f, gcc, unicorn: states that differ" in failed(checks)
 
 
+@tools.sees_more_with_tools
 @pytest.mark.parametrize("core", SCALARS)
 def test_a_planted_double_is_a_failed_check(core: str) -> None:
     """The Cortex-M7 has doubles in hardware and no such check."""
@@ -114,7 +117,7 @@ def test_a_planted_double_is_a_failed_check(core: str) -> None:
     assert all("__aeabi_dmul" in c.about for c in checks if not c.passed)
 
 
-@with_gcc
+@tools.needs_arm_gcc
 @pytest.mark.parametrize(("core", "bound"), [("cortex-m4f", 1e-4), ("cortex-m7", 1e-12)])
 def test_drift_is_bounded(core: str, bound: float) -> None:
     """Fused products change the last bits, a few hundred units after 400 steps, but no fault word."""
@@ -123,7 +126,7 @@ def test_drift_is_bounded(core: str, bound: float) -> None:
     assert 0 < drift.worst < bound and drift.output in ("i1", "i2") and 0 <= drift.step < 400
 
 
-@with_gcc
+@tools.needs_arm_gcc
 def test_drift_detects_a_different_law(monkeypatch: pytest.MonkeyPatch) -> None:
     made = EMITTED["cortex-m4f"]
     before = on_target.drift(made, inputs(), "cortex-m4f", 1.0)

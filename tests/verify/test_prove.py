@@ -1,18 +1,15 @@
 """All proofs together: they pass on correct C, report progress, and each defect fails the affected checks."""
 
-import shutil
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from synth.verify import prove
+from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
-pytestmark = pytest.mark.skipif(
-    not all(map(shutil.which, ("frama-c", "clang", "cppcheck"))),
-    reason="apt-get install frama-c-base clang libclang-rt-14-dev cppcheck",
-)
+pytestmark = tools.needs(*tools.PROVERS, shows="that all proofs pass on correct C and fail on a planted defect")
 
 
 @pytest.fixture(autouse=True)

@@ -23,9 +23,9 @@ from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
 from synth.verify import baselines, steps
+from tests import tools
 from tests.designs.hall_position import posed
 
-GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 PLAIN = BUILDS[0]
 TURNS = 50  # of a loop that is planted
 emit_with_libm = partial(write.emit, libm=True)
@@ -69,14 +69,14 @@ def with_loop(emitted: EmittedCode) -> EmittedCode:
     return replace(emitted, files={**emitted.files, name: planted})
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_a_loop_that_is_planted_shows_as_more() -> None:
     slower = costs.row(subject()._replace(emitted=baselines.emitted_c(with_loop(three()))), PLAIN)
     assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
     assert slower.casadi == measure_three().casadi
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPatch) -> None:
     """By what counts steps only, as compilers take most of the time."""
     monkeypatch.setattr(

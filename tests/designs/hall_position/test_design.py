@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +16,11 @@ from synth.check import Check
 from synth.emit import write
 from synth.verify import eva, misra, nonfinite
 from synth.workspace import Design
+from tests import tools
 
 ROOT = Path(__file__).parents[3]
 GENERATED = ROOT / "generated_c"
-PROVERS = all(map(shutil.which, ("frama-c", "clang", "cppcheck")))
-needs_provers = pytest.mark.skipif(not PROVERS, reason="apt-get install frama-c-base clang cppcheck")
+needs_provers = tools.needs(*tools.PROVERS, shows="that the committed C keeps its contract for every input")
 
 
 @pytest.fixture(scope="module")

@@ -18,6 +18,7 @@ from synth.blocks import safety
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
+from tests import tools
 
 ROOT = Path(__file__).parents[3]
 NAMES = (config.NAME, *protected.PLACES)
@@ -88,10 +89,9 @@ def test_the_vectors_find_the_place_and_hold_bad_samples() -> None:
     assert not valid[stimuli.SHORT_FAULT].any() and not valid[stimuli.LONG_FAULT].any()
 
 
-@pytest.mark.parametrize("compiler", ["host", "zig"])
+@pytest.mark.parametrize("compiler", tools.HOST_COMPILERS)
 def test_no_warning(compiler: str) -> None:
-    chosen = host_compiler.find_compiler() if compiler == "host" else host_compiler.zig_compiler()
-    assert chosen is not None, "the ziglang wheel is not installed: pip install -e .[dev]"
+    chosen = tools.host_compiler(compiler)
     for files in emitted_files().values():
         host_compiler.check({n: t for n, t in files.files.items() if n.endswith((".c", ".h"))}, compiler=chosen)
 

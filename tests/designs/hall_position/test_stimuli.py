@@ -15,20 +15,16 @@ import pytest
 from designs.hall_position import config, random_steps, stimuli
 from synth.blocks import safety
 from synth.emit.write import EmittedCode
-from synth.execute import cross, host
+from synth.execute import host
 from synth.verify import baselines, meter, steps
 from synth.verify.meter import Build
 from synth.verify.steps import Steps
+from tests import ceilings, tools
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
 LIMIT = 1.2 * 2295  # instructions of two sensors: at most a fifth more than with its normal equations written out
-CEILINGS = {
-    config.NAME: {"gcc, newlib": 2600, "gcc, newlib, contracted": 2300},
-}
 # The least pivot of the yaw is the weight of its prior; the data add squares to it, so that nothing is below it.
 LEAST_PIVOT = re.compile(r"_max\(\(rows_1_3\w* \* rows_1_3")
-GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
-SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
 # gcc copies a decision into each path that leads to it, where part of it is decided, and a limit into each place that
 # has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
@@ -81,14 +77,14 @@ def test_the_sequences_search_restart_and_converge() -> None:
     assert (words & LATCH).any()
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_every_decision_is_seen_both_ways() -> None:
     candidate = baselines.emitted_c(subject(config.NAME).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(config.NAME).every(THIN), ONCE), ONCE)
     assert coverage.decisions > 50 and [line for line in coverage.missing if not LEAST_PIVOT.search(line)] == []
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_a_decision_that_nothing_takes_is_detected() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), name = subject(config.NAME), config.NAME
@@ -99,19 +95,18 @@ def test_a_decision_that_nothing_takes_is_detected() -> None:
     assert [line for line in coverage.missing if "1.2345678f" in line]
 
 
-@GCC
-@pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
-def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
+@pytest.mark.parametrize(("name", "build"), ceilings.builds(config.NAME))
+def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: Build) -> None:
+    ceiling = ceilings.of(name, build)
     costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], COSTLY_STEPS) for s in COSTLY])
-    most = meter.run(baselines.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
-    ceiling = CEILINGS[name][build]
+    most = meter.run(baselines.emitted_c(subject(name).emitted), costly, build).cost.instructions.max()
     assert 0.93 * ceiling < most <= ceiling
     assert ceiling <= LIMIT
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_casadis_own_c_takes_twice_as_many() -> None:
-    pair, build = subject(config.NAME), SHIPPED["gcc, newlib"]
+    pair, build = subject(config.NAME), ceilings.BUILDS["gcc, newlib"]
     few = steps.thinned(pair.sequences["motions"], 20)
     baseline = meter.run(baselines.casadi(config.block(), shimmed=True), few, build).cost.instructions
     emitted_cost = meter.run(baselines.emitted_c(pair.emitted), few, build).cost.instructions

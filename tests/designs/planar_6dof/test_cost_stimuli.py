@@ -24,24 +24,17 @@ from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import baselines, meter, on_target, steps, stimuli
 from synth.verify.steps import Steps
+from tests import ceilings, tools
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
-# Instructions that gcc's step takes at most. 900 were asked for of both controllers, which predict and brake; the watch
-# over repeated codes takes some ten more, and so does the test that no demand passes before the first complete sample.
-CEILINGS = {
-    "planar_6dof_leadlag": {"gcc, newlib": 940, "gcc, newlib, small": 895, "gcc, newlib, contracted": 890},
-    "planar_6dof_lqg": {"gcc, newlib": 926, "gcc, newlib, small": 892, "gcc, newlib, contracted": 885},
+RECORDED = {
+    "planar, recorded": ("travel", "saturated"),
+    "planar, failures": ("failures", "failures again", "failures named", "braking"),
 }
-RECORDED = {("travel", "saturated"): 900, ("failures", "failures again", "failures named", "braking"): 905}
 # gcc copies a decision into each path that leads to it, where part of it is decided: as shipped, copies of the
 # diagnosis' flags go one way only. Without that each decision of the text is there once; clang copies none.
-BUILDS = {
-    b.name: b
-    for b in (*meter.builds(), meter.Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps")))
-    if b.name in ("zig, musl", "gcc, no copies") and b.compiler in {c.compiler for c in meter.builds()}
-}
-SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
-FIRST = next(iter(BUILDS))
+GCC = meter.Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
+ZIG = ceilings.BUILDS["zig, musl"]
 THIN = 700  # steps of a sequence that is drawn at random
 COSTLY = 500  # steps of each of those where the costliest steps are
 # What nothing takes both ways: how many decisions of a line, and why.
@@ -85,6 +78,7 @@ def subject(name: str) -> Subject:
     return Subject(emitted, controller, {s.name: s for s in excursions})
 
 
+NAMES = ("planar_6dof_leadlag", "planar_6dof_lqg")
 DESIGNS = {d.DESIGN.name: d.DESIGN for d in (leadlag, lqg_design)}
 BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
@@ -94,7 +88,7 @@ def recorded_inputs(name: str) -> dict[str, Any]:
     return dict(DESIGNS[name].cost_stimuli.replay(subject(name).controller))
 
 
-@pytest.fixture(params=CEILINGS)
+@pytest.fixture(params=NAMES)
 def design(request: pytest.FixtureRequest) -> Subject:
     return subject(request.param)
 
@@ -184,19 +178,23 @@ def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("name", "build"), [(name, build) for name in CEILINGS for build in BUILDS if "lqg" in name or "gcc" in build]
+    ("name", "build"),
+    [
+        ("planar_6dof_lqg", ZIG),
+        *(pytest.param(name, GCC, marks=tools.needs_arm_gcc) for name in NAMES),
+    ],
 )
-def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
+def test_every_decision_is_seen_both_ways(name: str, build: meter.Build) -> None:
     """One compiler for the lead-lag, whose text differs from LQG's in filters and loops alone."""
     candidate = baselines.emitted_c(subject(name).emitted)
-    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, build), build)
     assert coverage.decisions > 60 and len(coverage.missing) < 20
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
 
 def test_a_decision_that_nothing_takes_is_reported() -> None:
     """The planted defect: a branch on a value that no step has."""
-    (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, BUILDS[FIRST]
+    (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, ZIG
     text = emitted.files["planar_6dof_lqg.c"].replace(
         "    return fault_word;",
         "    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }\n    return fault_word;",
@@ -208,7 +206,7 @@ def test_a_decision_that_nothing_takes_is_reported() -> None:
 
 def test_decisions_that_only_failures_take_are_reported_without_them() -> None:
     """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
-    lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
+    lqg, build = subject("planar_6dof_lqg"), ZIG
     candidate = baselines.emitted_c(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
     left = unexplained_decisions(meter.coverage(candidate, meter.run(candidate, sound, build), build).missing)
@@ -216,25 +214,25 @@ def test_decisions_that_only_failures_take_are_reported_without_them() -> None:
     assert any("5.0f" in line for line in left)
 
 
-@pytest.mark.parametrize("build", SHIPPED)
-def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
-    costly = [s for s in design.sequences.values() if s.name.endswith(("resampled", "again"))]
+@pytest.mark.parametrize(("name", "build"), ceilings.builds(*NAMES))
+def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: meter.Build) -> None:
+    ceiling = ceilings.of(name, build)
+    costly = [s for s in subject(name).sequences.values() if s.name.endswith(("resampled", "again"))]
     stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
-    run = meter.run(baselines.emitted_c(design.emitted), stimulus, SHIPPED[build])
-    most, ceiling = run.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
+    most = meter.run(baselines.emitted_c(subject(name).emitted), stimulus, build).cost.instructions.max()
     assert 0.95 * ceiling < most <= ceiling
 
 
-@pytest.mark.parametrize(("sequences", "most"), RECORDED.items())
+@pytest.mark.parametrize(("sequences", "build"), ceilings.builds(*RECORDED))
 def test_recorded_steps_and_failures_keep_below_their_ceilings(
-    sequences: tuple[str, ...], most: int, design: Subject
+    sequences: str, build: meter.Build, design: Subject
 ) -> None:
-    recorded, build = [design.sequences[s] for s in sequences], next(iter(SHIPPED.values()))
+    ceiling, recorded = ceilings.of(sequences, build), [design.sequences[s] for s in RECORDED[sequences]]
     run = meter.run(baselines.emitted_c(design.emitted), steps.concatenate("recorded", recorded), build)
-    assert 0.95 * most < run.cost.instructions.max() <= most
+    assert 0.95 * ceiling < run.cost.instructions.max() <= ceiling
 
 
-@pytest.mark.parametrize("name", CEILINGS)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     measured_steps: list[Any] = []
     stage, controller = DESIGNS[name].stage, subject(name).controller

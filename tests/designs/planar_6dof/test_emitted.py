@@ -23,6 +23,7 @@ from synth.blocks import safety
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
+from tests import tools
 
 ROOT = Path(__file__).parents[3]
 EMITTED: dict[str, Callable[[type[np.floating]], dict[str, EmittedCode]]] = {
@@ -98,11 +99,10 @@ def test_the_vectors_cross_borders_and_hold_bad_samples(name: str) -> None:
     assert not (faults >> safety.LATCH_BIT).any()
 
 
-@pytest.mark.parametrize("compiler", ["host", "zig"])
+@pytest.mark.parametrize("compiler", tools.HOST_COMPILERS)
 @pytest.mark.parametrize("double", [False, True])
 def test_no_warning(double: bool, compiler: str) -> None:
-    chosen = host_compiler.find_compiler() if compiler == "host" else host_compiler.zig_compiler()
-    assert chosen is not None, "the ziglang wheel is not installed: pip install -e .[dev]"
+    chosen = tools.host_compiler(compiler)
     for name in EMITTED:
         files = made(name, double).files
         host_compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))}, compiler=chosen)

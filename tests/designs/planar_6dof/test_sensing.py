@@ -11,9 +11,10 @@ from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import compile as compiler
-from synth.execute import cross, host
+from synth.execute import host
 from synth.statespace import Array
 from synth.verify import baselines, meter, steps
+from tests import ceilings
 from tests.designs.planar_6dof.measured import (
     AS_MEASURED,
     CAL,
@@ -268,14 +269,13 @@ def test_the_c_is_free_of_warnings_and_calls_no_libm() -> None:
     assert made.manifest["surrogates"] == []
 
 
-@pytest.mark.parametrize(("predicted", "most"), [(True, 350), (False, 245)])
-def test_what_a_step_costs(predicted: bool, most: int) -> None:
-    """The scale of the voltages costs 13 and 6 instructions of these."""
+@pytest.mark.parametrize(("subject", "build"), ceilings.builds("sensing, predicted", "sensing, as measured"))
+def test_what_a_step_costs(subject: str, build: meter.Build) -> None:
+    ceiling, predicted = ceilings.of(subject, build), subject == "sensing, predicted"
     block, position = estimation(predicted), ["x", "y", "phi"] if predicted else AS_MEASURED
     alone = replace(block, outputs=tuple(s for s in block.outputs if s.name in position))
     made = write.emit(unranged(alone), np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
     inputs = estimation_inputs(noisy(sensing_maps.voltages(PLANT, pose)))
     stimulus = steps.record(host.load(made.files, made.manifest), "motion", inputs)
-    build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
-    assert meter.run(baselines.emitted_c(made), stimulus, build).cost.instructions.max() <= most
+    assert meter.run(baselines.emitted_c(made), stimulus, build).cost.instructions.max() <= ceiling

@@ -12,9 +12,7 @@ from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
 from synth.verify import baselines, meter, steps
-from tests import tolerances
-
-BARS = {"reduced": 95, "full": 100}  # instructions by gcc on a Cortex-M4F
+from tests import ceilings, tolerances
 
 
 def test_the_loop_separates_and_is_as_slow_as_the_regulator() -> None:
@@ -40,15 +38,13 @@ def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
         assert np.abs(poles - pole).min() < tolerances.of("multiple_root")
 
 
-@pytest.mark.parametrize("order", BARS)
-def test_what_a_step_costs(order: Order) -> None:
+@pytest.mark.parametrize(("order", "build"), ceilings.builds(*core.ORDERS))
+def test_what_a_step_costs(order: Order, build: meter.Build) -> None:
     """By gcc -O2 as long as no integral is at its limit, by gcc -Os always."""
-    builds = {b.name: b for b in meter.builds()}
-    if "gcc, newlib" not in builds:
-        pytest.skip("no arm-none-eabi-gcc")
+    ceiling = ceilings.of(order, build)
     emitted = write.emit(unranged(core.block(order)), np.float32)
     controller = host.load(emitted.files, emitted.manifest)
     errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
     small = steps.record(controller, "small", errors, closed_loop=True)
-    for stimulus, build in ((small, "gcc, newlib"), (steps.random_steps(controller, 1000), "gcc, newlib, small")):
-        assert meter.run(baselines.emitted_c(emitted), stimulus, builds[build]).cost.instructions.max() <= BARS[order]
+    stimulus = steps.random_steps(controller, 1000) if build.name == ceilings.OS else small
+    assert meter.run(baselines.emitted_c(emitted), stimulus, build).cost.instructions.max() <= ceiling

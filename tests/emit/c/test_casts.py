@@ -1,7 +1,6 @@
 """MISRA C:2012, rules 10.8 and 12.1: composite expressions that are cast, and bare arms of choices, are locals."""
 
 import re
-import shutil
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +14,7 @@ from synth.emit.passes import regions
 from synth.emit.write import emit
 from synth.signals import Signal
 from synth.verify import misra
+from tests import tools
 from tests.emit import one_step
 from tests.emit.dyadic import TIME
 
@@ -63,7 +63,7 @@ def test_no_cast_of_a_composite_expression(law: Law, monkeypatch: pytest.MonkeyP
     assert COMPOSITE.search(code(law)["casts.c"])
 
 
-@pytest.mark.skipif(not shutil.which("cppcheck"), reason="apt-get install cppcheck")
+@tools.needs("cppcheck", shows="that the rule finds the planted text, and none in what is emitted")
 def test_cppcheck_finds_a_cast_of_a_sum_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not misra.inspect(code(whole_part)).findings
     monkeypatch.setattr(Text, "is_composite", False)
@@ -74,7 +74,7 @@ def bare_arm(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
     return u + ca.if_else(n > 3, 3 * u, 0) + n, n
 
 
-@pytest.mark.skipif(not shutil.which("cppcheck"), reason="apt-get install cppcheck")
+@tools.needs("cppcheck", shows="that the rule finds the planted text, and none in what is emitted")
 def test_cppcheck_finds_a_bare_first_arm_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A choice inside a sum whose first arm is a product: that arm is a local where no `if` is printed."""
     monkeypatch.setattr(regions, "_COMPOSED", frozenset())

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from synth.emit.c import header
 from synth.emit.write import emit
 from synth.errors import CompileError
 from synth.execute import compile as compiler
+from tests import tools
 from tests.emit.c.test_manifest import stage
 from tests.emit.passes.test_guards import F32
 
@@ -60,7 +60,10 @@ UNDER = "-ffinite-math-only remove the tests"
 PLANT = "#include <float.h>\n#undef FLT_EVAL_METHOD\n#define FLT_EVAL_METHOD 2\n"
 
 
-@pytest.mark.parametrize("name", [n for n, command in COMPILERS.items() if shutil.which(command[0])])
+@pytest.mark.parametrize(
+    "name",
+    ["zig", *(pytest.param(n, marks=tools.needs(n, shows=f"what {n} refuses")) for n in COMPILERS if n != "zig")],
+)
 @pytest.mark.parametrize(("flag", "why"), [("-ffast-math", UNDER), ("-ffinite-math-only", UNDER), ("", "wider type")])
 def test_options_that_remove_the_guards_are_refused(flag: str, why: str, name: str, tmp_path: Path) -> None:
     """Each compiler accepts the C and stops at #error with an option that would change its results."""
@@ -75,7 +78,7 @@ def test_options_that_remove_the_guards_are_refused(flag: str, why: str, name: s
     assert refused.returncode and why in refused.stderr
 
 
-@pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler")
+@tools.needs("g++", shows="that C++ includes the header")
 @pytest.mark.parametrize("name", NAMES)
 def test_cplusplus_includes_the_header(name: str) -> None:
     command = ["g++", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++", str(GENERATED / name / f"{name}.h")]

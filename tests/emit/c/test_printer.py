@@ -55,7 +55,6 @@ def test_random_blocks_replayed_from_init_follow_casadi() -> None:
 
 
 def test_zig_reports_no_warning() -> None:
-    pytest.importorskip("ziglang", reason="the ziglang wheel is not installed")
     blocks = [*hazards.BLOCKS[:8], hazards.flags(), *(dyadic.random_block(seed) for seed in range(4))]
     includes = []
     files: dict[str, str] = {}

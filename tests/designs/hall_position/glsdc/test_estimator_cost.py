@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from designs.hall_position.glsdc.parameters import Tuning
-from synth.execute import cross, host
+from synth.execute import host
 from synth.verify import baselines, meter, steps
 from synth.verify.meter import Build
+from tests import ceilings, tools
 from tests.designs.hall_position.tracked import TWO, USUAL, block, by_input, compile_c, emit_c, motion, noisy
 
 LIMIT = 2800
-GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
-CONTRACTED = Build("gcc -O2 contracted", "gcc", cross.CONTRACTED)
+PLAIN = ceilings.BUILDS["gcc, newlib"]
+FIVE, TWO_CORRECTIONS = "two sensors, five corrections", "two sensors, two corrections"
 LIBM = re.compile(r"\b(sin|cos|tan|asin|acos|atan|atan2|exp|log|pow)f?\(")
 
 
@@ -34,30 +35,27 @@ def most(tuning: Tuning, build: Build) -> int:
     return int(meter.run(baselines.emitted_c(files), sequence(tuning), build).cost.instructions.max())
 
 
-@GCC
-@pytest.mark.parametrize(
-    "build", [Build("gcc -O2", "gcc"), Build("gcc -Os", "gcc", ("-Os",)), CONTRACTED], ids=lambda b: b.name
-)
-def test_five_corrections_are_within_the_limit(build: Build) -> None:
+@pytest.mark.parametrize(("subject", "build"), ceilings.builds(FIVE))
+def test_five_corrections_are_within_the_limit(subject: str, build: Build) -> None:
     assert USUAL.iterations == 5
-    assert 1500 < most(USUAL, build) <= (2300 if build is CONTRACTED else 2600)  # 2,179, 2,494 and 2,504 (-Os) are seen
+    assert 1500 < most(USUAL, build) <= ceilings.of(subject, build)
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_it_costs_at_most_a_fifth_more_than_equations_written_out() -> None:
     """Its normal equations, written out for two sensors, took 2,295 instructions; two corrections are a bar as well."""
-    plain = Build("gcc -O2", "gcc")
-    assert most(USUAL, plain) <= 1.2 * 2295 and most(replace(USUAL, iterations=2), plain) <= 1300
+    ceiling = ceilings.of(TWO_CORRECTIONS, PLAIN)
+    assert most(USUAL, PLAIN) <= 1.2 * 2295 and most(replace(USUAL, iterations=2), PLAIN) <= ceiling
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_seven_corrections_exceed_it() -> None:
-    assert most(replace(USUAL, iterations=7), Build("gcc -O2", "gcc")) > LIMIT
+    assert most(replace(USUAL, iterations=7), PLAIN) > LIMIT
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_casadis_own_c_takes_twice_as_many() -> None:
-    few, build = steps.thinned(sequence(USUAL), 30), Build("gcc -O2", "gcc")
+    few, build = steps.thinned(sequence(USUAL), 30), PLAIN
     baseline = meter.run(baselines.casadi(block(TWO), shimmed=True), few, build).cost.instructions
     emitted_cost = meter.run(baselines.emitted_c(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
     assert baseline.max() > 1.9 * emitted_cost.max()

@@ -17,11 +17,12 @@ from designs.planar_6dof import lqg
 from models import hall_sections, planar_stage
 from models.hall_stage import Stage
 from synth.analyse.loop import sampled
-from synth.execute import cross, host
+from synth.execute import host
 from synth.fault import BRAKING_BIT
 from synth.signals import signal_names
 from synth.simulate.experiment import Experiment
 from synth.simulate.sensors import Override
+from tests import tools
 
 
 @cache
@@ -135,7 +136,7 @@ def test_the_estimate_is_twice_as_near_to_its_path_as_the_sections() -> None:
     assert [check.name for check in comparison().checks if not check.passed] == []
 
 
-@pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
+@tools.needs_arm_gcc
 def test_the_estimate_costs_some_times_as_much() -> None:
     by_sections, optimised = (
         comparison().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.OPTIMISED)

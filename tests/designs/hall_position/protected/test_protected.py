@@ -17,10 +17,11 @@ from designs.hall_position.reference_glsdc import Setup
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.errors import ModelError
-from synth.execute import cross, host, target
+from synth.execute import host, target
 from synth.simulate import channel_faults
 from synth.verify import agree
 from synth.verify.suite import Witnesses
+from tests import ceilings, tools
 
 GENERATED = Path(__file__).parents[4] / "generated_c"
 BODIES = 1500
@@ -188,13 +189,13 @@ def test_an_unknown_field_or_fault_is_refused() -> None:
 
 
 @pytest.mark.slow
+@tools.needs_arm_gcc
 @pytest.mark.parametrize("name", config.PLACES)
 def test_its_cost_is_known(name: str) -> None:
     """The limit of four sensors with protection levels; three take less."""
-    if "gcc" not in cross.available():
-        pytest.skip("arm-none-eabi-gcc is not installed")
+    ceiling = ceilings.of(config.NAME, ceilings.BUILDS[ceilings.O2])
     files, manifest = committed(name)
     vectors = config.vectors({"V_ax": np.zeros(1, np.float32)}, {}, name)
     run = target.load(files, manifest, compiler="gcc").measure({n: v[:600] for n, v in vectors.items()})
-    assert int(run.cost.instructions.max()) <= 3600
+    assert int(run.cost.instructions.max()) <= ceiling
     assert host.load(files, manifest).period_s == 1 / 800

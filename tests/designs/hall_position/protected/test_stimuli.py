@@ -14,12 +14,12 @@ from designs.hall_position import reference_protected as reference
 from designs.hall_position import verification_protected as verification
 from designs.hall_position.protected import config, stimuli
 from synth.emit.write import EmittedCode
-from synth.execute import cross, host
+from synth.execute import host
 from synth.verify import baselines, meter, steps
 from synth.verify.meter import Build
+from tests import tools
 
 GENERATED = Path(__file__).parents[4] / "generated_c"
-GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))  # as in test_stimuli of two sensors
 THIN, POSES, MOST = 400, 20_000, 27  # steps of a sequence; poses; decisions that are not seen both ways
 UNREACHED = {
@@ -50,7 +50,7 @@ def missing_decisions(emitted: EmittedCode) -> tuple[int, list[str]]:
     return coverage.decisions, list(coverage.missing)
 
 
-@GCC
+@tools.needs_arm_gcc
 @pytest.mark.parametrize("name", config.PLACES)
 def test_every_decision_is_seen_both_ways_or_is_out_of_reach(name: str) -> None:
     decisions, missing = missing_decisions(committed(name))
@@ -58,7 +58,7 @@ def test_every_decision_is_seen_both_ways_or_is_out_of_reach(name: str) -> None:
     assert [line for line in missing if not re.search("|".join(UNREACHED.values()), line)] == []
 
 
-@GCC
+@tools.needs_arm_gcc
 def test_a_decision_that_nothing_takes_is_detected() -> None:
     """The planted defect: a branch on a value that no step has."""
     emitted, name = committed(config.THREE), f"{config.THREE}.c"
