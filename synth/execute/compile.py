@@ -69,7 +69,10 @@ def zig_compiler() -> Compiler:
     """Return the clang of the ziglang wheel; raise CompileError if it cannot be run."""
     command = (sys.executable, "-m", "ziglang", "cc")
     # By default zig builds for the processor it runs on; code in a shared cache would then trap on other processors.
-    mend = "correct what it names, or reinstall the wheel: `pip install --force-reinstall ziglang`"
+    mend = (
+        "where it names its cache, set SYNTH_CACHE to a folder that can be written, otherwise reinstall the wheel: "
+        "`pip install --force-reinstall ziglang`"
+    )
     return identify_compiler(command, mend, ("-mcpu=baseline",))
 
 
