@@ -11,6 +11,7 @@ from synth.declaration import Stage
 from synth.errors import DesignError, SignalError
 from synth.signals import signal_names
 from synth.simulate import campaign
+from synth.verify import standard
 
 LONGEST_STEP = 2.0  # times |pole|: Runge and Kutta's method of order 4 diverges from 2.8 on
 ADDED_DAMPING = 1e-4, 0.1  # that the method may add to a damping ratio: as such, and of it
@@ -33,8 +34,9 @@ def require_consistent(stage: Stage) -> None:
 
 def _require_known_margins(stage: Stage) -> None:
     """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
-    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
-        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
+    known = (*robustness.REQUIREMENTS, standard.DISK)
+    if unknown := [name for name in stage.require if name not in known]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(known)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
 

@@ -1,0 +1,113 @@
+"""Verdicts of a build: the checks that the toolkit makes of every design, from its declaration and its results.
+
+    margins   least margins of the loops and least disk margin, over operating points and corners of the tolerances
+    study     machines without a result, and the share of the machines that keep every limit
+    audit     published figures that differ without a reason
+    cost      instructions of a step
+    runs      experiments without a sample
+
+No task that a design replaces can lose one of them. What has no declared limit is recorded as "no limit"; what is
+declared, but has not been measured, is NaN and fails.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from itertools import product
+from math import inf, nan
+
+from synth.analyse import disk, equilibrium, robustness
+from synth.check import NO_LIMIT, Check
+from synth.declaration import Stage
+from synth.errors import DesignError
+from synth.report.audit import Row, Verdict
+from synth.simulate.experiment import Experiment
+from synth.simulate.study import StudyTable, estimate_yield
+from synth.verify import standard
+from synth.verify.cost import Cost
+
+YIELD = "yield of the study"
+UNEXPLAINED = "published figures that differ without a reason"
+INSTRUCTIONS = "most instructions of a step"
+SHOWN = 3  # places that the text of a check names
+
+
+def margins(stage: Stage) -> list[Check]:
+    """Return the least of every margin over the loops of a stage, each with its limit where one is required."""
+    if not stage.interface.actuators or not stage.operating_points:
+        reason = "no operating point is declared" if stage.interface.actuators else "no loop: no actuator is declared"
+        required = {n.replace("_", " "): least for n, least in stage.require.items()} or {"margins": -inf}
+        return [Check(name, nan, least, "1", reason, at_least=True) for name, least in required.items()]
+    loops = standard.over_tolerances(stage)
+    survey = robustness.survey(loops)
+    unstable = [loop.label for loop in survey.loops if not loop.margins.stable]
+    lost = [*(f"{u.label}: {u.reason}" for u in survey.unsolved), *unstable]
+    require = {name: stage.require.get(name, -inf) for name in robustness.REQUIREMENTS}
+    return [
+        Check(standard.LOST, float(len(lost)), 0.0, "1", "; ".join(lost[:SHOWN]) or f"{len(survey.loops)} loops"),
+        *robustness.checks(survey.loops, require, survey.unsolved),
+        _disk_margin(loops, stage.require.get(standard.DISK, -inf), bool(lost)),
+    ]
+
+
+def _disk_margin(loops: robustness.Loops, least: float, lost: bool) -> Check:
+    """Return the least certified lower bound of the disk margin, with all actuators and sensors varied at once."""
+    name, signals = standard.DISK.replace("_", " "), [*loops.actuators, *loops.sensors]
+    if lost:
+        return Check(name, 0.0, least, "1", "a loop is lost", at_least=True)
+    bounds = {
+        (point, robustness.case_text(case)): disk.of_loop(
+            equilibrium.open_loop(robustness.equilibrium_at(loops, point, case), signals)
+        ).lower
+        for point, case in product(loops.points, loops.cases)
+    }
+    worst = min(bounds, key=lambda at: bounds[at])
+    about = f"the least of {len(bounds)}, {''.join(worst)}, all actuators and sensors at once"
+    return Check(name, bounds[worst], least, "1", about, at_least=True)
+
+
+def with_limits(stage: Stage, table: StudyTable) -> StudyTable:
+    """Return a study with the limits that the stage declares for its machines in place of those of the nominal plant.
+
+    Raises DesignError for a pattern that matches no check of the study.
+    """
+    limits = dict(table.limits)
+    for pattern, limit in stage.study.limits.items():
+        if not (matching := [name for name in table.limits if fnmatchcase(name, pattern)]):
+            raise DesignError(f"a limit of the study is for '{pattern}', but its checks are {', '.join(table.limits)}")
+        limits |= dict.fromkeys(matching, limit)
+    return replace(table, limits=limits)
+
+
+def study(stage: Stage, table: StudyTable | None) -> list[Check]:
+    """Return the checks of a study, with the limits of `with_limits`, or of a stage without one."""
+    least = stage.study.least_yield
+    if table is None:
+        return [Check(YIELD, nan, least, "1", "no study was run: no experiment runs on other machines", at_least=True)]
+    errors = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in table.errors]
+    share, n = estimate_yield(table), len(table.rows)
+    about = f"{int(table.passed.sum())} of {n} machines keep every limit; {share.low:.2%} to {share.high:.2%}"
+    return [
+        Check("machines without a result", float(len(errors)), 0.0, "1", "; ".join(errors[:SHOWN])),
+        Check(YIELD, share.share, least, "1", about, at_least=True),
+    ]
+
+
+def audit(rows: Sequence[Row]) -> list[Check]:
+    """Return the check of the audited rows, none for a design without a publication."""
+    unexplained = [row.id for row in rows if row.verdict is not Verdict.REPRODUCES and not row.why.strip()]
+    return [Check(UNEXPLAINED, float(len(unexplained)), 0.0, "1", ", ".join(unexplained))] if rows else []
+
+
+def cost(stage: Stage, measured: Cost | None) -> list[Check]:
+    """Return the check of the measured instructions, which needs the emulator and a cross compiler."""
+    if measured is None:
+        return [Check(INSTRUCTIONS, nan, NO_LIMIT, "1", "not measured: no emulator or no cross compiler")]
+    build = max(measured.most, key=lambda name: measured.most[name])
+    return [Check(INSTRUCTIONS, float(measured.most[build]), stage.most_instructions, "1", f"{measured.core}, {build}")]
+
+
+def empty_runs(experiments: Sequence[Experiment]) -> list[Check]:
+    """Return a failed check for each experiment whose recorded run is empty."""
+    empty = [e.name for e in experiments if not len(e.trajectory.time)]
+    return [Check(f"samples of {name}", 0.0, 1.0, "1", "the run is empty", at_least=True) for name in empty]
