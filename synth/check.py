@@ -66,11 +66,15 @@ class Incomplete(Exception):
 
 
 def of_error(part: str, error: BaseException) -> Check:
-    """Return the failed check of a part that raised an error; notes of the error name its input."""
+    """Return the failed check of a part that raised an error."""
+    return Check(f"errors of {part}", 1.0, 0.0, "1", describe(error))
+
+
+def describe(error: BaseException) -> str:
+    """Return an error as text: its notes, which name the input, what it says, and the line of the design."""
     kind = "" if isinstance(error, SynthError) else f"{type(error).__name__}: "
     places = [line for line in design_lines(error) if line][-1:]
-    about = "; ".join([*getattr(error, "__notes__", ()), f"{kind}{error}", *(f"at {line}" for line in places)])
-    return Check(f"errors of {part}", 1.0, 0.0, "1", about)
+    return "; ".join([*getattr(error, "__notes__", ()), f"{kind}{error}", *(f"at {line}" for line in places)])
 
 
 def table(checks: Sequence[Check]) -> show.Table:

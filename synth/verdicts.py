@@ -27,6 +27,7 @@ from synth.verify import standard
 from synth.verify.cost import Cost
 
 YIELD = "yield of the study"
+WITHOUT_RESULT = "runs of the study without a result"
 UNEXPLAINED = "published figures that differ without a reason"
 INSTRUCTIONS = "most instructions of a step"
 SHOWN = 3  # places that the text of a check names
@@ -84,13 +85,20 @@ def study(stage: Stage, table: StudyTable | None) -> list[Check]:
     least = stage.study.least_yield
     if table is None:
         return [Check(YIELD, nan, least, "1", "no study was run: no experiment runs on other machines", at_least=True)]
-    errors = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in table.errors]
+    failed = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in _first_of_each(table)]
     share, n = estimate_yield(table), len(table.rows)
     about = f"{int(table.passed.sum())} of {n} machines keep every limit; {share.low:.2%} to {share.high:.2%}"
     return [
-        Check("machines without a result", float(len(errors)), 0.0, "1", "; ".join(errors[:SHOWN])),
+        Check(WITHOUT_RESULT, float(len(table.errors)), 0.0, "1", "; ".join(failed[:SHOWN])),
         Check(YIELD, share.share, least, "1", about, at_least=True),
     ]
+
+
+def _first_of_each(table: StudyTable) -> list[tuple[int, str, str]]:
+    """Return the first error of each experiment and reason."""
+    return list(
+        {(experiment, reason): (row, experiment, reason) for row, experiment, reason in table.errors[::-1]}.values()
+    )[::-1]
 
 
 def audit(rows: Sequence[Row]) -> list[Check]:
