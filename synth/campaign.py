@@ -82,11 +82,13 @@ class StudyLimits:
 
     The limits of an experiment are those of the nominal plant. `limits` {pattern: limit} has others in their place, by
     `fnmatch` patterns of "experiment: check"; inf is no limit. `least_yield` is the least share of the machines that
-    keep every limit.
+    keep every limit. `experiments` are patterns of the names of those that a study runs unless it is told others; all
+    of them without patterns.
     """
 
     least_yield: float = -inf
     limits: Mapping[str, float] = field(default_factory=dict)
+    experiments: tuple[str, ...] = ()
 
 
 Speeds = Mapping[str, float]

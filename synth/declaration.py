@@ -228,6 +228,7 @@ class Stage:
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there, `disk_margin` among them
     coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, instead of at each sensor
+    loops             loops at places (`verify.standard.LoopsAt`) of a controller that no sample leaves at rest
     tolerances        plant parameters; the margins are required at all limits of their tolerances, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
@@ -255,6 +256,7 @@ class Stage:
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
     coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    loops: Callable[[Any], Sequence[Any]] | None = None
     tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""

@@ -3,6 +3,8 @@
 Each check raises SignalError or DesignError where the design is made, before anything is computed or compiled.
 """
 
+from fnmatch import fnmatchcase
+
 import casadi as ca
 import numpy as np
 
@@ -30,6 +32,7 @@ def require_consistent(stage: Stage) -> None:
     _require_substeps(stage)
     _require_rates(stage)
     _require_known_inertias(stage)
+    _require_studied_experiments(stage)
 
 
 def _require_known_margins(stage: Stage) -> None:
@@ -213,3 +216,14 @@ def _require_known_inertias(stage: Stage) -> None:
             known = ", ".join(positions) or "none"
             raise SignalError(f"inertias: '{q}' is not a position with a velocity: name one of {known}")
         stage.plant.parameter(parameter)
+
+
+def _require_studied_experiments(stage: Stage) -> None:
+    """Raise DesignError for a pattern of the study that names no experiment."""
+    names = [e.name for e in stage.experiments]
+    for pattern in (*stage.study.experiments, *stage.study.limits):
+        if not any(fnmatchcase(name, pattern.partition(": ")[0]) for name in names):
+            raise DesignError(
+                f"study: '{pattern}' names no experiment: write 'experiment: check' for a limit, with one of "
+                f"{', '.join(names) or 'no experiment'}"
+            )

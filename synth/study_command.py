@@ -53,7 +53,8 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
         if path is not None and (path.is_dir() or not path.parent.is_dir()):
             raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
     drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
-    plan = study_jobs.Plan(drawn, chosen.experiments)
+    patterns = chosen.experiments or study_jobs.stage_of(design).study.experiments
+    plan = study_jobs.Plan(drawn, patterns)
     outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
     if any(outcome.error for outcome in outcomes.values()):
         return 2

@@ -142,7 +142,14 @@ def brief_study(design: Design) -> Task[StudyTable | None]:
     stage = design.stage
     if stage is None or not stage.experiments or not fault_jobs.closes_loop(design):
         return Task("study", _nothing, (_nothing,))
-    loop = replace(stage, study=StudyLimits(), require={}, faults=FaultCampaign(), about="", header_notes=())
+    loop = replace(
+        stage,
+        study=StudyLimits(experiments=stage.study.experiments),
+        require={},
+        faults=FaultCampaign(),
+        about="",
+        header_notes=(),
+    )
     return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
 
 

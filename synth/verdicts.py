@@ -10,19 +10,21 @@ No task that a design replaces can lose one of them. What has no declared limit 
 declared, but has not been measured, is NaN and fails.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
+from functools import partial
 from itertools import product
 from math import inf, nan
 
-from synth.analyse import disk, equilibrium, robustness
+from synth.analyse import disk, equilibrium, robustness, stability_margins
 from synth.check import NO_LIMIT, Check
 from synth.declaration import Stage
 from synth.errors import DesignError
 from synth.report.audit import Row, Verdict
 from synth.simulate.experiment import Experiment
 from synth.simulate.study import StudyTable, estimate_yield
+from synth.statespace import StateSpace
 from synth.verify import standard
 from synth.verify.cost import Cost
 
@@ -35,46 +37,60 @@ SHOWN = 3  # places that the text of a check names
 
 def margins(stage: Stage) -> list[Check]:
     """Return the least of every margin over the loops of a stage, each with its limit where one is required."""
-    if not stage.interface.actuators or not stage.operating_points:
+    if not stage.interface.actuators or not (stage.operating_points or stage.loops):
         reason = "no operating point is declared" if stage.interface.actuators else "no loop: no actuator is declared"
         required = {n.replace("_", " "): least for n, least in stage.require.items()} or {"margins": -inf}
         return [Check(name, nan, least, "1", reason, at_least=True) for name, least in required.items()]
-    loops = standard.over_tolerances(stage)
-    survey = robustness.survey(loops)
+    survey, at_once = _own_loops(stage.loops(stage)) if stage.loops else _loops_at_rest(stage)
     unstable = [loop.label for loop in survey.loops if not loop.margins.stable]
     lost = [*(f"{u.label}: {u.reason}" for u in survey.unsolved), *unstable]
     require = {name: stage.require.get(name, -inf) for name in robustness.REQUIREMENTS}
     return [
         Check(standard.LOST, float(len(lost)), 0.0, "1", "; ".join(lost[:SHOWN]) or f"{len(survey.loops)} loops"),
         *robustness.checks(survey.loops, require, survey.unsolved),
-        _disk_margin(loops, stage.require.get(standard.DISK, -inf), bool(lost)),
+        _disk_margin(at_once if not lost else {}, stage.require.get(standard.DISK, -inf)),
     ]
 
 
-def _disk_margin(loops: robustness.Loops, least: float, lost: bool) -> Check:
+Opened = Mapping[str, Callable[[], StateSpace]]  # by place: the loop opened at all actuators and sensors at once
+
+
+def _own_loops(places: Sequence[standard.LoopsAt]) -> tuple[robustness.Survey, Opened]:
+    opened = [(at.place, signal, at.open([signal])) for at in places for signal in at.signals]
+    loops = [robustness.OpenLoop(p, robustness.NOMINAL, s, L, stability_margins.of_loop(L)) for p, s, L in opened]
+    return robustness.Survey(loops, ()), {at.place: partial(at.open, at.at_once) for at in places}
+
+
+def _loops_at_rest(stage: Stage) -> tuple[robustness.Survey, Opened]:
+    """Return the loops at the operating points, for the nominal plant and the corners of the tolerances."""
+    loops = standard.over_tolerances(stage)
+    signals = [*loops.actuators, *loops.sensors]
+
+    def open_all(point: str, case: robustness.Case) -> StateSpace:
+        return equilibrium.open_loop(robustness.equilibrium_at(loops, point, case), signals)
+
+    cases = product(loops.points, loops.cases)
+    at_once = {f"{point}{robustness.case_text(case)}": partial(open_all, point, case) for point, case in cases}
+    return robustness.survey(loops), at_once
+
+
+def _disk_margin(at_once: Opened, least: float) -> Check:
     """Return the least certified lower bound of the disk margin, with all actuators and sensors varied at once."""
-    name, signals = standard.DISK.replace("_", " "), [*loops.actuators, *loops.sensors]
-    if lost:
-        return Check(name, 0.0, least, "1", "a loop is lost", at_least=True)
-    bounds = {
-        (point, robustness.case_text(case)): disk.of_loop(
-            equilibrium.open_loop(robustness.equilibrium_at(loops, point, case), signals)
-        ).lower
-        for point, case in product(loops.points, loops.cases)
-    }
-    worst = min(bounds, key=lambda at: bounds[at])
-    about = f"the least of {len(bounds)}, {''.join(worst)}, all actuators and sensors at once"
-    return Check(name, bounds[worst], least, "1", about, at_least=True)
+    bounds = {place: disk.of_loop(open_all()).lower for place, open_all in at_once.items()}
+    worst = min(bounds, key=lambda place: bounds[place], default="")
+    about = f"the least of {len(bounds)}, {worst}, all actuators and sensors at once" if bounds else "a loop is lost"
+    return Check(standard.DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
 
 
 def with_limits(stage: Stage, table: StudyTable) -> StudyTable:
     """Return a study with the limits that the stage declares for its machines in place of those of the nominal plant.
 
-    Raises DesignError for a pattern that matches no check of the study.
+    Raises DesignError for a pattern that matches no check of the experiments that it names, where they were run.
     """
-    limits = dict(table.limits)
+    limits, ran = dict(table.limits), {name.partition(": ")[0] for name in table.limits}
     for pattern, limit in stage.study.limits.items():
-        if not (matching := [name for name in table.limits if fnmatchcase(name, pattern)]):
+        matching = [name for name in table.limits if fnmatchcase(name, pattern)]
+        if not matching and any(fnmatchcase(name, pattern.partition(": ")[0]) for name in ran):
             raise DesignError(f"a limit of the study is for '{pattern}', but its checks are {', '.join(table.limits)}")
         limits |= dict.fromkeys(matching, limit)
     return replace(table, limits=limits)

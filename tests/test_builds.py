@@ -168,8 +168,13 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(ROOT)
     (design,) = workspace.designs(ROOT, [name])
     assert design.stage is not None
-    points = dict([*design.stage.operating_points.items()][:1])
-    stage = replace(design.stage, require={"phase_margin": 179.0, "delay_margin": 1.0}, operating_points=points)
+    points, loops = dict([*design.stage.operating_points.items()][:1]), design.stage.loops
+    stage = replace(
+        design.stage,
+        require={"phase_margin": 179.0, "delay_margin": 1.0},
+        operating_points=points,
+        loops=(lambda stage: loops(stage)[:1]) if loops else None,
+    )
     planted = replace(design, stage=stage, verify=partial(cheap_evidence, stage))
     evidence = builds.verified(planted, False, silent)
     checks = {c.name: c for c in evidence.checks}

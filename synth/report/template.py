@@ -80,6 +80,10 @@ def report(
         standard.FILES: lambda: standard.files(files),
     }
     replaced = {s.title: s for s in extra.sections}
+    if standard.LOOPS in replaced:
+        margins = page.Checks("Margins", tuple(c for c in evidence.checks if is_margin(c)))
+        section = replaced[standard.LOOPS]
+        replaced[standard.LOOPS] = replace(section, blocks=(margins, *section.blocks))
     parts, failed = [], list[Check]()
     for title, make in makers.items():
         try:

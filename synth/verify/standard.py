@@ -9,7 +9,7 @@ and by the true path of the plant in closed loops with ideal sensors.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
+from synth.statespace import StateSpace
 from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
@@ -80,6 +81,19 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     progress("single against double")
     checks += [*compare_paths(stage, witness_set), *drive.checks(rig, trajectories.values())]
     return Evidence(stage.name, tuple(agreements), tuple(checks))
+
+
+@dataclass(frozen=True, eq=False)
+class LoopsAt:
+    """The loops of a stage at a place, of a stage that opens them itself: `open` returns L (p, p) opened at p signals.
+
+    The loops are opened at each of the `signals`, and for the disk margin at all of `at_once`.
+    """
+
+    place: str
+    signals: Sequence[str]
+    at_once: Sequence[str]
+    open: Callable[[Sequence[str]], StateSpace]
 
 
 def loops(stage: Stage) -> robustness.Loops:
