@@ -1,4 +1,4 @@
-"""Fault campaign of a stage as declared: the motion in which faults occur, their magnitudes, and limits (FMEA).
+"""Fault campaign and study of a stage as declared: motion, magnitudes and limits of faults (FMEA); limits of a study.
 
 A stage without such a declaration has the default one, without limits. `simulate.campaign` runs it. What it measured
 after the latch may be committed as `SafeOutput`, which the C header, the manifest and the README quote.
@@ -7,6 +7,7 @@ after the latch may be committed as `SafeOutput`, which the C header, the manife
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,21 @@ class FaultCampaign:
     weak: float = 0.7
     inertias: Mapping[str, str] = field(default_factory=dict)
     limits: Sequence[FaultLimit] = ()
+
+
+@dataclass(frozen=True)
+class StudyLimits:
+    """What must hold on the machines of a study, within the tolerances of the plant and of the sensors.
+
+    The limits of an experiment are those of the nominal plant. `limits` {pattern: limit} has others in their place, by
+    `fnmatch` patterns of "experiment: check"; inf is no limit. `least_yield` is the least share of the machines that
+    keep every limit. `experiments` are patterns of the names of those that a study runs unless it is told others; all
+    of them without patterns.
+    """
+
+    least_yield: float = -inf
+    limits: Mapping[str, float] = field(default_factory=dict)
+    experiments: tuple[str, ...] = ()
 
 
 Speeds = Mapping[str, float]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from synth import fault_jobs, progress, store, strict_json, tables, tasks, workspace
+from synth import builds, fault_jobs, progress, store, strict_json, tables, tasks, workspace
 from synth.check import Check
 from synth.command_results import Failed, finish, run_jobs, successful, writer
 from synth.emit import write
@@ -22,9 +22,13 @@ from synth.emit.c import vectors
 from synth.jobs import Job
 from synth.new import create
 from synth.progress import Progress
+from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
+from synth.simulate.fault_rows import Campaign
+from synth.tasks import attempt
 from synth.verify import prove as proofs
 from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
@@ -52,7 +56,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
     root, documents = Path.cwd(), []
     designs = workspace.designs(root, names)
-    results = _run(tasks.build_jobs(designs, root), designs, as_json, fresh)
+    results = _run(builds.build_jobs(designs, root), designs, as_json, fresh)
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
@@ -61,7 +65,9 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
         failed = [c for c in built.checks if not c.passed]
         if failed and not as_json:
             tables.print_checks(f"{name}: failed checks", failed)
-        writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
+        free = sum(c.verdict == "no limit" for c in built.checks)
+        counts = f"{len(built.checks) - free} checks, {len(failed)} failed, {free} values without a limit"
+        writer(as_json)(name, f"{counts}; report in reports/{name}.html")
         documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
     return finish(as_json, documents, results, any(document["failed"] for document in documents))
 
@@ -87,7 +93,7 @@ class Verified:
 
 
 def _on_host(design: workspace.Design, report: Progress) -> Verified:
-    evidence = tasks.verification(design, True).result(report)
+    evidence, _ = attempt(partial(builds.verified, design, True, report), "verification", Evidence(design.name, (), ()))
     return Verified(evidence.document(), evidence.checks, {})
 
 
@@ -158,7 +164,10 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def run_experiments(design: workspace.Design, report: Progress) -> list[Verified]:
-        return [Verified(_experiment(e), e.checks, e.figures) for e in tasks.experiments(design, report)]
+        runs, failed = attempt(partial(tasks.experiments, design, report), "experiments", list[Experiment]())
+        errors = {"name": "errors", "title": "Errors", "figures": {}, "checks": _checks(failed)}
+        verified = [Verified(_experiment(e), e.checks, e.figures) for e in runs]
+        return [*verified, *([Verified(errors, failed, {})] if failed else [])]
 
     results = _for_each_design(names, as_json, fresh, run_experiments)
     documents, every = [], [v for each in successful(results) for v in each]
@@ -173,14 +182,21 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
 
 def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, sweep: bool = False) -> int:
     """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
-    results = _on_machine(
-        names, as_json, fresh, partial(fault_jobs.parts, plants=plants, sweep=sweep), fault_jobs.result
-    )
-    campaigns = successful(results)
-    for campaign in campaigns if not as_json else ():
-        tables.print_campaign(campaign, every)
-    failed = not all(check.passed for campaign in campaigns for check in campaign.checks)
-    return finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+    results = _on_machine(names, as_json, fresh, partial(fault_jobs.parts, plants=plants, sweep=sweep), _campaign)
+    pairs = successful(results)
+    for campaign, errors in pairs if not as_json else ():
+        if campaign is not None:
+            tables.print_campaign(campaign, every)
+        if errors:
+            tables.print_checks("parts of the campaign that raised errors", errors)
+    failed = any(errors or not all(check.passed for check in campaign.checks) for campaign, errors in pairs)
+    documents = [(c.document() if c else {}) | ({"errors": _checks(errors)} if errors else {}) for c, errors in pairs]
+    return finish(as_json, documents, results, failed)
+
+
+def _campaign(*arguments: Any) -> tuple[Campaign | None, list[Check]]:
+    """Return the campaign of a design, and a failed check for each part that raised an error."""
+    return attempt(partial(fault_jobs.result, *arguments), "faults", None)
 
 
 def measure_safe_output(names: Names, as_json: bool, fresh: bool, plants: int) -> int:
@@ -214,12 +230,18 @@ def _on_machine(
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
-    """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
-    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
-    rows = [row for each in successful(results) for row in each]
+    """Recompute every published value: published, recomputed, verdict, why. Only an error fails the command."""
+
+    def recompute(design: workspace.Design, report: Progress) -> tuple[list[Row], list[Check]]:
+        return attempt(partial(tasks.audit(design).result, report), "audit", [])
+
+    results = _for_each_design(names, as_json, fresh, recompute)
+    rows, failed = ([each for pair in successful(results) for each in pair[k]] for k in (0, 1))
     if not as_json:
         tables.print_rows(rows)
-    return finish(as_json, [row.document() for row in rows], results)
+        if failed:
+            tables.print_checks("audits that raised errors", failed)
+    return finish(as_json, [*(row.document() for row in rows), *_checks(failed)], results, bool(failed))
 
 
 def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
@@ -247,4 +269,4 @@ def _experiment(e: Experiment) -> Mapping[str, Any]:
 
 
 def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
-    return [c.document() | {"passed": c.passed} for c in checks]
+    return [c.document() for c in checks]

@@ -3,7 +3,7 @@
     sensors, set-points --> guard --> errors --> laws --> limits --> safe output --> actuators
                             <name>_held  <name>_error  <name>_demand  <name>_computed  <name>
 
-This module holds data alone; `synth.stage` completes them from the plant's signals and composes the controller.
+Data alone; `synth.stage` completes them from the plant's signals and composes the controller.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ import numpy as np
 
 from synth import show
 from synth.block import Block
-from synth.campaign import FaultCampaign, SafeOutput
+from synth.campaign import FaultCampaign, SafeOutput, StudyLimits
 from synth.companion import Companion, Drive, Gains, Reference
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -104,13 +104,10 @@ class Interface:
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""
-        groups = {
-            "sensor": [self.signals[s.name] for s in self.sensors],
-            "set-point": [self.signals[s.name] for s in self.set_points],
-            "actuator": self.outputs,
-        }
-        more = f" and {self.braking} more in which it brakes" if self.braking else ""
-        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row{more}"
+        sensors, set_points = ([self.signals[s.name] for s in each] for each in (self.sensors, self.set_points))
+        groups = {"sensor": sensors, "set-point": set_points, "actuator": self.outputs}
+        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
+        line += f" and {self.braking} more in which it brakes" if self.braking else ""
         return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property
@@ -139,7 +136,7 @@ class Interface:
             known = ", ".join(self.set_point_of) or "none"
             raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {known}")
         r, y = self._signal(self.set_point_of[of].name), self._signal(of)
-        return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{self.set_point_of[of].name} less {of}")
+        return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{r.name} less {of}")
 
     def demand(self, name: str, bound: float) -> Signal:
         """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
@@ -229,8 +226,9 @@ class Stage:
     """A whole stage as declared, before anything is computed from it.
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
-    operating_points  plant states by name of the point; `require` are least margins there
+    operating_points  plant states by name of the point; `require` are least margins there, `disk_margin` among them
     coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, instead of at each sensor
+    loops             loops at places (`verify.standard.LoopsAt`) of a controller that no sample leaves at rest
     tolerances        plant parameters; the margins are required at all limits of their tolerances, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
@@ -244,12 +242,12 @@ class Stage:
     law_alone         the controller without its fault handling, whose cost is shown beside
     drive             Blocks between the controller and the plant in experiments, with the plant that they drive
     substeps          Runge-Kutta steps of a sample in simulation
-    faults            motion, magnitudes and limits of the fault campaign
+    faults            motion, magnitudes and limits of the fault campaign; `study` limits of a study of tolerances
     safe_output       what the machine does after the latch as measured, which header and manifest state
     header_notes      sentences of the C's header; `reactions` of the machine, by the key of a row of failures in it
     used_instead      what the law uses for a refused input, by the same keys, where the guard cannot know it
     tuning            free parameters of the law and their goals, for `synth tune`
-    warning           what a reader must know first: the first line of header, manifest and report
+    warning           the first line of header, manifest and report; `most_instructions` of a step on a Cortex-M4F
     """
 
     controller: Controller
@@ -258,6 +256,7 @@ class Stage:
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
     coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    loops: Callable[[Any], Sequence[Any]] | None = None
     tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""
@@ -275,6 +274,8 @@ class Stage:
     drive: Drive | None = None
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
+    study: StudyLimits = field(default_factory=StudyLimits)
+    most_instructions: float = np.inf
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
     reactions: Mapping[str, str] = field(default_factory=dict)
@@ -284,9 +285,9 @@ class Stage:
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""
-        inner, names = self.controller.sheet(), ", ".join(e.name for e in self.experiments) or "none"
-        title = f"Stage {self.name}, ships in {self.scalar.__name__}"
-        return show.Sheet(title, (*inner.lines, f"experiments: {names}"), inner.tables)
+        inner = self.controller.sheet()
+        lines = (*inner.lines, f"experiments: {', '.join(e.name for e in self.experiments) or 'none'}")
+        return show.Sheet(f"Stage {self.name}, ships in {self.scalar.__name__}", lines, inner.tables)
 
     @property
     def name(self) -> str:

@@ -14,6 +14,7 @@ from functools import lru_cache, partial
 
 from synth import cache, contents, standard_tasks, store
 from synth.campaign import SafeOutput
+from synth.check import Check, Incomplete, of_error
 from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, SynthError
 from synth.execute import compile as host_compiler
@@ -41,6 +42,14 @@ class Chunk:
     runs: tuple[FaultRun, ...]
     control: tuple[FaultRun, ...] = ()
     sweeps: tuple[Sweep, ...] = ()
+
+
+@dataclass(frozen=True)
+class Chunks:
+    """The chunks of a part, and a failed check for each that raised an error."""
+
+    computed: tuple[Chunk, ...]
+    failed: tuple[Check, ...]
 
 
 @dataclass(frozen=True)
@@ -104,11 +113,15 @@ def jobs(design: Design, parts: Sequence[Part], after: Sequence[str] = ()) -> li
 def result(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> Campaign:
     """Return the campaign of a design, from the outcomes of all jobs, none of which failed, or from the cache.
 
-    Raises DesignError as `stage_of`, SignalError as `fault_rows.campaign`.
+    Raises DesignError as `stage_of`, SignalError as `fault_rows.campaign`, and Incomplete where a run raised an error,
+    with the campaign of the others, None where there is none.
     """
-    chunks = _all_chunks(design, parts, outcomes)
+    of_parts = _all_chunks(design, parts, outcomes)
+    chunks, failed = [c for each in of_parts for c in each.computed], [c for each in of_parts for c in each.failed]
+    if failed and not chunks:
+        raise Incomplete(None, failed)
     healthy = {(c.healthy.plant, c.healthy.condition): c.healthy for c in chunks}
-    return fault_rows.campaign(
+    whole = fault_rows.campaign(
         _rigs(stage_of(design))[0],
         len({plant for plant, _ in healthy}),
         list(healthy.values()),
@@ -116,15 +129,20 @@ def result(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome
         [run for c in chunks for run in c.control],
         [each for c in chunks for each in c.sweeps],
     )
+    if failed:
+        raise Incomplete(whole, failed)
+    return whole
 
 
 def safe_output(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> SafeOutput:
     """Return what the machine does after the latch, from the parts of `losses`; other arguments as `result`.
 
-    Raises DesignError as `stage_of`, and where no run latches.
+    Raises DesignError as `stage_of`, and where no run latches; Incomplete where a run raised an error.
     """
-    stage = stage_of(design)
-    runs = [run for chunk in _all_chunks(design, parts, outcomes) for run in chunk.runs]
+    stage, of_parts = stage_of(design), _all_chunks(design, parts, outcomes)
+    if failed := [check for each in of_parts for check in each.failed]:
+        raise Incomplete(None, failed)
+    runs = [run for each in of_parts for chunk in each.computed for run in chunk.runs]
     latched = [run for run in runs if math.isfinite(run.latch_s)]
     if not latched:
         raise DesignError(
@@ -148,13 +166,9 @@ def _largest(values: Sequence[Mapping[str, float]], positions: Iterable[str]) ->
     return {q: float(f"{max((v[q] for v in values), default=0.0):.3g}") for q in positions}
 
 
-def _all_chunks(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None) -> list[Chunk]:
+def _all_chunks(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None) -> list[Chunks]:
     stage = stage_of(design)
-    return [
-        chunk
-        for part in parts
-        for chunk in (outcomes[_name(design.name, part)].value if outcomes else _run_part(stage, part, silent))
-    ]
+    return [outcomes[_name(design.name, part)].value if outcomes else _run_part(stage, part, silent) for part in parts]
 
 
 def _parts(stage: Stage, plant: int, what: str) -> Iterator[Part]:
@@ -185,16 +199,21 @@ def _rigs(stage: Stage) -> tuple[Rig, Rig]:
     return campaign.with_stops(rigs[0]), campaign.with_stops(rigs[1])
 
 
-def _run_part(stage: Stage, part: Part, progress: Progress) -> list[Chunk]:
+def _run_part(stage: Stage, part: Part, progress: Progress) -> Chunks:
     """Return the chunks of a part, from the cache where they are stored."""
     faults = _faults(stage, part.what)[part.first : part.first + CHUNK * PART]
-    chunks = []
+    chunks, failed = [], []
     for k in range(0, len(faults), CHUNK):
         chosen = faults[k : k + CHUNK]
         compute = partial(compute_chunk, stage, part, chosen, partial(_report, progress, k, len(faults)))
-        key = _key(stage, part, chosen)
-        chunks.append(store.fetch(key, compute) if key else compute())
-    return chunks
+        try:
+            key = _key(stage, part, chosen)
+            chunks.append(store.fetch(key, compute) if key else compute())
+        except Exception as error:
+            failed.append(
+                of_error(f"faults {part.condition}, plant {part.plant}, from fault {part.first + k} on", error)
+            )
+    return Chunks(tuple(chunks), tuple(failed))
 
 
 def _report(progress: Progress, done: int, total: int, line: str) -> None:

@@ -3,6 +3,8 @@
 Each check raises SignalError or DesignError where the design is made, before anything is computed or compiled.
 """
 
+from fnmatch import fnmatchcase
+
 import casadi as ca
 import numpy as np
 
@@ -11,6 +13,7 @@ from synth.declaration import Stage
 from synth.errors import DesignError, SignalError
 from synth.signals import signal_names
 from synth.simulate import campaign
+from synth.verify import standard
 
 LONGEST_STEP = 2.0  # times |pole|: Runge and Kutta's method of order 4 diverges from 2.8 on
 ADDED_DAMPING = 1e-4, 0.1  # that the method may add to a damping ratio: as such, and of it
@@ -29,12 +32,14 @@ def require_consistent(stage: Stage) -> None:
     _require_substeps(stage)
     _require_rates(stage)
     _require_known_inertias(stage)
+    _require_studied_experiments(stage)
 
 
 def _require_known_margins(stage: Stage) -> None:
     """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
-    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
-        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
+    known = (*robustness.REQUIREMENTS, standard.DISK)
+    if unknown := [name for name in stage.require if name not in known]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(known)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
 
@@ -211,3 +216,14 @@ def _require_known_inertias(stage: Stage) -> None:
             known = ", ".join(positions) or "none"
             raise SignalError(f"inertias: '{q}' is not a position with a velocity: name one of {known}")
         stage.plant.parameter(parameter)
+
+
+def _require_studied_experiments(stage: Stage) -> None:
+    """Raise DesignError for a pattern of the study that names no experiment."""
+    names = [e.name for e in stage.experiments]
+    for pattern in (*stage.study.experiments, *stage.study.limits):
+        if not any(fnmatchcase(name, pattern.partition(": ")[0]) for name in names):
+            raise DesignError(
+                f"study: '{pattern}' names no experiment: write 'experiment: check' for a limit, with one of "
+                f"{', '.join(names) or 'no experiment'}"
+            )

@@ -181,14 +181,17 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
-    """Run the experiments with the emitted C.
+    """Run the experiments with the emitted C; raise Incomplete as `experiments.run`."""
+    return experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
 
-    A check of each experiment fails if a state of the control laws has reached its bound, unless the stage lists the
-    state as one that is limited on purpose.
+
+def with_headroom(stage: Stage, run: Experiment) -> Experiment:
+    """Return an experiment with a check that fails if a state of the control laws has reached its bound.
+
+    A state that the stage lists as limited on purpose may reach it.
     """
-    loop, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
-    runs = experiments.run(loop, stage.experiments, progress)
-    return [headroom.with_headroom(run, double, stage.limited, loop.call_counts) for run in runs]
+    constants = {s.name: 0.0 for s in (stage.interface.missed_calls,) if s}
+    return headroom.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
 
 
 SIMULATE: Mapping[str, Callable[[Stage, Progress], list[Experiment]]] = MappingProxyType({"experiments": simulate})

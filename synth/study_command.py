@@ -1,11 +1,14 @@
 """`synth study`: the machines of a study, their table at the terminal and in files, and the search for the worst."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from pathlib import Path
 
-from synth import store, strict_json, study_jobs, tables, workspace
+from synth import store, strict_json, study_jobs, tables, verdicts, workspace
+from synth.check import Check
 from synth.command_results import run_jobs
 from synth.errors import DesignError
 from synth.jobs import Job
@@ -14,6 +17,7 @@ from synth.simulate import sampling, study_table, worst_case
 from synth.simulate.study import StudyTable
 from synth.simulate.worst_case import WorstCase
 from synth.study_jobs import Plan
+from synth.tasks import attempt
 from synth.workspace import Design
 
 
@@ -49,7 +53,8 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
         if path is not None and (path.is_dir() or not path.parent.is_dir()):
             raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
     drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
-    plan = study_jobs.Plan(drawn, chosen.experiments)
+    patterns = chosen.experiments or study_jobs.stage_of(design).study.experiments
+    plan = study_jobs.Plan(drawn, patterns)
     outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
     if any(outcome.error for outcome in outcomes.values()):
         return 2
@@ -61,9 +66,13 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
         if outcome.error:
             return 2
         worst = outcome.value
+    stage = study_jobs.stage_of(design)
+    table, failed = attempt(partial(verdicts.with_limits, stage, table), "limits of the study", table)
+    checks = [*failed, *verdicts.study(stage, table)]
     _write(name, table, worst, chosen.files)
-    _show(name, table, worst, as_json, chosen.row is not None)
-    return int(not table.passed.all())
+    _show(name, table, worst, as_json, chosen.row is not None, checks)
+    declared = stage.study.least_yield > -inf and chosen.row is None
+    return int(not all(c.passed for c in checks) or not (declared or table.passed.all()))
 
 
 def _jobs(design: Design, plan: Plan, chosen: StudyChoice) -> list[Job]:
@@ -84,11 +93,15 @@ def _write(name: str, table: StudyTable, worst: WorstCase | None, files: StudyFi
         store.replace_text(files.report, report.page_text(name, table, worst))
 
 
-def _show(name: str, table: StudyTable, worst: WorstCase | None, as_json: bool, alone: bool) -> None:
+def _show(
+    name: str, table: StudyTable, worst: WorstCase | None, as_json: bool, alone: bool, checks: Sequence[Check]
+) -> None:
     if as_json:
+        verdict = {"checks": [c.document() for c in checks]}
         searched = {"search": vars(worst)} if worst else {}
-        sys.stdout.write(strict_json.dumps(study_table.document(table) | searched) + "\n")
+        sys.stdout.write(strict_json.dumps(study_table.document(table) | verdict | searched) + "\n")
         return
     (tables.print_machine if alone else tables.print_study)(name, table)
+    tables.print_checks(f"{name}: study", checks)
     if worst:
         sys.stdout.write("\n".join(worst_case.notes(worst)) + "\n")

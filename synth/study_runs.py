@@ -54,7 +54,8 @@ def integration_of(stage: Stage, patterns: tuple[str, ...]) -> Integration:
 
 def brief(stage: Stage, progress: Progress) -> StudyTable | None:
     """Return the study of a report; None without an experiment that begins in lanes."""
-    names = tuple(e.name for e in stage.experiments if integration.runs_in_lanes(rig(stage), e))
+    chosen = study.select(stage.experiments, stage.study.experiments)
+    names = tuple(e.name for e in chosen if integration.runs_in_lanes(rig(stage), e))
     if not names:
         return None
     progress(f"study of {BRIEF} machines")

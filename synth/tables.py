@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from synth.check import Check
+from synth.check import Check, limit_text
 from synth.report import comparison as comparisons
 from synth.report import page
 from synth.report import tuning as tunings
@@ -27,7 +27,7 @@ def print_checks(
     """Print checks, then measured values without a limit, then notes and descriptions of the failed checks."""
     table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
     for c in checks:
-        table.add_row(c.name, f"{c.value:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
+        table.add_row(c.name, f"{c.value:.6g}", limit_text(c), c.unit, c.verdict if c.passed else "[bold red]FAILED[/]")
     for name, value in (figures or {}).items():
         table.add_row(name, f"{value:.6g}", "", "", "")
     console = Console()

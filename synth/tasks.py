@@ -1,30 +1,28 @@
-"""Incremental build: the tasks of a design, cached by content and run in parallel (as `make`, `ninja`).
+"""The tasks of a design, cached by content (as `make`, `ninja`); `builds` puts them together.
 
-    emit ----+--> verify, simulate, study, faults, audit, cost --> report
+    emit ----+--> verify, margins, simulate, study, faults, audit, cost
 
-The result of a task has a key: the slice of its function with data files, the arguments and the compilers, and for
-the report the keys of its inputs. An edit of the page rebuilds the page alone; an edit of the control law rebuilds
-every result that depends on the law.
+The result of a task has a key: the slice of its function with data files, the arguments and the compilers. An error is
+not cached.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache as once
-from pathlib import Path
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth import cache, fault_jobs, slices, store, study_runs, workspace
-from synth.check import Check
-from synth.emit import write
+from synth import cache, fault_jobs, slices, standard_tasks, store, study_runs, verdicts, workspace
+from synth.campaign import FaultCampaign, StudyLimits
+from synth.check import Check, Incomplete, of_error
 from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host
-from synth.jobs import Job
-from synth.progress import Progress
+from synth.progress import Progress, silent
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.simulate.fault_rows import Campaign
@@ -35,7 +33,6 @@ from synth.workspace import Design
 
 T = TypeVar("T")
 
-LIBRARY = "cross compiler"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +60,6 @@ class Task(Generic[T]):
         return store.fetch(key, lambda: self.compute(say))
 
 
-@dataclass(frozen=True)
-class Built:
-    """The results of a build: the report, the evidence with the checks of the experiments as a document, all checks."""
-
-    page: str
-    evidence: Any
-    checks: tuple[Check, ...]
-
-
 def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, EmittedCode]]:
     """Return the task of emitting the files of generated_c/<name>/, by folder."""
 
@@ -87,18 +75,53 @@ def verification(design: Design, whole: bool) -> Task[Evidence]:
     return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
 
 
+def margins(design: Design) -> Task[list[Check]]:
+    """Return the task of the margins of a declared stage, for which no other task can stand in."""
+    stage = design.stage
+    if stage is None:
+        return Task("margins", lambda say: [], (_nothing,))
+    return Task("margins", lambda say: verdicts.margins(stage), (verdicts.margins, stage))
+
+
 def simulations(design: Design) -> dict[str, Task[list[Experiment]]]:
-    """Return the tasks of running the parts of the experiments, by name."""
+    """Return the tasks of running the parts of the experiments, by name, with the headroom of the states of a loop."""
+    stage = design.stage if fault_jobs.closes_loop(design) else None
 
     def task(part: str, run: Callable[[Progress], Sequence[Experiment]]) -> Task[list[Experiment]]:
-        return Task(part, lambda say: list(run(say)), (run,))
+        def compute(say: Progress) -> list[Experiment]:
+            runs, failed = attempt(lambda: list(run(say)), part, list[Experiment]())
+            failed += verdicts.empty_runs(runs)
+            runs = [e for e in runs if len(e.trajectory.time)]
+            if stage is not None:
+                runs = [standard_tasks.with_headroom(stage, e) for e in runs]
+            if failed:
+                raise Incomplete(runs, failed)
+            return runs
+
+        return Task(part, compute, (run, verdicts.empty_runs, standard_tasks.with_headroom, stage))
 
     return {part: task(part, run) for part, run in design.simulate.items()}
 
 
+def attempt(compute: Callable[[], T], part: str, otherwise: T) -> tuple[T, list[Check]]:
+    """Return the result of a computation, and a failed check for each part that raised an error."""
+    try:
+        return compute(), []
+    except Incomplete as incomplete:
+        return incomplete.value, [*incomplete.checks]
+    except Exception as error:
+        return otherwise, [of_error(part, error)]
+
+
 def experiments(design: Design, say: Progress) -> list[Experiment]:
-    """Return the experiments of all parts, in their order."""
-    return [e for task in simulations(design).values() for e in task.result(say)]
+    """Return the experiments of all parts, in their order; raise Incomplete where some raise errors."""
+    runs, failed = list[Experiment](), list[Check]()
+    for part, task in simulations(design).items():
+        some, errors = attempt(partial(task.result, say), part, list[Experiment]())
+        runs, failed = [*runs, *some], [*failed, *errors]
+    if failed:
+        raise Incomplete(runs, failed)
+    return runs
 
 
 def faults(design: Design) -> Task[Campaign | None]:
@@ -117,17 +140,29 @@ def brief_study(design: Design) -> Task[StudyTable | None]:
     stage = design.stage
     if stage is None or not stage.experiments or not fault_jobs.closes_loop(design):
         return Task("study", _nothing, (_nothing,))
-    return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, stage))
+    loop = replace(
+        stage,
+        study=StudyLimits(experiments=stage.study.experiments),
+        require={},
+        faults=FaultCampaign(),
+        about="",
+        header_notes=(),
+    )
+    return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
 
 
 def audit(design: Design) -> Task[list[Row]]:
-    """Return the task of recomputing the published values."""
+    """Return the task of recomputing the published values; it raises Incomplete with the rows before an error."""
 
     def compute(say: Progress) -> list[Row]:
-        rows = []
-        for row in design.audit():
-            say(f"audit {row.id}")
-            rows.append(row)
+        rows: list[Row] = []
+        try:
+            for row in design.audit():
+                say(f"audit {row.id}")
+                rows.append(row)
+        except Exception as error:
+            error.add_note(f"after row {rows[-1].id}" if rows else "in the first row")
+            raise Incomplete(rows, [of_error("audit", error)]) from error
         return rows
 
     return Task("audit", compute, (design.audit,))
@@ -140,7 +175,7 @@ def brief_cost(design: Design) -> Task[Cost | None]:
     from synth.verify import meter
 
     def compute(say: Progress) -> Cost:
-        files = emission(design, design.scalar).result(_silent)[design.name]
+        files = emission(design, design.scalar).result(silent)[design.name]
         say("cost")
         inputs = design.cost_stimuli.replay(host.load(files.files, files.manifest))
         return _with_law_alone(design, meter.brief(files, design.cost_stimuli.block(), inputs), inputs)
@@ -194,92 +229,12 @@ def report_parts(design: Design) -> dict[str, Task[Any]]:
     return {name: Task(name, compute, (compute,)) for name, compute in design.report_parts.items()}
 
 
-def build(design: Design) -> Task[Built]:
-    """Return the task of the report, from the results of all other tasks."""
-    emit, verify, simulate = emission(design, design.scalar), verification(design, False), simulations(design)
-    study, campaign, rows, cost = brief_study(design), faults(design), audit(design), brief_cost(design)
-    further = report_parts(design)
-
-    def compute(say: Progress) -> Built:
-        evidence = replace(verify.result(_silent), faults=campaign.result(_silent), study=study.result(_silent))
-        runs = experiments(design, _silent)
-        shown = emit.result(_silent), evidence, runs, rows.result(_silent), cost.result(_silent)
-        parts = {"parts": {name: task.result(_silent) for name, task in further.items()}} if further else {}
-        say("report")
-        checks = (*evidence.checks, *(_with_title(c, e.title) for e in runs for c in e.checks))
-        checks += evidence.faults.checks if evidence.faults else ()
-        return Built(design.report(*shown, **parts), replace(evidence, checks=checks).document(), checks)
-
-    try:
-        inputs: list[Task[Any]] = [emit, verify, *simulate.values(), study, campaign, rows, cost, *further.values()]
-        keys = [task.key() for task in inputs]
-    except ContentError:  # the report has no key where one of its inputs has none
-        return Task("report", compute, (design.report, object()))
-    return Task("report", compute, (design.report, *keys))
-
-
-def _with_title(check: Check, title: str) -> Check:
-    """Return a check of an experiment with the experiment's title in front of its description."""
-    return replace(check, about=": ".join(filter(None, (title, check.about))))
-
-
-def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
-    """Return the jobs that build designs; the last of each has the design's name and returns a Built.
-
-    The C is written to `root`/generated_c as soon as it is emitted.
-    """
-    library = Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))
-    return [library, *(job for design in designs for job in _build_jobs(design, root))]
-
-
-def _build_jobs(design: Design, root: Path) -> list[Job]:
-    name, whole = design.name, build(design)
-
-    def save(say: Progress) -> None:
-        for folder, files in emission(design, design.scalar).result(say).items():
-            write.save(files.files, root / "generated_c" / folder)
-
-    try:
-        if store.holds(whole.key()):
-            return [Job(f"{name} emit", name, save), Job(name, name, whole.result, (f"{name} emit",))]
-    except ContentError:
-        pass
-    first = f"{name} emit"
-    parts = {f"simulate {part}": task for part, task in simulations(design).items()}
-    tasks: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
-        *((what, task, (first,)) for what, task in parts.items()),
-        ("study", brief_study(design), (first, *(f"{name} {what}" for what in parts))),
-        ("verify", verification(design, False), (first,)),
-        ("cost", brief_cost(design), (first, LIBRARY)),
-        ("audit", audit(design), (first,)),
-        *((f"report {name}", task, (first, f"{design.name} verify")) for name, task in report_parts(design).items()),
-    )
-    jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
-    if fault_jobs.closes_loop(design):
-        jobs += fault_jobs.jobs(design, fault_jobs.parts(design, 1), (first,))
-    last = Job(name, name, whole.result, tuple(job.name for job in jobs))
-    return [Job(first, name, save), *jobs, last]
-
-
-def _run_only(task: Task[Any]) -> Callable[[Progress], None]:
-    """Return a function that leaves the result of a task in the cache, where the next job reads it."""
-
-    def run(say: Progress) -> None:
-        task.result(say)
-
-    return run
-
-
 @once
 def compilers() -> Sequence[tuple[str, ...]]:
     """Return command, identity and machine flags of each compiler of a design's C."""
     available = [host_compiler.find_compiler()]
     available += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
     return [(*c.command, c.identity, *c.machine_flags) for c in available]
-
-
-def _silent(line: str) -> None:
-    """Say nothing."""
 
 
 def _nothing(say: Progress) -> None:

@@ -14,18 +14,22 @@ doubled instead. CasADi's evaluation of the defective controller is compared wit
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from synth import builds, standard_tasks
 from synth import stage as stages
-from synth import standard_tasks, tasks
 from synth.block import Block
 from synth.declaration import Controller, Interface, Stage
 from synth.execute import compile as host_compiler
 from synth.execute import host
+from synth.progress import silent
+from synth.tasks import attempt
 from synth.verify import agree, sampling, standard, steps, stimuli, suite
+from synth.verify.evidence import Evidence
 from synth.workspace import Design
 
 __all__ = [
@@ -61,7 +65,9 @@ def test_the_c_compiles_without_a_warning(design: Design, scalar: type[np.floati
 
 def test_the_evidence_passes(design: Design) -> None:
     """Verify the design over short replays, as `synth build` does: with the same sources, its evidence is read."""
-    evidence = tasks.verification(design, False).result(lambda _: None)
+    evidence, _ = attempt(
+        partial(builds.verified, design, False, silent), "verification", Evidence(design.name, (), ())
+    )
     assert evidence.checks
     failed = [f"{c.name}: {c.value:g}, allowed {c.limit:g} {c.unit} {c.about}" for c in evidence.checks if not c.passed]
     assert not failed, "\n".join(failed)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from synth import tasks, workspace
+from synth import builds, workspace
 from synth.cli import app
 from synth.emit import write
 from synth.errors import DesignError
@@ -215,6 +215,6 @@ def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeyp
         report=lambda *results, parts: f"{len(results)} results, {parts}",
         report_parts={"survey": lambda say: ("a row",)},
     )
-    after = {job.name: job.after for job in tasks.build_jobs([of], tmp_path)}
+    after = {job.name: job.after for job in builds.build_jobs([of], tmp_path)}
     assert "stage report survey" in after["stage"] and after["stage report survey"] == ("stage emit", "stage verify")
-    assert tasks.build(of).result(lambda _: None).page == "5 results, {'survey': ('a row',)}"
+    assert builds.build(of).result(lambda _: None).page == "5 results, {'survey': ('a row',)}"

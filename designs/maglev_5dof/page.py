@@ -7,13 +7,11 @@ import numpy as np
 from designs.maglev import commutation, commutation_tables, motions, platen
 from designs.maglev_5dof import control
 from models import maglev_stage
-from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.plant import Plant
 from synth.report import figures, page, presentation, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
-from synth.verify import standard as verification
 
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: longer runs are drawn over the window
 PUBLISHED = {  # rows of the audit with the paper's statements on an experiment
@@ -31,9 +29,8 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     style = standard.Shown(
         motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
     )
-    loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)
-    extra = template.Extra(values, [loop_part], maglev_stage.factors, shown=style)
+    extra = template.Extra(values, terms=maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 

@@ -18,6 +18,7 @@ closed loop has the characteristic function det(I + L).
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -29,15 +30,17 @@ from models.planar_allocation import AXES
 from models.planar_stage import commutation_matrix
 from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block
+from synth.declaration import Stage
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
-from synth.verify import agree, replays
+from synth.verify import agree, replays, standard
 
 Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
+PLACES = 7  # over a pitch in x and in y
 SETTLING_SAMPLES = 50  # samples after which the filters are in steady state
 PHASES, SENSED = signal_names(planar_stage.INPUTS), interface.SENSORS
 MOTORS = signal_names(allocation.CURRENTS)
@@ -133,10 +136,22 @@ def places_over_pitch(pitch: float, places: int) -> list[Place]:
     return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
-def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, stability_margins.Margins]]:
+def over_pitch(plant: Plant, block: Block, places: int = PLACES) -> list[dict[str, stability_margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
     each_place = (parts(plant, block, place) for place in places_over_pitch(plant.parameter("l").value, places))
     return [{axis: stability_margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
+
+
+def at_places(stage: Stage) -> list[standard.LoopsAt]:
+    """Return the loops of the shipped controller in the middle and at places over a pitch, for the margins of a stage.
+
+    A loop is opened at the position of each axis. For the disk margin it is opened at all axes and motor currents.
+    """
+    block = stage.controller.block.rounded(stage.scalar)
+    spread = places_over_pitch(stage.plant.parameter("l").value, PLACES)
+    places = {"in the middle": MIDDLE} | {f"at place {k + 1} of the pitch": place for k, place in enumerate(spread)}
+    each = {name: parts(stage.plant, block, place) for name, place in places.items()}
+    return [standard.LoopsAt(name, AXES, (*MOTORS, *AXES), partial(open_loop, both)) for name, both in each.items()]
 
 
 def horizontal(both: LoopParts) -> dict[str, StateSpace]:

@@ -34,4 +34,14 @@ def report(*arguments: Any) -> str:
     return page.report(*arguments)
 
 
-DESIGN = assembly.design(control.NAME, control.TIME, subject, gains, experiments.ALL, rows.leadlag, report)
+REQUIRE = {  # degrees and s; a little below the least in the middle and over a pitch
+    "phase_margin": 36.0,
+    "gain_margin": 2.9,
+    "gain_reduction": 8.5,
+    "delay_margin": 2.2e-3,
+    "modulus_margin": 0.44,
+    "disk_margin": 0.25,
+}
+DESIGN = assembly.design(
+    control.NAME, control.TIME, subject, gains, experiments.ALL, rows.leadlag, report, ["circle"], require=REQUIRE
+)

@@ -81,4 +81,14 @@ def report(*arguments: Any) -> str:
     return page.report(*arguments)
 
 
-DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report)
+REQUIRE = {  # degrees and s; a little below the least in the middle and over a pitch
+    "phase_margin": 30.0,
+    "gain_margin": 2.7,
+    "gain_reduction": 2.8,
+    "delay_margin": 1.7e-3,
+    "modulus_margin": 0.47,
+    "disk_margin": 0.24,
+}
+DESIGN = assembly.design(
+    lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report, ["step_x_large"], require=REQUIRE
+)

@@ -65,7 +65,7 @@ class OpenLoop:
     @property
     def label(self) -> str:
         """The signal, the operating point and the changed parameters, as text."""
-        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
+        return f"at {self.signal}, {self.point}{case_text(self.case)}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
@@ -84,7 +84,7 @@ class Unsolved:
     @property
     def label(self) -> str:
         """The operating point and the changed parameters, as text."""
-        return f"at {self.point}{_case_text(self.case)}"
+        return f"at {self.point}{case_text(self.case)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,8 @@ class Survey:
     unsolved: Sequence[Unsolved]
 
 
-def _case_text(case: Case) -> str:
+def case_text(case: Case) -> str:
+    """Return the changed parameters as text."""
     return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
 
@@ -202,7 +203,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     try:
         trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
     except ModelError as error:
-        raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
+        raise ModelError(f"operating point '{point}'{case_text(case)}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
     values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
     values |= zip(signal_names(plant.outputs), outputs, strict=True)
@@ -265,36 +266,29 @@ def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, di
 
 @arguments.checked
 def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Sequence[Unsolved] = ()) -> list[Check]:
-    """Return for each required margin the worst of the loops and by how much it falls short.
+    """Return for each required margin the least of the loops, beside what is required.
 
     Where a loop is not stable, or has no equilibrium, no margin is left.
 
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
-    factors above 1, delay_margin in s, modulus_margin.
+    factors above 1, delay_margin in s, modulus_margin; -inf requires nothing.
 
     Raises SignalError for another name or no loop.
     """
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
-    if unsolved:
-        return [_failed_check(unsolved, name, least) for name, least in require.items()]
-    if not loops:
+    if not loops and not unsolved:
         raise SignalError("there is no loop to check: open at least one")
-    return [_check(loops, name, least) for name, least in require.items()]
+    return [_check(loops, name, least, unsolved) for name, least in require.items()]
 
 
-def _failed_check(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
-    required, first = REQUIREMENTS[name], unsolved[0]
-    unit = "" if required.unit == "1" else f" {required.unit}"
-    others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
-    about = f"no equilibrium {first.label}{others}: {first.reason}; {least:g}{unit} is required"
-    return Check(f"{name.replace('_', ' ')} falls short by", least - required.if_unstable, 0.0, required.unit, about)
-
-
-def _check(loops: Sequence[OpenLoop], name: str, least: float) -> Check:
-    worst = min(loops, key=lambda loop: loop.margin(name))
-    value, requirement = worst.margin(name), REQUIREMENTS[name]
-    unit = "" if requirement.unit == "1" else f" {requirement.unit}"
-    stable = "" if worst.margins.stable else ", not stable"
-    about = f"the least of {len(loops)} loops is {value:.4g}{unit} {worst.label}{stable}; {least:g}{unit} is required"
-    return Check(f"{name.replace('_', ' ')} falls short by", least - value, 0.0, requirement.unit, about)
+def _check(loops: Sequence[OpenLoop], name: str, least: float, unsolved: Sequence[Unsolved]) -> Check:
+    requirement = REQUIREMENTS[name]
+    if unsolved:
+        others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
+        value, about = requirement.if_unstable, f"no equilibrium {unsolved[0].label}{others}: {unsolved[0].reason}"
+    else:
+        worst = min(loops, key=lambda loop: loop.margin(name))
+        value, stable = worst.margin(name), "" if worst.margins.stable else ", not stable"
+        about = f"the least of {len(loops)} loops, {worst.label}{stable}"
+    return Check(name.replace("_", " "), value, least, requirement.unit, about, at_least=True)

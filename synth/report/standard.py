@@ -117,7 +117,7 @@ def loops(opened: Iterable[Loop], required: Sequence[Check] = (), blocks: Sequen
     by_signal: dict[str, list[Loop]] = defaultdict(list)
     for loop in opened:
         by_signal[loop.signal].append(loop)
-    checks = (page.Checks("Required margins", tuple(required)),) if required else ()
+    checks = (page.Checks("Margins", tuple(required)),) if required else ()
     parts = tuple(_loop(signal, each) for signal, each in by_signal.items())
     return Section(LOOPS, (*blocks, *checks), parts)
 

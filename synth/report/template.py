@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from synth.analyse import robustness
-from synth.check import Check
+from synth.check import Check, Incomplete, of_error
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
 from synth.report import faults, page, prose, sections, standard, study
@@ -30,7 +30,7 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 FLOOR = "the largest magnitude in the output's range"
-SHORTFALLS = frozenset(f"{name.replace('_', ' ')} falls short by" for name in robustness.REQUIREMENTS)
+MARGINS = frozenset((verification.LOST, *(n.replace("_", " ") for n in (*robustness.REQUIREMENTS, verification.DISK))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def report(
 ) -> str:
     """Return the report of a stage as one HTML document.
 
-    Raises DesignError for an unknown placeholder, ModelError for a displayed equation that differs from the stage.
+    Raises DesignError for an unknown placeholder, and Incomplete with the page where sections raise errors.
     """
     extra = extra or Extra()
     makers = {
@@ -80,10 +80,29 @@ def report(
         standard.FILES: lambda: standard.files(files),
     }
     replaced = {s.title: s for s in extra.sections}
-    parts = [replaced[title] if title in replaced else make() for title, make in makers.items()]
+    if standard.LOOPS in replaced:
+        margins = page.Checks("Margins", tuple(c for c in evidence.checks if is_margin(c)))
+        section = replaced[standard.LOOPS]
+        replaced[standard.LOOPS] = replace(section, blocks=(margins, *section.blocks))
+    parts, failed = [], list[Check]()
+    for title, make in makers.items():
+        try:
+            parts.append(replaced[title] if title in replaced else make())
+        except Exception as error:
+            failed.append(of_error(f"the section {title}", error))
+            parts.append(Section(title, (page.Checks("Errors", (failed[-1],)),)))
     known = {**values(stage, rows), **extra.values}
     about = f"{stage.name}: {stage.warning} {stage.about}" if stage.warning else stage.about
-    return assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known, extra.shared)
+    html = assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known, extra.shared)
+    if failed:
+        raise Incomplete(html, failed)
+    return html
+
+
+def of_checks(name: str, checks: Sequence[Check]) -> str:
+    """Return a page of checks alone as one HTML document, for a design whose report cannot be drawn."""
+    about = "The report could not be drawn. These are the checks of the build."
+    return page.render(page.Report(name, about, (Section("Checks", (page.Checks("Checks", tuple(checks)),)),)))
 
 
 def _with_blocks(section: Section, blocks: Sequence[page.Block]) -> Section:
@@ -166,7 +185,7 @@ def default_style(stage: Stage) -> Shown:
 
 def is_margin(check: Check) -> bool:
     """Return whether a check belongs to a required margin."""
-    return check.name in SHORTFALLS
+    return check.name in MARGINS
 
 
 def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:

@@ -186,7 +186,11 @@ def run(
         if k == 0 or injection.target != chosen[k - 1].target:
             progress(Counted(f"faults of {injection.group} {injection.target}", k, len(chosen)))
         for onset in condition.onsets:
-            runs.append(inject(begun[onset], plant, condition, injection, onset, healthy))
+            try:
+                runs.append(inject(begun[onset], plant, condition, injection, onset, healthy))
+            except Exception as error:
+                error.add_note(f"{injection.target} {injection.kind}, {injection.duration}, from sample {onset}")
+                raise
     return HealthyRun(condition.name, plant, int(np.count_nonzero(healthy.faults)), healthy.impacts), runs
 
 

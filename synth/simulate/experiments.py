@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from synth.check import Check
+from synth.check import Check, Incomplete, of_error
 from synth.errors import SignalError
 from synth.progress import each
 from synth.signals import Signal
@@ -225,12 +225,20 @@ class LiftOff:
 def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], None]) -> list[Experiment]:
     """Run experiments on a rig; `progress` receives the name of each before it starts.
 
-    Raises SignalError for a name that is listed twice, or as `Rig.run`.
+    Raises SignalError for a name that is listed twice, and Incomplete with the runs of the others where some raise.
     """
     names = [experiment.name for experiment in experiments]
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
-    return [experiment.run(rig) for experiment in each(experiments, progress, lambda e: e.name)]
+    runs, failed = [], []
+    for experiment in each(experiments, progress, lambda e: e.name):
+        try:
+            runs.append(experiment.run(rig))
+        except Exception as error:
+            failed.append(of_error(f"experiment {experiment.name}", error))
+    if failed:
+        raise Incomplete(runs, failed)
+    return runs
 
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
@@ -284,13 +292,8 @@ def _experiment(
     """Return the experiment with the check for faults and the largest actuator commands."""
     faulty = Check("samples with a fault bit", float(np.count_nonzero(trajectory.faults)), 0.0, "1")
     interface = rig.stage.interface
-    used = {
-        f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max())
-        for s in interface.outputs
-        if s.name in trajectory.commands
-    }
-    late = f"{interface.delay} sample{'s' * (interface.delay != 1)} of delay"
-    about = f"the full plant, sensors as declared, {late}"
-    return Experiment(
-        name, title, about, trajectory, tuple(courses), dict(courses), dict(figures) | used, (*checks, faulty)
-    )
+    driven = [s for s in interface.outputs if s.name in trajectory.commands]
+    used = {f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max()) for s in driven}
+    about = f"the full plant, sensors as declared, {interface.delay} sample{'s' * (interface.delay != 1)} of delay"
+    measured = dict(figures) | used
+    return Experiment(name, title, about, trajectory, tuple(courses), dict(courses), measured, (*checks, faulty))

@@ -22,6 +22,7 @@ from synth.simulate.campaign import FaultRun, HealthyRun, Values
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.rig import Rig
 
+UNLIMITED = tuple(FaultLimit(name, math.inf) for name in ("false_alarms", "healthy_impact", "impact"))
 CONTROL = "runs that latch and do no harm without the latch"
 CONTROL_LIMITS = "limits that hold without the latch, too"
 Healthy = Sequence[HealthyRun]
@@ -104,7 +105,7 @@ class Campaign:
 
     def document(self) -> dict[str, Any]:
         """Return the result as data; a time that is not finite means never."""
-        checks = [asdict(c) | {"passed": c.passed} for c in self.checks]
+        checks = [c.document() for c in self.checks]
         return asdict(self) | {"can_tell": self.can_tell, "checks": checks}
 
 
@@ -184,10 +185,13 @@ def _checks(
     limits: Sequence[FaultLimit], table: Sequence[Row], healthy: Healthy,
     pairs: Sequence[tuple[FaultRun, FaultRun]], units: Mapping[str, str],
 ) -> list[Check]:  # fmt: skip
-    """Return the checks of the limits, and those of the negative control: without the latch one must fail."""
-    checks = [_check(limit, table, healthy, units) for limit in limits]
+    """Return the checks of the limits, and those of the negative control: without the latch one must fail.
+
+    A stage without limits has the worst values, without a limit.
+    """
+    checks = [_check(limit, table, healthy, units) for limit in limits or UNLIMITED]
     if not limits:
-        return []
+        return checks
     harmless = sum(not without.harms for without, _ in pairs)
     checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
     without_latch = rows([without for without, _ in pairs])

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.check import Check
+from synth.check import Check, describe
 from synth.errors import DesignError
 from synth.simulate import lockstep, sampling
 from synth.simulate.experiments import Runnable
@@ -148,7 +148,7 @@ def _table(
     for experiment, each in results.items():
         for k, result in enumerate(each):
             if result.value is None:
-                errors.append((rows[k], experiment, str(result.error)))
+                errors.append((rows[k], experiment, describe(result.error or DesignError("no result"))))
                 continue
             for name, value in result.value.figures.items():
                 figures.setdefault(f"{experiment}: {name}", np.full(n, np.nan))[k] = value

@@ -79,9 +79,11 @@ def compare(
 
     The difference of a NaN is infinite. A recorded run has the states after its last step only.
 
-    Raises SignalError as `floors`.
+    Raises SignalError for no sample, and as `floors`.
     """
     (name, r), (other, v) = first, second
+    if not len(r.faults):
+        raise SignalError(f"{what}: there is no sample in which to compare {name} with {other}: give at least one")
     sizes = _scales(r, floor, block)
     outputs, states = differences(r, v, floor, block)
     signal, sample, worst = _worst(outputs)

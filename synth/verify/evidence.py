@@ -46,7 +46,7 @@ class Evidence:
             "design": self.design,
             "passed": self.passed,
             "agreements": [asdict(a) for a in self.agreements],
-            "checks": [c.document() | {"passed": c.passed} for c in self.checks],
+            "checks": [c.document() for c in self.checks],
             **({"faults": self.faults.document()} if self.faults else {}),
             **({"study": study_table.document(self.study)} if self.study else {}),
         }

@@ -9,7 +9,7 @@ and by the true path of the plant in closed loops with ideal sensors.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
+from synth.statespace import StateSpace
 from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
@@ -34,6 +35,7 @@ UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
 DIVERGENT_SHARE = 1e-3  # fraction of random steps whose decisions differ in single precision
 DISK = "disk_margin"
+LOST = "loops that are not stable or have no equilibrium"
 PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in single against double
 
 
@@ -78,11 +80,20 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     agreements, checks = [*agreements, *beside], [*checks, *beside_checks]
     progress("single against double")
     checks += [*compare_paths(stage, witness_set), *drive.checks(rig, trajectories.values())]
-    if stage.operating_points and stage.require:
-        progress("loops over the operating points")
-        survey = robustness.survey(over_tolerances(stage))
-        checks += robustness.checks(survey.loops, stage.require, survey.unsolved)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
+
+
+@dataclass(frozen=True, eq=False)
+class LoopsAt:
+    """The loops of a stage at a place, of a stage that opens them itself: `open` returns L (p, p) opened at p signals.
+
+    The loops are opened at each of the `signals`, and for the disk margin at all of `at_once`.
+    """
+
+    place: str
+    signals: Sequence[str]
+    at_once: Sequence[str]
+    open: Callable[[Sequence[str]], StateSpace]
 
 
 def loops(stage: Stage) -> robustness.Loops:

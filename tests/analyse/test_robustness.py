@@ -64,20 +64,20 @@ def test_the_worst_loop_is_named_with_its_parameters() -> None:
     open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, cases), ["i2"])
     (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
     least = min(open_loops, key=lambda o: o.margins.modulus_margin)
-    assert check.passed and check.value == 0.5 - least.margins.modulus_margin
+    assert check.passed and check.value == least.margins.modulus_margin
     assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
-    assert f"of 5 loops is {least.margins.modulus_margin:.4g} at i2, mid, k = 8.8, m = 0.285" in check.about
+    assert "of 5 loops, at i2, mid, k = 8.8, m = 0.285" in check.about
 
 
 def test_an_insufficient_margin_fails_and_so_does_an_unstable_loop() -> None:
     open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
     require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
     lost = {c.name: c for c in robustness.checks(open_loops, require)}
-    assert not open_loops[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
-    assert lost["phase margin falls short by"].value == 30.0 and lost["modulus margin falls short by"].value == 0.5
-    assert lost["gain margin falls short by"].value == 0.5 and not any(c.passed for c in lost.values())
+    assert not open_loops[0].margins.stable and "not stable" in lost["phase margin"].about
+    assert lost["phase margin"].value == 0.0 and lost["modulus margin"].value == 0.0
+    assert lost["gain margin"].value == 1.0 and not any(c.passed for c in lost.values())
     sound = robustness.checks(robustness.open_loops(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
-    assert not sound[0].passed and 30 < 80 - sound[0].value < 50
+    assert not sound[0].passed and 30 < sound[0].value < 50
 
 
 def test_a_point_without_an_equilibrium_leaves_no_margin(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,8 +93,8 @@ def test_a_point_without_an_equilibrium_leaves_no_margin(monkeypatch: pytest.Mon
     survey = robustness.survey(loops())
     assert {o.point for o in survey.loops} == {"low"} and [u.point for u in survey.unsolved] == ["side"]
     (check,) = robustness.checks(survey.loops, {"phase_margin": 30.0}, survey.unsolved)
-    assert not check.passed and check.value == 30.0
-    assert "no equilibrium at side: 'x' still changes; 30 degrees is required" in check.about
+    assert not check.passed and check.value == 0.0
+    assert "no equilibrium at side: 'x' still changes" in check.about
 
 
 def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:

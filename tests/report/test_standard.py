@@ -50,7 +50,7 @@ def test_laws_with_the_same_entries_share_a_table() -> None:
 
 def test_loops_are_drawn_by_signal_and_the_worst_where_there_are_many() -> None:
     loops = [open_loop("i1", 10.0 + k) for k in range(8)] + [open_loop("z", 20.0)]
-    check = Check("phase margin falls short by", -3.0, 0.0, "degrees")
+    check = Check("phase margin", 38.0, 35.0, "degrees", at_least=True)
     section = standard.loops(loops, [check])
     assert [s.title for s in section.sections] == ["Loop of i1", "Loop of z"] and [*section.checks()] == [check]
     figure, table = section.sections[0].blocks
@@ -68,7 +68,7 @@ def test_experiments_show_the_headroom_of_states(run: Callable[..., Experiment])
 
 
 def test_checks_that_are_shown_elsewhere_are_shown_once() -> None:
-    checks = (Check("phase margin falls short by", -3.0, 0.0, "degrees"), Check("random steps", 0.0, 1e-9, "A"))
+    checks = (Check("phase margin", 38.0, 35.0, "degrees", at_least=True), Check("random steps", 0.0, 1e-9, "A"))
     evidence = Evidence("two", list[Agreement](), checks)
     section = standard.verification(evidence, "1 A", lambda check: "margin" in check.name)
     assert [*section.checks()] == [checks[1]]

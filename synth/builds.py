@@ -1,0 +1,192 @@
+"""Build of a design: its tasks side by side, the evidence of all of them, and the report.
+
+    emit ----+--> verify, margins, simulate, study, faults, audit, cost --> evidence, report
+
+A task that raises an error is a failed check in the evidence, and the others go on. Whatever the report shows is
+checked here by `verdicts`, from the declaration: no task that a design replaces can lose a check. The key of the report
+is made of the keys of its inputs: an edit of the page rebuilds the page alone, an edit of the control law every result
+that depends on the law.
+"""
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from synth import fault_jobs, store, tasks, verdicts
+from synth.check import Check, Incomplete
+from synth.emit import write
+from synth.errors import ContentError
+from synth.execute import cross
+from synth.jobs import Job
+from synth.progress import Progress, silent
+from synth.tasks import Task, attempt
+from synth.verify.evidence import Evidence
+from synth.workspace import Design
+
+LIBRARY = "cross compiler"
+
+
+@dataclass(frozen=True)
+class Built:
+    """The results of a build: the report, the evidence with the checks of the experiments as a document, all checks."""
+
+    page: str
+    evidence: Any
+    checks: tuple[Check, ...]
+
+
+def verified(design: Design, whole: bool, say: Progress) -> Evidence:
+    """Return the evidence of a design's verification with the margins of its loops.
+
+    Raises Incomplete with the evidence of one where the other raises an error.
+    """
+    nothing = Evidence(design.name, (), ())
+    evidence, failed = attempt(partial(tasks.verification(design, whole).result, say), "verification", nothing)
+    margins, lost = attempt(partial(tasks.margins(design).result, say), "margins", list[Check]())
+    evidence = replace(evidence, checks=(*failed, *lost, *margins, *evidence.checks))
+    if failed or lost:
+        raise Incomplete(evidence, (*failed, *lost))
+    return evidence
+
+
+def build(design: Design) -> Task[Built]:
+    """Return the task of the report, from the results of all other tasks.
+
+    It raises Incomplete with what it built where some of them raise errors.
+    """
+    emit, verify, simulate = (
+        tasks.emission(design, design.scalar),
+        tasks.verification(design, False),
+        tasks.simulations(design),
+    )
+    study, campaign, audit, cost = (
+        tasks.brief_study(design),
+        tasks.faults(design),
+        tasks.audit(design),
+        tasks.brief_cost(design),
+    )
+    margins, further, stage = tasks.margins(design), tasks.report_parts(design), design.stage
+
+    def compute(say: Progress) -> Built:
+        failed: list[Check] = []
+
+        def result(part: str, run: Callable[[Progress], Any], otherwise: Any = None) -> Any:
+            value, errors = attempt(partial(run, silent), part, otherwise)
+            failed.extend(errors)
+            return value
+
+        files = emit.result(silent)
+        evidence = result("verification", partial(verified, design, False))
+        runs = result("experiments", partial(tasks.experiments, design), [])
+        faults, rows = result("faults", campaign.result), result("audit", audit.result, [])
+        table, measured = result("study", study.result), result("cost", cost.result)
+        parts = {name: result(name, task.result) for name, task in further.items()}
+        checks = verdicts.audit(rows)
+        if stage is not None:
+            if table is not None:
+                table = result("limits of the study", lambda _: verdicts.with_limits(stage, table), table)
+            checks += [*verdicts.study(stage, table), *verdicts.cost(stage, measured)]
+        of_parts = [c for c in failed if c not in evidence.checks]
+        evidence = replace(evidence, checks=(*of_parts, *checks, *evidence.checks), faults=faults, study=table)
+        say("report")
+        draw = partial(design.report, files, evidence, runs, rows, measured, **({"parts": parts} if parts else {}))
+        page, lost = attempt(draw, "report", "")
+        every = (*lost, *evidence.checks, *(_with_title(c, e.title) for e in runs for c in e.checks))
+        every += faults.checks if faults else ()
+        page = page or _page_of_checks(design.name, every)
+        built = Built(page, replace(evidence, checks=every).document(), every)
+        if failed or lost:
+            raise Incomplete(built, (*failed, *lost))  # which is not cached
+        return built
+
+    try:
+        inputs: list[Task[Any]] = [
+            emit,
+            verify,
+            margins,
+            *simulate.values(),
+            study,
+            campaign,
+            audit,
+            cost,
+            *further.values(),
+        ]
+        keys = [task.key() for task in inputs]
+    except ContentError:  # the report has no key where one of its inputs has none
+        return Task("report", compute, (design.report, object()))
+    return Task("report", compute, (design.report, stage.study if stage else None, *keys))
+
+
+def _page_of_checks(name: str, checks: Sequence[Check]) -> str:
+    from synth.report import template  # matplotlib takes longer to import than all else together
+
+    return template.of_checks(name, checks)
+
+
+def _with_title(check: Check, title: str) -> Check:
+    """Return a check of an experiment with the experiment's title in front of its description."""
+    return replace(check, about=": ".join(filter(None, (title, check.about))))
+
+
+def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
+    """Return the jobs that build designs; the last of each has the design's name and returns a Built.
+
+    The C is written to `root`/generated_c as soon as it is emitted.
+    """
+    library = Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))
+    return [library, *(job for design in designs for job in _build_jobs(design, root))]
+
+
+def _build_jobs(design: Design, root: Path) -> list[Job]:
+    name, whole = design.name, build(design)
+
+    def save(say: Progress) -> None:
+        for folder, files in tasks.emission(design, design.scalar).result(say).items():
+            write.save(files.files, root / "generated_c" / folder)
+
+    try:
+        if store.holds(whole.key()):
+            return [Job(f"{name} emit", name, save), Job(name, name, partial(_whole, whole), (f"{name} emit",))]
+    except ContentError:
+        pass
+    first = f"{name} emit"
+    parts = {f"simulate {part}": task for part, task in tasks.simulations(design).items()}
+    each: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
+        *((what, task, (first,)) for what, task in parts.items()),
+        ("study", tasks.brief_study(design), (first, *(f"{name} {what}" for what in parts))),
+        ("verify", tasks.verification(design, False), (first,)),
+        ("margins", tasks.margins(design), (first,)),
+        ("cost", tasks.brief_cost(design), (first, LIBRARY)),
+        ("audit", tasks.audit(design), (first,)),
+        *((f"report {part}", task, (first, f"{name} verify")) for part, task in tasks.report_parts(design).items()),
+    )
+    jobs = [Job(f"{name} {what}", name, task.result, after) for what, task, after in each]
+    if fault_jobs.closes_loop(design):
+        jobs += fault_jobs.jobs(design, fault_jobs.parts(design, 1), (first,))
+    jobs = [replace(job, run=_in_the_cache(job.run)) for job in jobs]
+    return [Job(first, name, save), *jobs, Job(name, name, partial(_whole, whole), tuple(job.name for job in jobs))]
+
+
+def _in_the_cache(run: Callable[[Progress], Any]) -> Callable[[Progress], None]:
+    """Return a function that leaves a result in the cache, where the last job finds it.
+
+    An error is not cached: the last job computes that part again and makes it a failed check.
+    """
+
+    def compute(say: Progress) -> None:
+        with suppress(Exception):
+            run(say)
+
+    return compute
+
+
+def _whole(task: Task[Built], say: Progress) -> Built:
+    """Return what a build results in, with the failed checks of parts that raised errors."""
+    try:
+        return task.result(say)
+    except Incomplete as incomplete:
+        built: Built = incomplete.value
+        return built
