@@ -99,15 +99,15 @@ class FastPlant:
         """Return the parameters' values for plants that differ from this one in their physical parameters."""
         p = np.array([plant.values for plant in plants], dtype=np.float64).T
         known = _by_node(self.lowered, self.plant, p)
-        rows = [univariate_fits.interpolate(self.lowered, fit, known) for fit in self.fits]
-        errors = [
-            univariate_fits.largest_error(self.lowered, fit, c, known) for fit, c in zip(self.fits, rows, strict=True)
-        ]
+        rows, error = [np.zeros((0, len(plants)))], np.zeros(len(plants))
+        for fit in self.fits:  # one column serves every plant where the function depends on no parameter
+            c = univariate_fits.interpolate(self.lowered, fit, known)
+            rows.append(np.broadcast_to(c, (len(c), len(plants))))
+            error = np.maximum(error, univariate_fits.largest_error(self.lowered, fit, c, known))
         for each in self.expressions:
             values = numeric.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
             rows += [np.broadcast_to(values[k], (1, len(plants))) for k in each.nodes.values()]
-        empty = np.zeros(len(plants))
-        return Coefficients(np.vstack([*rows, np.zeros((0, len(plants)))]), np.max([empty, *errors], axis=0))
+        return Coefficients(np.vstack(rows), error)
 
 
 def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:

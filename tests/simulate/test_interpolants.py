@@ -122,6 +122,15 @@ def test_a_function_that_no_polynomial_approximates_stays() -> None:
     assert abs(value[0] - (0.5 - np.tanh(1.2))) < 1e-15
 
 
+def test_a_function_without_parameters_serves_every_plant() -> None:
+    fast = interpolants.fast_plant(oscillator(ca.exp(Q) - K * V))
+    plants = [fast.plant.with_parameters(k=k) for k in (38.0, 40.0, 43.0)]
+    coefficients = fast.coefficients(plants)
+    assert len(fast.degrees) == 1 and coefficients.error.shape == (3,) and coefficients.error.max() < 1e-10
+    value = evaluate(fast, coefficients.values, np.array([[0.3] * 3, [0.5] * 3, [0.0] * 3]))["v"]
+    assert np.abs(value - (np.exp(0.3) - np.array([19.0, 20.0, 21.5]))).max() < 1e-8
+
+
 def test_a_sine_of_many_turns_is_one_of_any_argument() -> None:
     fast = interpolants.fast_plant(oscillator(U - ca.sin(400 * Q) + ca.cos(400 * Q)))
     q = np.linspace(-3.0, 3.0, 20001)
