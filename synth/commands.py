@@ -56,7 +56,9 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
     root, documents = Path.cwd(), []
     designs = workspace.designs(root, names)
-    results = _run(builds.build_jobs(designs, root), designs, as_json, fresh)
+    # Stored results count as missing also for the choice of the jobs.
+    with store.fresh_run() if fresh else nullcontext():
+        results = _run(builds.build_jobs(designs, root), designs, as_json, fresh)
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
@@ -245,12 +247,14 @@ def audit(names: Names, as_json: bool, fresh: bool) -> int:
 
 
 def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
-    """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type."""
+    """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type, and print their paths."""
     (design,) = workspace.designs(Path.cwd(), [name])
+    say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():
-        emitted = tasks.emission(design, SCALARS[scalar]).result(progress.silent)
+        emitted = tasks.emission(design, SCALARS[scalar]).result(say)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
+        say(f"{', '.join(files.files)} in {out / folder}")
     return 0
 
 

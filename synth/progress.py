@@ -21,7 +21,7 @@ Progress = Callable[[str], None]
 T = TypeVar("T")
 
 TICK_S = 0.2  # between two looks at the clock while nothing is reported
-BAR = 24  # characters
+BAR = 12  # characters: what is done needs the rest of 80 columns
 
 
 class Counted(str):

@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth import cache, fault_jobs, slices, standard_tasks, store, study_runs, verdicts, workspace
+from synth import cache, fault_jobs, progress, slices, standard_tasks, store, study_runs, verdicts, workspace
 from synth.campaign import FaultCampaign, StudyLimits
 from synth.check import Check, Incomplete, of_error
 from synth.emit.c import vectors
@@ -32,7 +32,6 @@ from synth.verify.evidence import Evidence
 from synth.workspace import Design
 
 T = TypeVar("T")
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,8 +216,8 @@ def companion_costs(design: Design) -> Task[list[Cost]]:
         emitted = emission(design, np.float32).result(say)
         codes = [emitted[c.block.name] for c in companions]
         recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
-        each = zip(codes, companions, recorded, strict=True)
-        return [meter.brief(code, c.block, u, c.sequences) for code, c, u in each]
+        said = progress.each(companions, say, lambda c: f"cost of {c.block.name}")
+        return [meter.brief(code, c.block, u, c.sequences) for code, c, u in zip(codes, said, recorded, strict=True)]
 
     used = (meter.brief, design.emit, *(c.sequences for c in companions))
     return Task("cost of companions", compute, used)

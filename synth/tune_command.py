@@ -3,6 +3,7 @@
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from synth import progress, store, strict_json, tables, tune_jobs, tune_search, workspace
@@ -22,10 +23,12 @@ class TuneChoice:
 def tune(name: str, as_json: bool, chosen: TuneChoice) -> int:
     """Search the free parameters of a design for values that reach its goals, and print them as a proposal."""
     (design,) = workspace.designs(Path.cwd(), [name])
-    write = writer(as_json)
-    write(name, "compile the declared law")
-    search = tune_jobs.prepare(design, chosen.plan)
-    tuned = tune_search.search(search, progress.Lines(lambda job, line: None), lambda line: write(name, line))
+    write, begun = writer(as_json), monotonic()
+    with progress.display(1, lambda about, line: write(about, f"{line}, {monotonic() - begun:.0f} s")) as display:
+        display.begin(name, name)
+        display.report(name, name, "compile the declared law")
+        search = tune_jobs.prepare(design, chosen.plan)
+        tuned = tune_search.search(search, display)
     store.trim()
     if chosen.report is not None:
         store.replace_text(chosen.report, report.page_text(name, search.tuning, tuned))

@@ -12,7 +12,6 @@ The proposal gets C of its own, with all proofs of the emission, and its margins
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,7 @@ from synth.check import Check
 from synth.errors import DesignError
 from synth.execute import build
 from synth.jobs import Job
-from synth.progress import Display, Progress
+from synth.progress import Counted, Display, Progress
 from synth.tune_jobs import Search, measure_goals, with_values
 from synth.tuning import Candidate, Certificate, Tuned
 from synth.verify import standard
@@ -42,17 +41,53 @@ def score(candidate: Candidate, weights: tuple[float, float]) -> float:
     return largest + RHO * float(np.mean([goal.ratio for goal in candidate.goals] or [largest]))
 
 
-def search(of: Search, display: Display, progress: Progress) -> Tuned:
-    """Return the result of all runs of the search; `display` shows the jobs of a generation."""
+class Trials:
+    """The jobs of all generations as one bar of the search: a line of a job is the largest ratio of a candidate.
+
+    The bar shows the least of these so far, this one, and which `generation` is evaluated.
+    """
+
+    def __init__(self, shown: Display, name: str, total: int) -> None:
+        self.generation, self.best, self.done = "", np.inf, 0
+        self.tick_s, self.tick = shown.tick_s, shown.tick
+        self._show = lambda line: shown.report(name, name, Counted(line, min(self.done, total), total))
+
+    def begin(self, job: str, about: str) -> None:
+        """Show nothing: the jobs are those of one bar."""
+
+    def report(self, job: str, about: str, line: str) -> None:
+        """Count a candidate and show the best one."""
+        self.done, self.best = self.done + 1, min(self.best, float(line))
+        self._show(f"best ratio {self.best:.4g}, last {float(line):.4g}, {self.generation}")
+
+    def say(self, line: str) -> None:
+        """Show a line of the search itself."""
+        self._show(line)
+
+    def end(self, job: str) -> None:
+        """Show nothing."""
+
+
+def search(of: Search, display: Display) -> Tuned:
+    """Return the result of all runs of the search, shown under the name of its design.
+
+    Raises DesignError where a process fails, or the proposal has no certificate.
+    """
     archive: Archive = {}
     population = _first_population(of)
-    for weights in WEIGHTS:
+    trials = Trials(display, of.design.name, len(population) * (1 + len(WEIGHTS) * of.plan.generations))
+    trials.say(f"{len(WEIGHTS)} runs of {of.plan.generations} generations of {len(population)} candidates")
+    for run, weights in enumerate(WEIGHTS, 1):
         population = _best(of, archive, weights, len(population)) if len(archive) else population
-        _run(of, weights, population, archive, display, progress)
+        _run(of, f"run {run}/{len(WEIGHTS)}", weights, population, archive, trials)
     candidates = list(archive.values())
     proposal = min(candidates, key=lambda c: score(c, WEIGHTS[0]))
-    progress("certificate of the proposal")
-    return Tuned(of.plan, candidates[0], proposal, certify(of, proposal), pareto_front(candidates), len(candidates))
+    trials.say("certificate of the proposal")
+    job = Job("certificate", of.design.name, lambda say: certify(of, proposal))
+    outcome = jobs.run([job], trials)[job.name]
+    if outcome.error:
+        raise DesignError(f"certificate of the proposal for '{of.design.name}': {outcome.error}")
+    return Tuned(of.plan, candidates[0], proposal, outcome.value, pareto_front(candidates), len(candidates))
 
 
 def _first_population(of: Search) -> Shares:
@@ -71,28 +106,22 @@ def _best(of: Search, archive: Archive, weights: tuple[float, float], n: int) ->
 
 
 def _run(
-    of: Search,
-    weights: tuple[float, float],
-    population: Shares,
-    archive: Archive,
-    display: Display,
-    progress: Progress,
+    of: Search, run: str, weights: tuple[float, float], population: Shares, archive: Archive, trials: Trials
 ) -> None:
     """Add the candidates of one run of differential evolution to the archive."""
     from scipy import optimize  # slow to import (1 s) and seldom needed
 
+    generations = iter(range(of.plan.generations + 1))
+
     def scores(_: Callable[[Shares], float], rows: Iterable[Shares]) -> list[float]:
         keys = [tuple(np.asarray(row).tolist()) for row in rows]
-        archive.update(_evaluate(of, [k for k in dict.fromkeys(keys) if k not in archive], display))
+        trials.generation = f"{run}, generation {next(generations)}/{of.plan.generations}"
+        archive.update(_evaluate(of, [k for k in dict.fromkeys(keys) if k not in archive], trials))
         return [score(archive[key], weights) for key in keys]
-
-    def say(intermediate_result: Any) -> None:
-        progress(f"weights {weights}: {len(archive)} candidates, best score {intermediate_result.fun:.4g}")
 
     optimize.differential_evolution(
         _only_in_workers, [(0.0, 1.0)] * population.shape[1], init=population, maxiter=of.plan.generations,
         tol=0.0, atol=0.0, polish=False, updating="deferred", rng=np.random.default_rng(of.plan.seed), workers=scores,
-        callback=say,
     )  # fmt: skip
 
 
@@ -100,7 +129,7 @@ def _only_in_workers(row: Shares) -> float:
     raise AssertionError("differential evolution evaluates candidates by its `workers`")
 
 
-def _evaluate(of: Search, keys: Sequence[tuple[float, ...]], display: Display) -> Archive:
+def _evaluate(of: Search, keys: Sequence[tuple[float, ...]], trials: Trials) -> Archive:
     """Return the candidates, computed by all cores; raise DesignError where a process fails."""
     processes = min(jobs.cores(), len(keys))
     parts = [keys[k::processes] for k in range(processes)]
@@ -108,7 +137,7 @@ def _evaluate(of: Search, keys: Sequence[tuple[float, ...]], display: Display) -
         Job(f"{of.design.name} candidates {k + 1}", of.design.name, partial(_batch, of, part))
         for k, part in enumerate(parts)
     ]
-    outcomes = jobs.run(work, display)
+    outcomes = jobs.run(work, trials)
     if errors := [outcome.error for outcome in outcomes.values() if outcome.error]:
         raise DesignError(f"candidates of '{of.design.name}': {errors[0]}")
     computed: Archive = {}
@@ -118,7 +147,11 @@ def _evaluate(of: Search, keys: Sequence[tuple[float, ...]], display: Display) -
 
 
 def _batch(of: Search, keys: Sequence[tuple[float, ...]], progress: Progress) -> list[Candidate]:
-    return [of.evaluate({f.name: f.at(s) for f, s in zip(of.tuning.free, shares, strict=True)}) for shares in keys]
+    candidates = []
+    for shares in keys:
+        candidates.append(of.evaluate({f.name: f.at(s) for f, s in zip(of.tuning.free, shares, strict=True)}))
+        progress(repr(candidates[-1].worst))
+    return candidates
 
 
 def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.declaration import Stage
-from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError, SynthError, design_lines
 from synth.execute import host
@@ -72,12 +71,6 @@ class Design:
     audit: Callable[[], Iterator[Row]] = _no_rows
     report_parts: Mapping[str, Callable[[Progress], Any]] = field(default_factory=dict)
     stage: Stage | None = None
-
-
-def regenerate(design: Design, root: Path = Path()) -> None:
-    """Write the emitted files of a design to generated_c/ of the workspace at `root`."""
-    for folder, files in design.emit(design.scalar).items():
-        write.save(files.files, root / "generated_c" / folder)
 
 
 def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:

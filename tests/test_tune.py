@@ -1,5 +1,6 @@
 """Tuning: ratios of goals, the search, its independence of processes, and a proposal that its certificate must hold."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -7,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth import jobs, tune_jobs, tune_search
-from synth.errors import DesignError, SignalError, WiringError
+from synth import jobs, tune_command, tune_jobs, tune_search, workspace
+from synth.errors import DesignError, EmitError, SignalError, WiringError
 from synth.execute import build
-from synth.progress import Lines, silent
+from synth.progress import Counted, Display, Lines
 from synth.simulate import closed_loop, lane_blocks, study
 from synth.simulate.integration import Integration
 from synth.simulate.sampling import Sampling
-from synth.tuning import LARGEST, Candidate, FreeParameter, Goal, Plan, Tuning
+from synth.tuning import LARGEST, Candidate, Certificate, FreeParameter, Goal, Plan, Tuned, Tuning
 from tests import levitator
 
 QUIET = Lines(lambda job, line: None)
@@ -55,12 +56,15 @@ def evaluate(values: dict[str, float]) -> Candidate:
     return replace(candidate(abs(np.log(values["a"] / 4)) + 0.5, abs(values["b"] - 0.5) + 0.5), values=values)
 
 
+def stub(seed: int, generations: int) -> Any:
+    plan, design = Plan(1, seed, generations), SimpleNamespace(name="stub")
+    return SimpleNamespace(evaluate=evaluate, tuning=Tuning(FREE, lambda p: p), plan=plan, design=design)
+
+
 def archive(seed: int) -> dict[tuple[float, ...], Candidate]:
-    of: Any = SimpleNamespace(
-        evaluate=evaluate, tuning=Tuning(FREE, lambda p: p), plan=Plan(1, seed, 8), design=SimpleNamespace(name="stub")
-    )
-    candidates: dict[tuple[float, ...], Candidate] = {}
-    tune_search._run(of, (1.0, 1.0), tune_search._first_population(of), candidates, QUIET, silent)
+    of, candidates = stub(seed, 8), dict[tuple[float, ...], Candidate]()
+    trials = tune_search.Trials(QUIET, "stub", 1)
+    tune_search._run(of, "run", (1.0, 1.0), tune_search._first_population(of), candidates, trials)
     return candidates
 
 
@@ -73,6 +77,53 @@ def test_the_search_approaches_the_best_values_and_follows_from_its_seed_alone(m
     monkeypatch.setattr(jobs, "cores", lambda: 1)
     assert archive(3) == candidates and list(archive(3)) == list(candidates)
     assert list(archive(4)) != list(candidates)
+
+
+def test_each_candidate_is_shown_with_the_best_so_far(monkeypatch: Any) -> None:
+    shown: list[Counted] = []
+
+    class Recorder(Lines):
+        def report(self, job: str, about: str, line: str) -> None:
+            assert job == about == "stub" and isinstance(line, Counted)
+            shown.append(line)
+
+    certificate = Certificate((), (), {})
+    monkeypatch.setattr(tune_search, "certify", lambda of, proposal: certificate)
+    tuned = tune_search.search(stub(3, 2), Recorder(lambda about, line: None))
+    first, *trials, last = shown
+    assert first == "3 runs of 2 generations of 12 candidates" and last == "certificate of the proposal"
+    assert [(line.done, line.total) for line in trials] == [(k, 84) for k in range(1, tuned.candidates + 1)]
+    text = re.compile(r"best ratio ([\d.]+), last ([\d.]+), run ([123])/3, generation ([012])/2")
+    best, ratios, runs, generations = zip(*(text.fullmatch(line).groups() for line in trials), strict=True)  # type: ignore[union-attr]
+    assert [*map(float, best)] == np.minimum.accumulate([*map(float, ratios)]).tolist()
+    assert float(best[-1]) == pytest.approx(tuned.proposal.worst, rel=0.05)
+    assert {*runs} == {*"123"} and {*generations} == {*"012"} and list(runs) == sorted(runs)
+    assert tuned.certificate == certificate
+
+
+def test_a_proposal_without_a_certificate_is_an_error_that_says_why(monkeypatch: Any) -> None:
+    def fails(of: Any, proposal: Candidate) -> Certificate:
+        raise EmitError("planted: unbounded")
+
+    monkeypatch.setattr(tune_search, "certify", fails)
+    with pytest.raises(DesignError, match="certificate of the proposal for 'stub': planted: unbounded"):
+        tune_search.search(stub(3, 1), QUIET)
+
+
+def test_the_command_says_what_runs_and_for_how_long(monkeypatch: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    declared = evaluate({"a": 1.0, "b": 0.0})
+    tuned = Tuned(Plan(1, 0, 1), declared, declared, Certificate((), (), {}), (), 1)
+
+    def search(of: Any, display: Display) -> Tuned:
+        display.report("stub", "stub", "best ratio 1.5")
+        return tuned
+
+    monkeypatch.setattr(workspace, "designs", lambda *_: [None])
+    monkeypatch.setattr(tune_jobs, "prepare", lambda *_: SimpleNamespace(tuning=Tuning(FREE, lambda p: p)))
+    monkeypatch.setattr(tune_search, "search", search)
+    tune_command.tune("stub", False, tune_command.TuneChoice(tuned.plan, None))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["stub: compile the declared law, 0 s", "stub: best ratio 1.5, 0 s"]
 
 
 @pytest.fixture(scope="module")

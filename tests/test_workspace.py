@@ -18,6 +18,7 @@ from synth import builds, workspace
 from synth.cli import app
 from synth.emit import write
 from synth.errors import DesignError
+from synth.progress import Progress
 from synth.verify.evidence import Evidence
 
 ROOT = Path(__file__).parents[1]
@@ -192,7 +193,9 @@ def test_emit_loads_nothing_that_draws_or_typesets(tmp_path: Path) -> None:
     )
     command = [sys.executable, "-c", script, str(tmp_path)]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    assert ended.stdout == "set()\nset()\n" and (tmp_path / "maglev_5dof/maglev_5dof.c").exists()
+    before, *said, after = ended.stdout.splitlines()
+    assert before == after == "set()" and (tmp_path / "maglev_5dof/maglev_5dof.c").exists()
+    assert said[0].startswith("maglev_5dof: gains and C") and "maglev_5dof.c" in said[1]
 
 
 @pytest.mark.slow
@@ -203,6 +206,28 @@ def test_emit_writes_the_other_scalar_type(root: Path, tmp_path: Path) -> None:
     assert manifest["scalar"] == "float64" and manifest["structs"]["input"]["size"] == 12 * 8
     wrong = RUNNER.invoke(app, ["emit", "maglev_5dof", "--scalar", "float16", "--out", str(tmp_path)])
     assert wrong.exit_code == 2
+
+
+def test_a_fresh_build_runs_every_part_in_a_job_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not all of them in the last job, unseen and one after the other, because older results are stored."""
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+
+    def verify(say: Progress, whole: bool) -> Evidence:
+        say("witnesses")
+        return Evidence("stage", (), ())
+
+    made = replace(
+        design("stage", stage=write.EmittedCode({}, {})),
+        scalar=np.float64,
+        verify=verify,
+        simulate={},
+        report=lambda *results: "page",
+    )
+    monkeypatch.setattr(workspace, "designs", lambda *_: [made])
+    first, unchanged, fresh = (RUNNER.invoke(app, ["build", *option]).output for option in ((), (), ("--fresh",)))
+    assert "stage: witnesses\n" in first and "witnesses" not in unchanged and "stage: report: unchanged\n" in unchanged
+    assert fresh == first
 
 
 def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,7 @@ from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # limits of the axis; the poles of an internal model are infinitely high
+LOWEST_PHASE = -540.0  # degrees
 MAX_WIDTH, MIN_WIDTH = 2.6, 0.7  # points; different widths keep coincident curves visible
 MAX_LOOPS = len(COLOURS)  # loops in one plot
 NYQUIST = 0.98  # upper limit, of pi/T: at pi/T L is real and its phase jumps
@@ -40,17 +41,23 @@ class LoopCurve:
 def curve(
     label: str, loop: StateSpace, loop_margins: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
 ) -> LoopCurve:
-    """Return the response of a scalar loop from `low` to `high` rad/s, at most NYQUIST pi/T, with its margins.
+    """Return the response of a scalar loop, with its margins, from `low` to `high` rad/s, at most NYQUIST pi/T.
+
+    It begins below the crossings and the maximum of |S|, where these lie below `low`.
 
     Raises SignalError when the loop is not scalar.
     """
     top = min(high, NYQUIST * np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
-    crossings = [
-        *(c.frequency for c in loop_margins.gain_crossings),
-        *(c.frequency for c in loop_margins.phase_crossings),
-    ]
-    w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
+    marks = [f for f in _marks(loop_margins) if 0 < f < top]
+    bottom = min([low, *(f / 2 for f in marks)])
+    w = np.unique([*np.geomspace(bottom, top, points), *marks])
     return LoopCurve(label, w, stability_margins.response(loop)(w), loop_margins)
+
+
+def _marks(margins: Margins) -> tuple[float, ...]:
+    """Return the frequencies in rad/s that decide the margins: of the crossings and of Ms."""
+    crossings = *margins.gain_crossings, *margins.phase_crossings
+    return (*(c.frequency for c in crossings), margins.peak_frequency)
 
 
 def phase(curve: LoopCurve) -> Array:
@@ -62,7 +69,8 @@ def phase(curve: LoopCurve) -> Array:
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
     """Draw gain, phase and sensitivity over frequency in Hz, one colour per loop, for at most six loops.
 
-    A dot marks each gain crossing, a diamond each phase crossing.
+    A dot marks each gain crossing, a diamond each phase crossing, a square Ms. The axis of the phase encloses the
+    phase at these and at all lower frequencies; the legend names the loops whose closed loop is unstable.
 
     Raises SignalError when there are none or more than six.
     """
@@ -76,7 +84,7 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
             _draw(gain, angle, sensitivity, c, {"color": colour, "linewidth": width})
         _decibels(gain, "|L|, dB", DECIBELS, 20)
         _decibels(sensitivity, "|S|, dB", (-40.0, max(10.0, *(float(_S(c).max()) + 2 for c in curves))), 20)
-        _degrees(angle, [phase(c) for c in curves])
+        _degrees(angle, curves)
         gain.legend(loc="upper right")
         sensitivity.set_xscale("log")
         sensitivity.set_xlabel("frequency, Hz")
@@ -88,15 +96,15 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
 
 def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: dict[str, Any]) -> None:
     f, level, degrees = curve.frequency / (2 * np.pi), _db(curve.response), phase(curve)
-    gain.plot(f, level, label=curve.label, **style)
+    gain.plot(f, level, label=curve.label if curve.margins.stable else f"{curve.label}, unstable", **style)
     angle.plot(f, degrees, **style)
     sensitivity.plot(f, _S(curve), **style)
     marker_style = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
     gains = [c.frequency for c in curve.margins.gain_crossings]
     phases = [c.frequency for c in curve.margins.phase_crossings]
-    for crossings, marker in ((gains, "o"), (phases, "D")):
-        at = np.array([w for w in crossings if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
-        for axes, values in ((gain, level), (angle, degrees)):
+    for marked, marker in ((gains, "o"), (phases, "D"), ([curve.margins.peak_frequency], "s")):
+        at = np.array([w for w in marked if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
+        for axes, values in ((gain, level), (angle, degrees), (sensitivity, _S(curve))):
             axes.plot(at, np.interp(at, f, values), marker=marker, **marker_style)
 
 
@@ -114,10 +122,13 @@ def _decibels(axes: Axes, label: str, limits: tuple[float, float], step: float) 
     axes.yaxis.set_major_locator(MultipleLocator(step))
 
 
-def _degrees(axes: Axes, phases: Sequence[Array]) -> None:
-    low = max(min(float(p.min()) for p in phases), -540.0)
-    high = min(max(float(p.max()) for p in phases), 360.0)
-    axes.set(ylabel="arg L, °", ylim=(90 * np.floor(low / 90) - 10, 90 * np.ceil(high / 90) + 10))
-    for level in (-540.0, -180.0, 180.0):
-        axes.axhline(level, color="#666666", lw=0.8)
+def _degrees(axes: Axes, curves: Sequence[LoopCurve]) -> None:
+    """Limit the phase to LOWEST_PHASE where no mark lies below: a delay reduces it without end."""
+    marked = [np.interp(w, c.frequency, phase(c)) for c in curves for w in _marks(c.margins) if w <= c.frequency[-1]]
+    low = max(min(float(phase(c).min()) for c in curves), min([LOWEST_PHASE, *marked]))
+    high = max(float(phase(c).max()) for c in curves)
+    bottom, top = 90 * np.floor(low / 90) - 10, 90 * np.ceil(high / 90) + 10
+    axes.set(ylabel="arg L, °", ylim=(bottom, top))
+    for turn in range(int(bottom // 360), int(top // 360) + 1):
+        axes.axhline(360.0 * turn + 180, color="#666666", lw=0.8)
     axes.yaxis.set_major_locator(MultipleLocator(90 if high - low < 540 else 180))

@@ -17,6 +17,7 @@ from synth.simulate.experiment import Experiment
 from synth.verify.agree import Agreement
 from synth.verify.cost import NOTE, Cost, tables
 
+UNSTABLE = "unstable"  # instead of a margin
 RANGES = ("crossover, Hz", "phase margin, °", "gain margin, ×", "Ms")
 AGREEMENT = {
     "compared": "what",
@@ -66,21 +67,24 @@ def experiment(
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
     """Return one loop under several conditions: its Bode plot and a table of its worst margins.
 
-    At most bode.MAX_LOOPS curves are drawn, those with the smallest modulus margins.
+    At most bode.MAX_LOOPS curves are drawn: those that are unstable, and those with the smallest modulus margins.
 
     Raises SignalError when there is no curve.
     """
-    worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MAX_LOOPS]
+    worst = sorted(curves, key=lambda c: (c.margins.stable, c.margins.modulus_margin))[: bode.MAX_LOOPS]
     plot = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
     which = (
         f" The {bode.MAX_LOOPS} loops with the least modulus margins are shown." if len(curves) > bode.MAX_LOOPS else ""
     )
-    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds mark negative real L.{which}"
+    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds negative real L, squares Ms.{which}"
     return Section(title, (Figure(plot, caption), margins_table(title, curves)))
 
 
 def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
-    """Return the worst margins of each loop over all crossings, and its highest crossover frequency."""
+    """Return the worst margins of each loop over all crossings, and its highest crossover frequency.
+
+    An unstable closed loop has no margins.
+    """
     columns = (
         *("loop", "closed loop", "crossover, Hz", "gain up, ×", "gain down, ×", "phase, °"),
         *("delay, ms", "modulus", "Ms", "Ms at, Hz"),
@@ -93,14 +97,15 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
 
 
 def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
-    """Return the smallest and the largest value of each of RANGES over loops."""
+    """Return the smallest and the largest value of each of RANGES over loops; "unstable" for margins if one is."""
     crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * math.pi) for m in margins]
     others = (
         [m.phase_margin for m in margins],
         [m.gain_margin for m in margins],
         [m.peak_sensitivity for m in margins],
     )
-    return tuple(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *others))
+    ranges = [f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *others)]
+    return tuple(ranges) if all(m.stable for m in margins) else (ranges[0], *[UNSTABLE] * len(others))
 
 
 def disks(by_loop: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
@@ -159,11 +164,13 @@ def _measured_rows(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
 def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
     m = curve.margins
     highest = max((c.frequency for c in m.gain_crossings), default=math.nan) / (2 * math.pi)
-    return (
-        *(curve.label, "stable" if m.stable else "UNSTABLE", highest, m.gain_margin, m.gain_reduction_margin),
-        *(m.phase_margin, 1e3 * m.delay_margin, m.modulus_margin, m.peak_sensitivity),
-        m.peak_frequency / (2 * math.pi),
+    margins = (
+        *(m.gain_margin, m.gain_reduction_margin, m.phase_margin, 1e3 * m.delay_margin),
+        *(m.modulus_margin, m.peak_sensitivity, m.peak_frequency / (2 * math.pi)),
     )
+    if not m.stable:
+        return (curve.label, "UNSTABLE", highest, *[UNSTABLE] * len(margins))
+    return (curve.label, "stable", highest, *margins)
 
 
 def _recomputed_text(row: Row) -> str:

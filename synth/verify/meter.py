@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.emit.write import EmittedCode
+from synth.errors import SignalError
 from synth.execute import cross, elf, host, image, recorder
 from synth.verify import baselines, cost, lines, operations, steps
 from synth.verify.baselines import Candidate
@@ -73,11 +74,23 @@ def measure(
     The common steps exclude steps with a fault, because a latched step skips the control law and distorts the ratio.
 
     Raises CompileError when no cross compiler is installed or one refuses a source, and SignalError when no sequence
-    comes from a closed loop.
+    comes from a closed loop, when one has no steps or when two have one name.
     """
     controller = host.load(emitted.files, emitted.manifest)
     loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
-    shared = steps.thinned(steps.without_faults(controller, loops), common)
+    shared = replace(steps.thinned(steps.without_faults(controller, loops), common), name="closed loops without faults")
+    for sequence in (*sequences, shared):
+        if not len(sequence):
+            raise SignalError(
+                f"cost of '{block.name}': found no steps in the sequence '{sequence.name}', need at least one: give "
+                "stimuli that reach what it selects, or leave it out"
+            )
+    names = [s.name for s in sequences]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise SignalError(
+            f"cost of '{block.name}': found several sequences named {', '.join(map(repr, twice))}, need one row of the "
+            "table each: rename or concatenate them"
+        )
     emitted_c = baselines.emitted_c(emitted)
     candidates = (emitted_c, baselines.casadi(block, shimmed=False), baselines.casadi(block, shimmed=True))
     compared, measured, coverages = [], [], []

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 
 from synth.analyse import stability_margins
 from synth.errors import SignalError
-from synth.report import bode, figures
+from synth.report import bode, figures, page, sections
 from synth.report.figures import Curve, Panel
 from synth.simulate.experiment import Experiment
 from synth.statespace import StateSpace
@@ -136,6 +137,45 @@ def test_a_bode_plot_marks_the_crossings() -> None:
     peak = np.asarray(sensitivity.lines[0].get_ydata(), dtype=float).max()
     assert peak == pytest.approx(20 * np.log10(curve.margins.peak_sensitivity), abs=0.1)
     assert sensitivity.get_xlabel() == "frequency, Hz" and angle.get_ylabel() == "arg L, °"
+
+
+@pytest.mark.parametrize("turns", [-4, 0, 3])
+def test_the_axes_enclose_every_crossing_and_the_largest_sensitivity(
+    turns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where poles on the axis or delays put them turns away, and below the lowest frequency that is asked for."""
+    phase = bode.phase
+    monkeypatch.setattr(bode, "phase", lambda curve: phase(curve) + 360 * turns)
+    loop = resonant()
+    curve = bode.curve("L", loop, stability_margins.of_loop(loop), 10.0, 100.0)
+    gain, angle, sensitivity = bode.bode_plot([curve]).axes
+    for axes in (gain, angle, sensitivity):
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        marks = {
+            str(line.get_marker()): line.get_xydata() for line in axes.lines if line.get_marker() in ("o", "D", "s")
+        }
+        assert len(marks["s"]) == 1 and len(marks["o"]) > 0
+        assert marks["s"][0, 0] == pytest.approx(curve.margins.peak_frequency / (2 * np.pi))
+        for xy in marks.values():
+            assert ((left < xy[:, 0]) & (xy[:, 0] < right) & (bottom < xy[:, 1]) & (xy[:, 1] < top)).all()
+
+
+def test_an_unstable_loop_has_no_margins() -> None:
+    """It is drawn before loops of smaller modulus margins, and named in the legend."""
+    A, B = np.array([[0.0, 1.0], [0.0, -1.0]]), np.array([[0.0], [100.0]])
+    stable = StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), ("a", "b"), ("u",), ("y",), Continuous())
+    unstable = resonant()
+    curves = [bode.curve(n, s, stability_margins.of_loop(s)) for n, s in (("a", stable), ("b", unstable))]
+    assert [c.margins.stable for c in curves] == [True, False]
+    assert curves[0].margins.modulus_margin < curves[1].margins.modulus_margin
+    first, second = sections.margins_table("both", curves).rows
+    assert first[1] == "stable" and all(isinstance(cell, float) for cell in first[2:])
+    assert second[1] == "UNSTABLE" and isinstance(second[2], float) and {*second[3:]} == {"unstable"}
+    assert len(first) == len(second)
+    ranges = sections.margins_ranges([c.margins for c in curves])
+    assert ranges[1:] == ("unstable",) * 3 and "unstable" not in sections.margins_ranges([curves[0].margins])
+    drawn = sections.loop("Loop", "loop", [*(replace(curves[0]) for _ in range(6)), curves[1]]).blocks[0]
+    assert isinstance(drawn, page.Figure) and ">b, unstable<" in drawn.svg
 
 
 def test_more_loops_than_can_be_distinguished_are_refused() -> None:

@@ -266,6 +266,20 @@ def test_no_closed_loop_is_named(sequences: list[Steps]) -> None:
         meter.measure(EMITTED, MADE, sequences[2:], silent)
 
 
+def test_sequences_without_steps_and_with_one_name_are_refused(
+    controller: host.Controller, sequences: list[Steps]
+) -> None:
+    loop, _, drawn = sequences
+    bad = np.flatnonzero(steps.evaluate(controller, drawn).faults)[:5]
+    for message, refused in (
+        ("'axes_2': found no steps in the sequence 'drawn', need", [loop, replace(drawn.part(slice(0)), name="drawn")]),
+        ("in the sequence 'closed loops without faults', need", [replace(drawn.part(bad), closed_loop=True)]),
+        ("several sequences named 'loop', need", [loop, drawn, loop]),
+    ):
+        with pytest.raises(SignalError, match=message):
+            meter.measure(EMITTED, MADE, refused, silent)
+
+
 def test_a_state_of_the_block_is_one_of_casadi() -> None:
     """CasADi stores counters and flags as floats, in the order of the Block."""
 

@@ -76,17 +76,22 @@ def sequences(controller: host.Controller) -> list[Steps]:
     at_rest = {name: float(v[0]) for name, v in motions.by_input(V[:, 0]).items()}
     V[:REST, ::2, 0] = 0
     V[:REST, 1::2, 0, 0] += OFFSET
-    sweeps = [steps.record(controller, "sweep, fault", motions.by_input(V[:REST, k])) for k in range(len(FAULTS))]
+    sweeps = [
+        steps.record(controller, f"sweep {k}, {'offset' if k % 2 else 'dead'}", motions.by_input(V[:REST, k]))
+        for k in range(len(FAULTS))
+    ]
     tracking = tracking_steps(controller)
     ends = steps.at_range_ends(controller, tracking, RANGE_END_STEPS)
     outputs = steps.evaluate(controller, tracking).outputs
     unavailable = np.flatnonzero((outputs["converged"] > 0) & (outputs["valid"] == 0))[-RANGE_END_STEPS:]
-    doubted = [_in_doubt(controller, each) for each in (*loops, tracking)]
-    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable), *doubted]
+    doubted = steps.concatenate("doubted", [_in_doubt(controller, each) for each in (*loops, tracking)])
+    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable), doubted]
 
 
 def _in_doubt(controller: host.Controller, of: Steps) -> Steps:
-    """Return the steps that are valid with a sensor excluded, with that exclusion in doubt."""
+    """Return the steps that are valid with a sensor excluded, with that exclusion in doubt; none excludes one without
+    a fault.
+    """
     outputs = steps.evaluate(controller, of).outputs
     part = of.part(np.flatnonzero((outputs["valid"] > 0) & (outputs["excluded"] > 0))[-RANGE_END_STEPS:])
     states = part.states.copy()

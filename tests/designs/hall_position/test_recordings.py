@@ -42,7 +42,9 @@ def test_regeneration_gives_the_committed_bytes(name: str) -> None:
     folder = ROOT / "generated_c" / name
     fresh = {file: text for file, text in emitted_files()[name].files.items() if file != "vectors.json"}
     recorded = {file: (folder / file).read_text() for file in fresh}
-    assert recorded == fresh, f"generated_c/{name} is stale: run `python -m designs.hall_position` and commit"
+    assert recorded == fresh, (
+        f"generated_c/{name} is stale: run `synth emit hall_position --out generated_c` and commit"
+    )
     assert {p.name for p in folder.iterdir()} == {*fresh, "vectors.json"}
 
 

@@ -54,7 +54,7 @@ def test_regeneration_gives_the_committed_bytes(regenerated: dict[str, EmittedCo
     folder = ROOT / "generated_c" / name
     fresh = {file: text for file, text in regenerated[name].files.items() if file != "vectors.json"}
     committed = {file: (folder / file).read_text() for file in fresh}
-    assert committed == fresh, f"generated_c/{name} is stale: run `python -m designs.{name}` and commit"
+    assert committed == fresh, f"generated_c/{name} is stale: run `synth emit {name} --out generated_c` and commit"
     assert {p.name for p in folder.iterdir()} == {*fresh, "vectors.json"}
 
 

@@ -58,6 +58,15 @@ def test_every_decision_is_seen_both_ways_or_is_out_of_reach(name: str) -> None:
     assert [line for line in missing if not re.search("|".join(UNREACHED.values()), line)] == []
 
 
+@pytest.mark.parametrize("name", config.PLACES)
+def test_every_sequence_has_steps_and_a_name_of_its_own(name: str) -> None:
+    emitted = committed(name)
+    sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest))
+    lengths = {s.name: len(s) for s in sequences}
+    assert len(lengths) == len(sequences) and min(lengths.values()) > 0
+    assert lengths["doubted"] > 40
+
+
 @tools.needs_arm_gcc
 def test_a_decision_that_nothing_takes_is_detected() -> None:
     """The planted defect: a branch on a value that no step has."""
