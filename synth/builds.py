@@ -165,7 +165,7 @@ def _build_jobs(design: Design, root: Path) -> list[Job]:
     )
     jobs = [Job(f"{name} {what}", name, task.result, after) for what, task, after in each]
     if fault_jobs.closes_loop(design):
-        jobs += fault_jobs.jobs(design, fault_jobs.parts(design, 1), (first,))
+        jobs += fault_jobs.jobs(design, fault_jobs.basic(design), (first,))
     jobs = [replace(job, run=_in_the_cache(job.run)) for job in jobs]
     return [Job(first, name, save), *jobs, Job(name, name, partial(_whole, whole), tuple(job.name for job in jobs))]
 

@@ -31,7 +31,7 @@ from synth.workspace import Design
 
 CHUNK = 12  # faults whose runs are stored together
 PART = 8  # chunks of one job
-RUNS, SWEEPS, LOSSES = "plant", "sweeps of plant", "losses on plant"
+RUNS, BASIC, SWEEPS, LOSSES = "plant", "basic faults on plant", "sweeps of plant", "losses on plant"
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Chunks:
 class Part:
     """The faults from number `first` on, on one plant in one condition.
 
-    `what` is RUNS of all faults, SWEEPS of them, or LOSSES, runs of the sensors that are lost for good.
+    `what` is RUNS of all faults, BASIC or LOSSES, runs of those of `injections`, or SWEEPS.
     """
 
     plant: int
@@ -89,6 +89,11 @@ def parts(design: Design, plants: int, sweep: bool = False) -> list[Part]:
         *(part for plant in range(plants) for part in _parts(stage, plant, RUNS)),
         *(_parts(stage, 0, SWEEPS) if sweep else ()),
     ]
+
+
+def basic(design: Design) -> list[Part]:
+    """Return the parts of the faults that a build runs on the nominal plant; raise DesignError as `stage_of`."""
+    return list(_parts(stage_of(design), 0, BASIC))
 
 
 def losses(design: Design, plants: int) -> list[Part]:
@@ -178,8 +183,8 @@ def _parts(stage: Stage, plant: int, what: str) -> Iterator[Part]:
 
 
 def _faults(stage: Stage, what: str) -> Sequence[Injection]:
-    derived = injections.derive(stage)
-    return derived if what != LOSSES else [i for i in derived if injections.is_loss(i)]
+    chosen = {BASIC: injections.is_basic, LOSSES: injections.is_loss}.get(what)
+    return [i for i in injections.derive(stage) if chosen is None or chosen(i)]
 
 
 def _name(design: str, part: Part) -> str:

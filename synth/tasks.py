@@ -124,14 +124,14 @@ def experiments(design: Design, say: Progress) -> list[Experiment]:
 
 
 def faults(design: Design) -> Task[Campaign | None]:
-    """Return the task of the fault campaign on the nominal plant; its result is None for a design without a loop."""
+    """Return the task of the basic faults on the nominal plant; its result is None for a design without a loop."""
     if not fault_jobs.closes_loop(design):
         return Task("faults", _nothing, (_nothing,))
     return Task("faults", lambda say: _campaign(design), (_campaign, design.stage))
 
 
 def _campaign(design: Design) -> Campaign:
-    return fault_jobs.result(design, fault_jobs.parts(design, 1))
+    return fault_jobs.result(design, fault_jobs.basic(design))
 
 
 def brief_study(design: Design) -> Task[StudyTable | None]:

@@ -9,8 +9,9 @@ import pytest
 
 from synth import commands, fault_jobs, jobs, standard_tasks, store, workspace
 from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
-from synth.errors import DesignError
+from synth.errors import DesignError, SignalError
 from synth.progress import Lines
+from synth.simulate import fault_rows, fault_table
 from tests import levitator
 
 NAME = "levitator_pid"
@@ -48,6 +49,26 @@ def test_the_exit_status_is_that_of_the_limits(
     assert commands.faults([NAME], True, False, 1, False) == status
     (document,) = json.loads(capsys.readouterr().out)
     assert [check["passed"] for check in document["checks"]] == [status == 0, True, True]
+
+
+def test_a_build_runs_the_basic_faults_and_judges_their_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    def judge(*limits: FaultLimit) -> fault_rows.Campaign:
+        enter_workspace(monkeypatch, *limits)
+        (design,) = workspace.designs(levitator.FOLDER, [NAME])
+        return fault_jobs.result(design, fault_jobs.basic(design))
+
+    latch, offset = FaultLimit("latch_s", 1e-4, kind="not finite"), FaultLimit("impact", 0.0, kind="offset")
+    result = judge(latch, offset)
+    faults = {(row.target, row.kind, row.duration) for row in result.rows}
+    assert faults == {
+        *((name, kind, "permanent") for name in "zx" for kind in ("not finite", "frozen")),
+        *((name, "dead", "permanent") for name in ("i1", "i2")),
+        ("calls", "missing", "permanent"),
+    }
+    assert [check.passed for check in result.checks] == [False, True, True]  # of the latch, and the negative control
+    assert fault_table.notes(result)[0].startswith("faults: 7 of the 107 of the interface; `synth faults")
+    with pytest.raises(SignalError, match="matches no fault"):
+        judge(FaultLimit("impact", 0.0, kind="offsets"))
 
 
 def test_the_table_has_the_worst_rows_and_the_control(

@@ -18,7 +18,8 @@ from synth.campaign import FaultLimit
 from synth.check import Check
 from synth.errors import SignalError
 from synth.signals import per_second
-from synth.simulate.campaign import FaultRun, HealthyRun, Values
+from synth.simulate import injections
+from synth.simulate.campaign import FaultRun, HealthyRun, Values, condition_names
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.rig import Rig
 
@@ -73,7 +74,8 @@ class Row:
 class Campaign:
     """The result: rows, healthy runs, numbers of runs of the negative control, checks, and units of positions.
 
-    Of `control_runs`, `control_harmed` harm the machine when the controller never latches, `control_latched` when it
+    The stage has `derived` faults, of which a build runs the basic ones: no check has the limits of the others. Of
+    `control_runs`, `control_harmed` harm the machine when the controller never latches, `control_latched` when it
     does. `sweeps` are empty where none was run. `spans` and `rate_spans` are the widths of the ranges of positions and
     velocities, by position; excursions and impacts of different units are compared as fractions of them. `regulated`
     are the positions with a set-point, or all where none has one.
@@ -81,6 +83,7 @@ class Campaign:
 
     design: str
     plants: int
+    derived: int
     rows: tuple[Row, ...]
     healthy: tuple[HealthyRun, ...]
     sweeps: tuple[Sweep, ...]
@@ -155,16 +158,21 @@ def campaign(
 ) -> Campaign:
     """Return the result of all runs, and of the `control` runs of faults that latch on the nominal plant.
 
+    A limit that matches none of the runs, but another fault of the stage, makes no check.
+
     `rig` is from `campaign.with_stops`. Raises SignalError for a limit without a fault, or with an unknown measure.
     """
     states, rates = {s.name: s for s in rig.plant.states}, rig.stage.velocities
     pairs = control_pairs(runs, control)
     harmed = [(without.harms, latched.harms) for without, latched in pairs]
     units, table = {q: states[q].unit for q in rates}, rows(runs)
+    derived = injections.derive(rig.stage)
+    others = [(i.target, i.kind, on, i.duration) for i in derived for on in condition_names(rig.stage)]
+    limits = [l for l in rig.stage.faults.limits if _matching(l, table) or not any(_matches(l, o) for o in others)]
     return Campaign(
-        rig.stage.name, plants, table, tuple(healthy), tuple(sweeps),
+        rig.stage.name, plants, len(derived), table, tuple(healthy), tuple(sweeps),
         len(pairs), sum(w for w, _ in harmed), sum(h for _, h in harmed),
-        tuple(_checks(rig.stage.faults.limits, table, healthy, pairs, units)), units,
+        tuple(_checks(limits, table, healthy, pairs, units)), units,
         {q: states[q].high - states[q].low for q in rates},
         {q: states[v].high - states[v].low for q, v in rates.items()},
         tuple(q for q in rates if q in rig.positions.values()) or tuple(rates),
@@ -236,7 +244,12 @@ def _patterns(limit: FaultLimit) -> tuple[str, str, str, str]:
 
 
 def _matching(limit: FaultLimit, table: Sequence[Row]) -> list[Row]:
-    return [row for row in table if all(map(fnmatchcase, _columns(row), _patterns(limit)))]
+    return [row for row in table if _matches(limit, _columns(row))]
+
+
+def _matches(limit: FaultLimit, columns: tuple[str, str, str, str]) -> bool:
+    """Return whether target, kind, condition and duration have the patterns of a limit."""
+    return all(map(fnmatchcase, columns, _patterns(limit)))
 
 
 def _columns(row: Row) -> tuple[str, str, str, str]:

@@ -125,7 +125,9 @@ def _count(times: int, runs: int, longest_s: float) -> str:
 
 
 def notes(result: Campaign) -> tuple[str, ...]:
-    """Return lines on false alarms, faults without effect, harm, isolation, and the negative control."""
+    """Return lines on the number of faults, false alarms, faults without effect, harm, isolation, negative control."""
+    injected = len({row.fault[:-1] for row in result.rows})
+    rest = f"; `synth faults {result.design}` injects all and judges their limits" if injected < result.derived else ""
     counts = ("runs", "without_effect", "harmed", "harmed_unnoticed", "noticed", "named")
     runs, idle, harmed, unnoticed, noticed, named = (sum(getattr(r, name) for r in result.rows) for name in counts)
     wrong = sum(row.wrong_names > 0 for row in result.rows)
@@ -136,6 +138,7 @@ def notes(result: Campaign) -> tuple[str, ...]:
     )
     verdict = "" if result.can_tell else ": the campaign cannot tell whether the detector protects the machine"
     return (
+        f"faults: {injected} of the {result.derived} of the interface{rest}",
         f"healthy runs: {len(result.healthy)}, {result.alarms} samples with a fault bit, {stops} run into a stop",
         f"faulty runs: {runs}, {idle} without effect, {harmed} run into a stop, {unnoticed} of these without a bit",
         f"isolation: of {noticed} runs with a fault bit {named} name every faulty input; {wrong} rows name another",

@@ -43,6 +43,8 @@ KINDS = {
     SENSORS: ("both lost", "lost and frozen", "both frozen"),
     SENSOR_AND_ACTUATOR: ("lost and dead",),
 }
+# One target that fails for good: what a build runs.
+BASIC = {SENSOR: ("not finite", "frozen"), ACTUATOR: ("dead",), CALLS: ("missing",)}
 PAIRS = (SENSORS, SENSOR_AND_ACTUATOR)
 PARITY = 1e-6  # of the projector, whose entries are at most 1: below it a sensor is in no parity relation
 AND = " + "  # between the two targets of a pair
@@ -99,6 +101,11 @@ def sample_count(rig: Rig, injection: Injection, n: int) -> int:
     if injection.duration == SHORT:
         return rig.stage.interface.bad_samples - 1
     return max(1, round(float(injection.duration.removesuffix(" s")) / rig.period_s))
+
+
+def is_basic(injection: Injection) -> bool:
+    """Return whether a fault is one of BASIC for the rest of the run."""
+    return injection.duration == PERMANENT and injection.kind in BASIC.get(injection.group, ())
 
 
 def is_loss(injection: Injection) -> bool:
