@@ -110,6 +110,23 @@ def test_the_values_of_a_called_function_are_named_after_what_its_caller_runs_ov
     assert {n: v for n, v in values.items() if n.startswith("ratio")} == {**ratios, "ratio": "(7*x)"}
 
 
+def test_a_comprehension_hides_the_variable_of_a_loop_that_a_closure_holds() -> None:
+    """Reading the frame ends Python 3.13.0 to 3.13.2 here (python/cpython#128396)."""
+
+    def place(gain: int) -> ca.SX:
+        ratio = gain * x
+        return ratio + 1
+
+    def law() -> ca.SX:
+        total = x + 2
+        for n in "ab":
+            gap = sum((k * x + ord(n) for k in (3, 4)), start=x)
+            total += gap + ca.vertcat(*[place(ord(n)) for n in "xy"])[0]
+        return total
+
+    assert values_by_name(law).keys() == {"ratio_x", "ratio_y", "gap_a", "gap_b", "total_a", "total"}
+
+
 def test_a_loop_over_numbers_names_the_last_value() -> None:
     def law() -> ca.SX:
         for n in range(2):
