@@ -28,11 +28,14 @@ def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit, **fiel
     monkeypatch.chdir(levitator.FOLDER)
 
 
-def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_document_does_not_depend_on_the_number_of_processes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     enter_workspace(monkeypatch)
     lines: list[str] = []
     documents = []
     for processes in (1, 3):
+        monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / str(processes)))
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
         parts = fault_jobs.parts(design, 2)
         outcomes = jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)), processes)

@@ -14,7 +14,7 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PYTHONS = ("3.11.2", "3.12.0", "3.13.0", "3.14.0", "3.15.0")  # the oldest of each served version
+PYTHONS = ("3.11.2", "3.12.0", "3.13.3", "3.14.0", "3.15.0")  # the oldest of each served version
 MACHINE = re.compile(
     r"(?<![\w.~$}])/(?:home|root|Users|work|tmp|opt|mnt|srv|builds?)/\w"  # a path that one machine has
     r"|\b[A-Za-z]:\\\\?Users\b"
@@ -159,7 +159,7 @@ def test_a_pin_that_some_python_lacks_or_has_twice_is_found() -> None:
 def test_the_served_pythons_are_named_alike() -> None:
     oldest, newest = PYTHONS[0].replace(".", ", "), PYTHONS[-1].replace(".0", "").replace(".", ", ")
     assert f"OLDEST, NEWEST = ({oldest}), ({newest})" in (ROOT / ".ci/served.py").read_text(encoding="utf-8")
-    assert PROJECT["requires-python"] == f">={PYTHONS[0]}"
+    assert PROJECT["requires-python"] == f">={PYTHONS[0]},!=3.13.0,!=3.13.1,!=3.13.2"
     assert f"pythons=({' '.join(PYTHONS)})" in (ROOT / ".ci/constraints").read_text(encoding="utf-8")
 
 
