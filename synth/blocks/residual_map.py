@@ -45,6 +45,7 @@ def fit(places: ArrayLike, residuals: ArrayLike, grid: Grid, smoothing: float = 
     the surfaces 1, x, y and x y, or a smoothing that is not positive.
     """
     places, residuals = numeric.table("the places", places, 2), arguments.matrix("residuals", residuals)
+    residuals = numeric.table("the residuals", residuals, residuals.shape[1])
     smoothing = numeric.positive("the smoothing", smoothing)
     if len(places) != len(residuals):
         raise ModelError(f"{len(places)} places meet {len(residuals)} residuals: give one for each")

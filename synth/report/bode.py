@@ -56,8 +56,8 @@ def curve(
 
 def _marks(margins: Margins) -> tuple[float, ...]:
     """Return the frequencies in rad/s that decide the margins: of the crossings and of Ms."""
-    crossings = *margins.gain_crossings, *margins.phase_crossings
-    return (*(c.frequency for c in crossings), margins.peak_frequency)
+    gains, phases = ([c.frequency for c in each] for each in (margins.gain_crossings, margins.phase_crossings))
+    return (*gains, *phases, margins.peak_frequency)
 
 
 def phase(curve: LoopCurve) -> Array:

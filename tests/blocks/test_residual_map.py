@@ -70,6 +70,10 @@ def test_samples_beyond_the_grid_or_without_residuals_are_refused() -> None:
         residual_map.fit(PLACES, bilinear(PLACES)[:9], GRID)
     with pytest.raises(ModelError, match="smoothing"):
         residual_map.fit(PLACES, bilinear(PLACES), GRID, smoothing=0.0)
+    lost = bilinear(PLACES)
+    lost[7, 1] = np.nan
+    with pytest.raises(ModelError, match=r"the residuals have the shape \(3000, 2\), not all finite"):
+        residual_map.fit(PLACES, lost, GRID)
 
 
 ALONG = np.linspace(-0.9, 0.9, 41)
