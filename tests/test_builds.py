@@ -157,7 +157,7 @@ def test_what_raised_an_error_is_not_cached(tmp_path: Path, monkeypatch: pytest.
 
     design = replace(variant(operating_points={}, require={}), verify=unlucky)
     for lost in (True, False):
-        evidence, errors = attempt(partial(builds.verified, design, False, silent), "verification", None)
+        evidence, errors = attempt(partial(builds.verify, design, False, silent), "verification", None)
         assert bool(errors) is lost and evidence.passed is not lost
 
 
@@ -176,7 +176,7 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
         loops=(lambda stage: loops(stage)[:1]) if loops else None,
     )
     planted = replace(design, stage=stage, verify=partial(cheap_evidence, stage))
-    evidence = builds.verified(planted, False, silent)
+    evidence = builds.verify(planted, False, silent)
     checks = {c.name: c for c in evidence.checks}
     assert not evidence.passed and not checks["phase margin"].passed and not checks["delay margin"].passed
     free = verdicts.margins(replace(stage, require={}))
