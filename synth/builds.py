@@ -38,7 +38,7 @@ class Built:
     checks: tuple[Check, ...]
 
 
-def verified(design: Design, whole: bool, say: Progress) -> Evidence:
+def verify(design: Design, whole: bool, say: Progress) -> Evidence:
     """Return the evidence of a design's verification with the margins of its loops.
 
     Raises Incomplete with the evidence of one where the other raises an error.
@@ -57,7 +57,7 @@ def build(design: Design) -> Task[Built]:
 
     It raises Incomplete with what it built where some of them raise errors.
     """
-    emit, verify, simulate = (
+    emit, witnesses, simulate = (
         tasks.emission(design, design.scalar),
         tasks.verification(design, False),
         tasks.simulations(design),
@@ -79,7 +79,7 @@ def build(design: Design) -> Task[Built]:
             return value
 
         files = emit.result(silent)
-        evidence = result("verification", partial(verified, design, False))
+        evidence = result("verification", partial(verify, design, False))
         runs = result("experiments", partial(tasks.experiments, design), [])
         faults, rows = result("faults", campaign.result), result("audit", audit.result, [])
         table, measured = result("study", study.result), result("cost", cost.result)
@@ -105,7 +105,7 @@ def build(design: Design) -> Task[Built]:
     try:
         inputs: list[Task[Any]] = [
             emit,
-            verify,
+            witnesses,
             margins,
             *simulate.values(),
             study,

@@ -82,7 +82,7 @@ class StudyLimits:
 
     The limits of an experiment are those of the nominal plant. `limits` {pattern: limit} has others in their place, by
     `fnmatch` patterns of "experiment: check"; inf is no limit. `least_yield` is the least share of the machines that
-    keep every limit. `experiments` are patterns of the names of those that a study runs unless it is told others; all
+    keep every limit. `experiments` are patterns of the names of those that a study runs where it is given none; all
     of them without patterns.
     """
 

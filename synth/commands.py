@@ -95,7 +95,7 @@ class Verified:
 
 
 def _on_host(design: workspace.Design, report: Progress) -> Verified:
-    evidence, _ = attempt(partial(builds.verified, design, True, report), "verification", Evidence(design.name, (), ()))
+    evidence, _ = attempt(partial(builds.verify, design, True, report), "verification", Evidence(design.name, (), ()))
     return Verified(evidence.document(), evidence.checks, {})
 
 

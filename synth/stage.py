@@ -21,7 +21,7 @@ from synth import stage_consistency, standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import missed_calls as calls
 from synth.blocks import safe_output, safety
-from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
+from synth.campaign import FaultCampaign, FaultLimit, StudyLimits, read_safe_output
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
@@ -51,7 +51,7 @@ from synth.workspace import CostStimuli, Design
 
 __all__ = [
     "Actuator", "Companion", "Drive", "FaultCampaign", "FaultLimit", "Interface", "Law", "Sensor", "SetPoint", "Stage",
-    "controller", "design", "guarded_inputs", "interface", "read_safe_output", "safe",
+    "StudyLimits", "controller", "design", "guarded_inputs", "interface", "read_safe_output", "safe",
 ]  # fmt: skip
 
 

@@ -65,9 +65,7 @@ def test_the_c_compiles_without_a_warning(design: Design, scalar: type[np.floati
 
 def test_the_evidence_passes(design: Design) -> None:
     """Verify the design over short replays, as `synth build` does: with the same sources, its evidence is read."""
-    evidence, _ = attempt(
-        partial(builds.verified, design, False, silent), "verification", Evidence(design.name, (), ())
-    )
+    evidence, _ = attempt(partial(builds.verify, design, False, silent), "verification", Evidence(design.name, (), ()))
     assert evidence.checks
     failed = [f"{c.name}: {c.value:g}, allowed {c.limit:g} {c.unit} {c.about}" for c in evidence.checks if not c.passed]
     assert not failed, "\n".join(failed)

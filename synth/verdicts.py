@@ -15,7 +15,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 from itertools import product
-from math import inf, nan
+from math import inf, isfinite, nan
 
 from synth.analyse import disk, equilibrium, robustness, stability_margins
 from synth.check import NO_LIMIT, Check
@@ -23,12 +23,14 @@ from synth.declaration import Stage
 from synth.errors import DesignError
 from synth.report.audit import Row, Verdict
 from synth.simulate.experiment import Experiment
+from synth.simulate.integration import LARGEST_ERROR
 from synth.simulate.study import StudyTable, estimate_yield
 from synth.statespace import StateSpace
 from synth.verify import standard
 from synth.verify.cost import Cost
 
 YIELD = "yield of the study"
+INTEGRATION = "error of the integration in the study"
 WITHOUT_RESULT = "runs of the study without a result"
 UNEXPLAINED = "published figures that differ without a reason"
 INSTRUCTIONS = "most instructions of a step"
@@ -102,9 +104,11 @@ def study(stage: Stage, table: StudyTable | None) -> list[Check]:
     if table is None:
         return [Check(YIELD, nan, least, "1", "no study was run: no experiment runs on other machines", at_least=True)]
     failed = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in _first_of_each(table)]
-    share, n = estimate_yield(table), len(table.rows)
+    share, n, error = estimate_yield(table), len(table.rows), table.integration.error
+    steps = f"{table.integration.substeps} steps of order {table.integration.order} a sample, in the first experiment"
     about = f"{int(table.passed.sum())} of {n} machines keep every limit; {share.low:.2%} to {share.high:.2%}"
     return [
+        Check(INTEGRATION, error, LARGEST_ERROR if isfinite(error) else NO_LIMIT, "of a state's range", steps),
         Check(WITHOUT_RESULT, float(len(table.errors)), 0.0, "1", "; ".join(failed[:SHOWN])),
         Check(YIELD, share.share, least, "1", about, at_least=True),
     ]

@@ -11,8 +11,9 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 
-from synth import builds, commands, standard_tasks, store, verdicts, workspace
+from synth import builds, commands, stage_consistency, standard_tasks, store, verdicts, workspace
 from synth.campaign import FaultCampaign, StudyLimits
+from synth.errors import DesignError
 from synth.progress import silent
 from synth.report.audit import Printed, Published, Row, Verdict
 from synth.simulate import campaign
@@ -157,7 +158,7 @@ def test_what_raised_an_error_is_not_cached(tmp_path: Path, monkeypatch: pytest.
 
     design = replace(variant(operating_points={}, require={}), verify=unlucky)
     for lost in (True, False):
-        evidence, errors = attempt(partial(builds.verified, design, False, silent), "verification", None)
+        evidence, errors = attempt(partial(builds.verify, design, False, silent), "verification", None)
         assert bool(errors) is lost and evidence.passed is not lost
 
 
@@ -176,7 +177,7 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
         loops=(lambda stage: loops(stage)[:1]) if loops else None,
     )
     planted = replace(design, stage=stage, verify=partial(cheap_evidence, stage))
-    evidence = builds.verified(planted, False, silent)
+    evidence = builds.verify(planted, False, silent)
     checks = {c.name: c for c in evidence.checks}
     assert not evidence.passed and not checks["phase margin"].passed and not checks["delay margin"].passed
     free = verdicts.margins(replace(stage, require={}))
@@ -211,16 +212,18 @@ def test_a_figure_that_differs_without_a_reason_fails() -> None:
 def test_a_limit_of_the_study_takes_the_place_of_the_nominal_one() -> None:
     stage = variant(study=StudyLimits(0.9, {"step_z_ref: *": 2.0})).stage
     table = studied([0.1, 1.5, 1.6])
-    assert verdicts.study(stage, table)[1].value == 0.0, "with the nominal limits no machine passes"
+    assert verdicts.study(stage, table)[-1].value == 0.0, "with the nominal limits no machine passes"
     limited = verdicts.with_limits(stage, table)
-    assert [c.passed for c in verdicts.study(stage, limited)] == [True, True]
+    assert [c.passed for c in verdicts.study(stage, limited)] == [True, True, True]
     crashed = replace(limited, errors=((2, "step_z_ref", "planted"),))
-    assert [c.passed for c in verdicts.study(stage, crashed)] == [False, False]
+    assert [c.passed for c in verdicts.study(stage, crashed)] == [True, False, False]
+    coarse = replace(limited, integration=Integration(1, 1e-3))
+    assert [c.passed for c in verdicts.study(stage, coarse)] == [False, True, True]
     assert not verdicts.study(stage, None)[0].passed, "a declared yield needs a study"
-    _, errors = attempt(
-        partial(verdicts.with_limits, variant(study=StudyLimits(limits={"stp*": 1.0})).stage, table), "limits", None
-    )
-    assert "'stp*'" in errors[0].about and not errors[0].passed
+    with pytest.raises(DesignError, match=r"for 'step_z_ref: stl\*', but its checks are step_z_ref: settles"):
+        verdicts.with_limits(variant(study=StudyLimits(limits={"step_z_ref: stl*": 1.0})).stage, table)
+    with pytest.raises(DesignError, match=r"study: 'stp: \*' names no experiment: .* one of z_ref, x_ref"):
+        stage_consistency.require_consistent(variant(study=StudyLimits(limits={"stp: *": 1.0})).stage)
 
 
 def studied(values: Sequence[float]) -> StudyTable:
