@@ -10,7 +10,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: install build quick test types tests test-kernels docs bench prove constraints machines clean
+.PHONY: install build quick test test-all types tests test-whole test-kernels docs bench prove constraints machines clean
 
 install: $(VENV)/.build
 
@@ -31,7 +31,13 @@ types: $(VENV)/.dev
 	$(BIN)/mypy
 
 tests: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not whole"
+
+# Whole campaigns and ensembles, studies, walks through the docs and other kernels beside what a change must pass.
+test-all: test test-whole test-kernels docs
+
+test-whole: $(VENV)/.dev
+	$(BIN)/python -m pytest -n auto --dist loadfile -m whole
 
 # The vocabulary, analysis and synthesis under two other kernels of OpenBLAS, which round otherwise.
 test-kernels: $(VENV)/.dev
