@@ -8,14 +8,14 @@ is made of the keys of its inputs: an edit of the page rebuilds the page alone, 
 that depends on the law.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from synth import fault_jobs, store, tasks, verdicts
+from synth import cache, contents, fault_jobs, sources, store, tasks, verdicts
 from synth.check import Check, Incomplete
 from synth.emit import write
 from synth.errors import ContentError
@@ -27,6 +27,8 @@ from synth.verify.evidence import Evidence
 from synth.workspace import Design
 
 LIBRARY = "cross compiler"
+# Folders of a workspace that no build reads: what it writes, and tests and documents.
+NOT_READ = frozenset({"generated_c", "reports", "build", "dist", "tests", "docs"})
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,27 @@ class Built:
     page: str
     evidence: Any
     checks: tuple[Check, ...]
+
+
+@dataclass(frozen=True)
+class Complete:
+    """A build in which no part raised an error: the texts of generated_c by folder, and the result."""
+
+    folders: Mapping[str, Mapping[str, str]]
+    built: Built
+
+
+def source_key(root: Path, name: str) -> str:
+    """Return the key of a complete build of a design: its name, all sources of toolkit and workspace, the compilers.
+
+    No design is imported for it. It changes with any source, also of another design; the parts have keys of their own.
+    """
+    tops = [sources.TOOLKIT, *(p for p in sorted(root.iterdir()) if p.name not in NOT_READ and p.name[0] != ".")]
+    tops = [top for top in tops if top != store.folder()]
+    files = [file for top in tops for file in ([top] if top.is_file() else sorted(top.rglob("*")))]
+    read = [f for f in files if f.is_file() and "__pycache__" not in f.parts]
+    texts = [(str(f.relative_to(root if root in f.parents else sources.TOOLKIT)), f.read_bytes()) for f in read]
+    return contents.digest(cache.environment(), tasks.compilers(), name, texts)
 
 
 def verify(design: Design, whole: bool, say: Progress) -> Evidence:
@@ -131,27 +154,37 @@ def _with_title(check: Check, title: str) -> Check:
     return replace(check, about=": ".join(filter(None, (title, check.about))))
 
 
-def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
+def save(folders: Mapping[str, Mapping[str, str]], root: Path) -> None:
+    """Write the files of each folder of generated_c."""
+    for folder, texts in folders.items():
+        write.save(texts, root / "generated_c" / folder)
+
+
+def build_jobs(designs: Sequence[Design], root: Path, keys: Mapping[str, str]) -> list[Job]:
     """Return the jobs that build designs; the last of each has the design's name and returns a Built.
 
-    The C is written to `root`/generated_c as soon as it is emitted.
+    The C is written to `root`/generated_c as soon as it is emitted. A complete build is stored under the key of the
+    design in `keys`, from `source_key`.
     """
     library = Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))
-    return [library, *(job for design in designs for job in _build_jobs(design, root))]
+    return [library, *(job for design in designs for job in _build_jobs(design, root, keys[design.name]))]
 
 
-def _build_jobs(design: Design, root: Path) -> list[Job]:
-    name, whole = design.name, build(design)
+def _build_jobs(design: Design, root: Path, key: str) -> list[Job]:
+    name = design.name
 
-    def save(say: Progress) -> None:
-        for folder, files in tasks.emission(design, design.scalar).result(say).items():
-            write.save(files.files, root / "generated_c" / folder)
+    def emit(say: Progress) -> Mapping[str, Mapping[str, str]]:
+        folders = {folder: code.files for folder, code in tasks.emission(design, design.scalar).result(say).items()}
+        save(folders, root)
+        return folders
 
-    try:
-        if store.holds(whole.key()):
-            return [Job(f"{name} emit", name, save), Job(name, name, partial(_whole, whole), (f"{name} emit",))]
-    except ContentError:
-        pass
+    def finish(say: Progress) -> Built:
+        try:
+            return store.fetch(key, lambda: Complete(emit(silent), build(design).result(say))).built
+        except Incomplete as incomplete:
+            built: Built = incomplete.value
+            return built
+
     first = f"{name} emit"
     parts = {f"simulate {part}": task for part, task in tasks.simulations(design).items()}
     each: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
@@ -167,7 +200,7 @@ def _build_jobs(design: Design, root: Path) -> list[Job]:
     if fault_jobs.closes_loop(design):
         jobs += fault_jobs.jobs(design, fault_jobs.basic(design), (first,))
     jobs = [replace(job, run=_in_the_cache(job.run)) for job in jobs]
-    return [Job(first, name, save), *jobs, Job(name, name, partial(_whole, whole), tuple(job.name for job in jobs))]
+    return [Job(first, name, emit), *jobs, Job(name, name, finish, tuple(job.name for job in jobs))]
 
 
 def _in_the_cache(run: Callable[[Progress], Any]) -> Callable[[Progress], None]:
@@ -181,12 +214,3 @@ def _in_the_cache(run: Callable[[Progress], Any]) -> Callable[[Progress], None]:
             run(say)
 
     return compute
-
-
-def _whole(task: Task[Built], say: Progress) -> Built:
-    """Return what a build results in, with the failed checks of parts that raised errors."""
-    try:
-        return task.result(say)
-    except Incomplete as incomplete:
-        built: Built = incomplete.value
-        return built

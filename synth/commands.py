@@ -54,12 +54,19 @@ def _for_each_design(
 
 def build(names: Names, as_json: bool, fresh: bool) -> int:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
-    root, documents = Path.cwd(), []
-    designs = workspace.designs(root, names)
+    root, documents, results = Path.cwd(), [], dict[str, Any]()
     # Stored results count as missing also for the choice of the jobs.
     with store.fresh_run() if fresh else nullcontext():
-        results = _run(builds.build_jobs(designs, root), designs, as_json, fresh)
-    for name, built in results.items():
+        keys = {name: builds.source_key(root, name) for name in workspace.names(root, names)}
+        for name, key in keys.items():
+            complete: builds.Complete | None = store.stored(key)
+            if complete is not None:
+                builds.save(complete.folders, root)
+                results[name] = complete.built
+        if changed := [name for name in keys if name not in results]:
+            designs = workspace.designs(root, changed)
+            results |= _run(builds.build_jobs(designs, root, keys), designs, as_json, fresh)
+    for name, built in ((name, results[name]) for name in keys):
         if isinstance(built, Failed):
             continue
         reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}

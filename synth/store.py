@@ -76,6 +76,14 @@ def holds(name: str) -> bool:
     return True
 
 
+def stored(name: str) -> Any:
+    """Return the readable result that is stored under a key, None where there is none."""
+    try:
+        return _read(_path(name))
+    except _Missing:
+        return None
+
+
 def replace_text(path: Path, text: str) -> None:
     """Write a text file in one step: whoever reads it, and an interrupt, finds the old text or the new one."""
     replace_bytes(path, text.encode("utf-8"))

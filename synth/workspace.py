@@ -76,7 +76,18 @@ class Design:
 def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
     """Load the `selected` designs of the workspace at `root`, all of them when no name is selected.
 
-    Raises DesignError when the folder is not a workspace, a design is missing, stops at an error, or has no `DESIGN`.
+    Raises DesignError as `names`, and when a design stops at an error, or has no `DESIGN`.
+    """
+    listed = names(root, selected)
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+    return [_load(name) for name in listed]
+
+
+def names(root: Path, selected: Sequence[str] = ()) -> list[str]:
+    """Return the names of the `selected` designs of the workspace at `root`, of all when none is selected.
+
+    Raises DesignError when the folder is not a workspace, or a design is missing.
     """
     folder = root / "designs"
     if not folder.is_dir():
@@ -93,9 +104,7 @@ def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
     for name in selected:
         if name not in present:
             raise DesignError(f"design '{name}' is not in this workspace: it has {', '.join(present)}")
-    if str(root) not in sys.path:
-        sys.path.insert(0, str(root))
-    return [_load(name) for name in (selected or present)]
+    return list(selected or present)
 
 
 def emitted_files(design: Design, scalar: type[np.floating]) -> Mapping[str, EmittedCode]:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from synth import builds, workspace
+from synth import builds, sources, workspace
 from synth.cli import app
 from synth.emit import write
 from synth.errors import DesignError
@@ -224,10 +224,37 @@ def test_a_fresh_build_runs_every_part_in_a_job_of_its_own(tmp_path: Path, monke
         simulate={},
         report=lambda *results: "page",
     )
+    monkeypatch.setattr(workspace, "names", lambda *_: ["stage"])
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     first, unchanged, fresh = (RUNNER.invoke(app, ["build", *option]).output for option in ((), (), ("--fresh",)))
-    assert "stage: witnesses\n" in first and "witnesses" not in unchanged and "stage: report: unchanged\n" in unchanged
-    assert fresh == first
+    assert "stage: witnesses\n" in first and fresh == first
+    assert first.endswith(unchanged) and "stage: report" not in unchanged
+
+
+def test_an_unchanged_build_imports_no_design_and_any_source_changes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "models").mkdir()
+    files = [tmp_path / "models/plant.py", tmp_path / "models/map.toml", tmp_path / "settings.json"]
+    for file in files:
+        file.write_text("x = 1\n")
+    toolkit = tmp_path / "toolkit"
+    toolkit.mkdir()
+    monkeypatch.setattr(sources, "TOOLKIT", toolkit)
+    files.append(toolkit / "emit.py")
+    files[-1].write_text("y = 1\n")
+    key = builds.source_key(tmp_path, "stage")
+    for name in ("generated_c", "reports", "tests", ".git"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "written").write_text("z")
+    assert builds.source_key(tmp_path, "stage") == key != builds.source_key(tmp_path, "other")
+    for file in files:
+        before = file.read_text()
+        file.write_text(before + "# changed\n")
+        assert builds.source_key(tmp_path, "stage") != key, file
+        file.write_text(before)
+    files[0].rename(tmp_path / "models/stage.py")
+    assert builds.source_key(tmp_path, "stage") != key
 
 
 def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,6 +267,6 @@ def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeyp
         report=lambda *results, parts: f"{len(results)} results, {parts}",
         report_parts={"survey": lambda say: ("a row",)},
     )
-    after = {job.name: job.after for job in builds.build_jobs([of], tmp_path)}
+    after = {job.name: job.after for job in builds.build_jobs([of], tmp_path, {"stage": ""})}
     assert "stage report survey" in after["stage"] and after["stage report survey"] == ("stage emit", "stage verify")
     assert builds.build(of).result(lambda _: None).page == "5 results, {'survey': ('a row',)}"
