@@ -57,9 +57,9 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     root, documents, results = Path.cwd(), [], dict[str, Any]()
     # Stored results count as missing also for the choice of the jobs.
     with store.fresh_run() if fresh else nullcontext():
-        keys = {name: builds.source_key(root, name) for name in workspace.names(root, names)}
+        keys = {name: builds.source_key(root, name) for name in workspace.design_names(root, names)}
         for name, key in keys.items():
-            complete: builds.Complete | None = store.stored(key)
+            complete: builds.Complete | None = store.find(key)
             if complete is not None:
                 builds.save(complete.folders, root)
                 results[name] = complete.built

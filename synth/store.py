@@ -76,7 +76,7 @@ def holds(name: str) -> bool:
     return True
 
 
-def stored(name: str) -> Any:
+def find(name: str) -> Any:
     """Return the readable result that is stored under a key, None where there is none."""
     try:
         return _read(_path(name))

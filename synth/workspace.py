@@ -76,15 +76,15 @@ class Design:
 def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
     """Load the `selected` designs of the workspace at `root`, all of them when no name is selected.
 
-    Raises DesignError as `names`, and when a design stops at an error, or has no `DESIGN`.
+    Raises DesignError as `design_names`, and when a design stops at an error, or has no `DESIGN`.
     """
-    listed = names(root, selected)
+    listed = design_names(root, selected)
     if str(root) not in sys.path:
         sys.path.insert(0, str(root))
     return [_load(name) for name in listed]
 
 
-def names(root: Path, selected: Sequence[str] = ()) -> list[str]:
+def design_names(root: Path, selected: Sequence[str] = ()) -> list[str]:
     """Return the names of the `selected` designs of the workspace at `root`, of all when none is selected.
 
     Raises DesignError when the folder is not a workspace, or a design is missing.

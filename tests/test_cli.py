@@ -74,7 +74,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path) -> None:
     """A workspace of one design, and a folder to write in."""
-    monkeypatch.setattr(workspace, "names", lambda root, selected: [AXES.name])
+    monkeypatch.setattr(workspace, "design_names", lambda root, selected: [AXES.name])
     monkeypatch.setattr(workspace, "designs", lambda root, selected: [AXES])
     monkeypatch.setenv("SYNTH_CACHE", str(cache))
     monkeypatch.chdir(tmp_path)

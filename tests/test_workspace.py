@@ -224,7 +224,7 @@ def test_a_fresh_build_runs_every_part_in_a_job_of_its_own(tmp_path: Path, monke
         simulate={},
         report=lambda *results: "page",
     )
-    monkeypatch.setattr(workspace, "names", lambda *_: ["stage"])
+    monkeypatch.setattr(workspace, "design_names", lambda *_: ["stage"])
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     first, unchanged, fresh = (RUNNER.invoke(app, ["build", *option]).output for option in ((), (), ("--fresh",)))
     assert "stage: witnesses\n" in first and fresh == first
