@@ -14,14 +14,14 @@ import numpy as np
 from designs.hall_position import config
 from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
-from designs.hall_position.pages import six
 from designs.hall_position.protected import config as protected
-from designs.hall_position.protected import spatial
 from models import hall_array, hall_two_waves
 from models import hall_motions as motions
 from models.hall_motions import Numbers
 from models.hall_stage import Stage
 from models.hall_two_waves import SpatialArray
+from studies.hall.pages import six
+from studies.hall.protected import spatial
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.emit.write import EmittedCode

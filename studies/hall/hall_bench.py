@@ -13,10 +13,11 @@ from string import ascii_lowercase
 import casadi as ca
 import numpy as np
 
-from models import built_matrix, hall_chain, hall_scan, planar_stage
-from models.built_matrix import Field, Mounting, Tolerances
+from models import hall_chain, hall_scan, planar_stage
 from models.hall_array import Pair
 from models.hall_chain import Chain
+from studies.hall import built_matrix
+from studies.hall.built_matrix import Field, Mounting, Tolerances
 from synth import column_maps, numeric
 from synth.errors import ModelError
 from synth.statespace import Array, readonly

@@ -1,4 +1,4 @@
-"""Print stages and survey of calibrated units: `python -m designs.hall_position.calibrated`.
+"""Print stages and survey of calibrated units: `python -m studies.hall.calibrated`.
 
 An argument is the number of bodies of each case, 2,000 without it; cold starts without a fault have five
 times as many.
@@ -9,9 +9,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 
-from designs.hall_position.calibrated import estimator, stages, survey
-from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected import config
+from studies.hall.calibrated import estimator, stages, survey
+from studies.hall.calibrated.survey import Case
+from studies.hall.protected import faults, trust
 from synth import progress
 
 UNITS = (("fabricated", 0), *(("built", seed) for seed in survey.SEEDS))

@@ -17,9 +17,9 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.calibrated import stages
-from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.glsdc import channels
+from studies.hall.calibrated import stages
+from studies.hall.calibrated.stages import UnitCalibration
 from synth.block import Block, Constant, Exprs, State, Step, build, clip, table
 from synth.blocks import lookup_table
 from synth.blocks.lookup_table import Grid

@@ -4,12 +4,13 @@ from dataclasses import replace
 from functools import cache
 
 from designs.hall_position import config as hall
-from designs.hall_position.calibrated import corrections, stages
-from designs.hall_position.calibrated.stages import UnitCalibration
 from designs.hall_position.glsdc import channels
-from designs.hall_position.protected import config, estimator, metres, trust
+from designs.hall_position.protected import config, estimator, metres
 from designs.hall_position.protected.parameters import Tuning
 from models.hall_two_waves import PlanarArray
+from studies.hall.calibrated import corrections, stages
+from studies.hall.calibrated.stages import UnitCalibration
+from studies.hall.protected import trust
 from synth.block import Block
 
 NAME = "hall_position_calibrated"

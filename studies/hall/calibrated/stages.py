@@ -18,10 +18,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.calibrated import unit as units
-from designs.hall_position.calibrated.unit import Unit
 from designs.hall_position.protected import config
 from models.hall_motions import Numbers
+from studies.hall.calibrated import unit as units
+from studies.hall.calibrated.unit import Unit
 from synth.block import Exprs
 from synth.blocks import lookup_table, residual_map
 from synth.blocks.residual_map import ResidualMap

@@ -13,15 +13,16 @@ from itertools import combinations, product
 
 import numpy as np
 
-from designs.hall_position.calibrated import estimator, stages
-from designs.hall_position.calibrated import unit as units
-from designs.hall_position.calibrated.estimator import GAIN_DRIFT
-from designs.hall_position.protected import cold_start as cold_starts
-from designs.hall_position.protected import config, faults, trust
-from designs.hall_position.protected.cold_start import ColdStart
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
-from designs.hall_position.protected.trust import Outcome, Samples, World
 from models.hall_motions import Numbers, Pose
+from studies.hall.calibrated import estimator, stages
+from studies.hall.calibrated import unit as units
+from studies.hall.calibrated.estimator import GAIN_DRIFT
+from studies.hall.protected import cold_start as cold_starts
+from studies.hall.protected import faults, trust
+from studies.hall.protected.cold_start import ColdStart
+from studies.hall.protected.trust import Outcome, Samples, World
 from synth.cache import cached
 from synth.check import Check
 from synth.execute import build, host

@@ -11,11 +11,12 @@ from itertools import product
 import numpy as np
 
 from designs.hall_position.glsdc import channels
-from designs.hall_position.protected import config, trust
-from models import built_matrix
-from models.built_matrix import Mounting
-from models.hall_bench import Bench
+from designs.hall_position.protected import config
 from models.hall_motions import Numbers
+from studies.hall import built_matrix
+from studies.hall.built_matrix import Mounting
+from studies.hall.hall_bench import Bench
+from studies.hall.protected import trust
 from synth.signals import signal_names
 from synth.statespace import readonly
 from synth.synthesise.identify.logs import Log

@@ -15,12 +15,12 @@ import numpy as np
 
 from designs.hall_position.config import TIME
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.loop import closed_loop
-from designs.hall_position.loop.closed_loop import PITCH, Source
-from models import hall_bench
 from models.hall_array import Pair
-from models.hall_bench import Bench
 from models.hall_two_waves import PlanarArray as Array
+from studies.hall import hall_bench
+from studies.hall.hall_bench import Bench
+from studies.hall.loop import closed_loop
+from studies.hall.loop.closed_loop import PITCH, Source
 from synth.block import unranged
 from synth.blocks import error_map, lookup_table
 from synth.cache import cached

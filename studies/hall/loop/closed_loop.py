@@ -29,9 +29,9 @@ from typing import Protocol
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.paper import layouts
 from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
 from models import planar_allocation as allocation

@@ -23,12 +23,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
-from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof import interface
 from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
-from models.hall_bench import Bench
+from studies.hall.hall_bench import Bench
+from studies.hall.loop import calibration, closed_loop, sources, stage_loop
+from studies.hall.loop.stage_loop import TIME, Loop
 from synth.blocks.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import signal_names

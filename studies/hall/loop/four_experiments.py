@@ -24,11 +24,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from designs.hall_position.loop import experiments, four_sensors, sources
-from designs.hall_position.loop.experiments import SPEED
-from designs.hall_position.loop.four_sensors import AXES
-from designs.hall_position.loop.stage_loop import TIME, Loop
-from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected import config
+from studies.hall.loop import experiments, four_sensors, sources
+from studies.hall.loop.experiments import SPEED
+from studies.hall.loop.four_sensors import AXES
+from studies.hall.loop.stage_loop import TIME, Loop
+from studies.hall.protected import faults, trust
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times

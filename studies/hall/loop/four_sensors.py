@@ -12,15 +12,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
-from designs.hall_position.calibrated import estimator as calibrated
-from designs.hall_position.calibrated import stages
-from designs.hall_position.calibrated import unit as units
-from designs.hall_position.calibrated.stages import UnitCalibration
-from designs.hall_position.calibrated.unit import Unit
-from designs.hall_position.loop import stage_loop
-from designs.hall_position.loop.stage_loop import Loop
-from designs.hall_position.protected import config, estimator, trust
+from designs.hall_position.protected import config, estimator
 from designs.hall_position.protected.parameters import Tuning
+from studies.hall.calibrated import estimator as calibrated
+from studies.hall.calibrated import stages
+from studies.hall.calibrated import unit as units
+from studies.hall.calibrated.stages import UnitCalibration
+from studies.hall.calibrated.unit import Unit
+from studies.hall.loop import stage_loop
+from studies.hall.loop.stage_loop import Loop
+from studies.hall.protected import trust
 from synth.block import Block
 from synth.timing import Discrete
 

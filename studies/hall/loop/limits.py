@@ -1,4 +1,4 @@
-"""The ensemble behind the loop's limits of the protection levels: `python -m designs.hall_position.loop.limits`.
+"""The ensemble behind the loop's limits of the protection levels: `python -m studies.hall.loop.limits`.
 
 The unit and its calibration are those of `four_sensors`; bodies are anywhere in the travel, at yaws of the stage.
 
@@ -15,12 +15,12 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position.calibrated import estimator as calibrated
-from designs.hall_position.calibrated import stages, survey
-from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.loop import four_sensors
-from designs.hall_position.protected import trust
-from designs.hall_position.protected.trust import Samples
+from studies.hall.calibrated import estimator as calibrated
+from studies.hall.calibrated import stages, survey
+from studies.hall.calibrated.survey import Case
+from studies.hall.loop import four_sensors
+from studies.hall.protected import trust
+from studies.hall.protected.trust import Samples
 from synth import progress
 from synth.block import Block
 from synth.execute import build, host

@@ -10,11 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position.loop import calibration, stage_loop
-from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
-from models.hall_bench import Bench
+from studies.hall.hall_bench import Bench
+from studies.hall.loop import calibration, stage_loop
+from studies.hall.loop.stage_loop import TIME, Loop
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times

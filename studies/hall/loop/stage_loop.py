@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from designs.hall_position.loop import calibration, closed_loop
-from designs.hall_position.loop.closed_loop import PoseSource
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from models import built_matrix, hall_bench, hall_calibration, hall_chain, planar_stage
-from models.hall_bench import Bench
+from models import hall_calibration, hall_chain, planar_stage
+from studies.hall import built_matrix, hall_bench
+from studies.hall.hall_bench import Bench
+from studies.hall.loop import calibration, closed_loop
+from studies.hall.loop.closed_loop import PoseSource
 from synth import stage
 from synth.block import Block, unranged
 from synth.blocks import safety

@@ -6,13 +6,13 @@ from math import radians
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.accuracy.layouts import LAYOUTS
-from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors, rank
+from designs.hall_position.paper.layouts import LAYOUTS
 from models import hall_correction, hall_fisher, hall_singular_points
 from models.hall_array import Array
 from models.hall_stage import PUBLISHED, Stage, grid
 from models.hall_two_waves import PlanarArray
+from studies.hall.pages import drawings
 from synth.report import charts, maps
 from synth.report.captions import Content, Rows
 from synth.report.charts import LEVEL, Chart, Line

@@ -7,11 +7,12 @@ from string import ascii_uppercase
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.calibrated import estimator, stages, survey
-from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
-from designs.hall_position.protected.trust import Samples
+from studies.hall.calibrated import estimator, stages, survey
+from studies.hall.calibrated.survey import Case
+from studies.hall.protected import faults, trust
+from studies.hall.protected.trust import Samples
 from synth.progress import Progress
 from synth.report import charts, page
 from synth.report.captions import Content, Rows

@@ -4,14 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from designs.hall_position.accuracy import layouts
-from designs.hall_position.accuracy.layouts import LAYOUTS
-from designs.hall_position.pages import drawings
-from designs.hall_position.paper import errors
-from designs.hall_position.protected import spatial
+from designs.hall_position.paper import errors, layouts
+from designs.hall_position.paper.layouts import LAYOUTS
 from models import hall_accuracy, hall_array, hall_two_waves
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import SpatialArray
+from studies.hall.pages import drawings
+from studies.hall.protected import spatial
 from synth.analyse.observability.information import Accuracy
 from synth.report import figures, maps, page
 from synth.report.captions import Content

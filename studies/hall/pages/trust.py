@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from designs.hall_position import config
-from designs.hall_position.trust import endurance, failures, starts
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
+from studies.hall.trust import endurance, failures, starts
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.report import charts, maps, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line

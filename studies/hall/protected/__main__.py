@@ -1,4 +1,4 @@
-"""Print how often an estimate is valid, and valid and wrong: `python -m designs.hall_position.protected`.
+"""Print how often an estimate is valid, and valid and wrong: `python -m studies.hall.protected`.
 
 Of three and of four sensors, and of two the cold starts. An argument is the number of bodies of each case, 4,000
 without it; cold starts without a fault have five times as many.
@@ -7,8 +7,9 @@ without it; cold starts without a fault have five times as many.
 import sys
 from collections.abc import Iterator
 
-from designs.hall_position.protected import cold_start, config, faults, trust
-from designs.hall_position.trust import starts
+from designs.hall_position.protected import config
+from studies.hall.protected import cold_start, faults, trust
+from studies.hall.trust import starts
 from synth import progress
 
 UNCALIBRATED = (("built", config.USUAL), ("fabricated", config.USUAL))

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position.protected import config, faults, trust
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
-from designs.hall_position.protected.trust import World
 from models import hall_motions as motions
 from models.hall_motions import Pose
+from studies.hall.protected import faults, trust
+from studies.hall.protected.trust import World
 from synth.execute import host
 
 MARGIN, SAMPLES = 1e-3, 120  # m, and samples from init on

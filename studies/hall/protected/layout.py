@@ -1,4 +1,4 @@
-"""Search for a layout of sensors by its protection levels: `python -m designs.hall_position.protected.layout`.
+"""Search for a layout of sensors by its protection levels: `python -m studies.hall.protected.layout`.
 
     level of unknown i at a pose:   s (L max over sensors of x_i' S^-1 x_i)^(1/2) + k sigma_i      `glsdc_integrity`
     maximise over layouts           the share of poses at which every level is within its limit
@@ -13,10 +13,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from designs.hall_position.accuracy.layouts import SEARCH_RADIUS
-from designs.hall_position.protected import config, trust
+from designs.hall_position.paper.layouts import SEARCH_RADIUS
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
 from models.hall_motions import Numbers
+from studies.hall.protected import trust
 from synth.blocks import glsdc_integrity
 
 COARSE, FINE, EXACT = 300, 1000, 10_000  # poses of a random layout, of a perturbed one, and of a result

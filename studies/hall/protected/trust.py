@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from designs.hall_position.config import TIME
 from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
-from designs.hall_position.protected import config, faults
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
-from models import built_matrix, hall_bench
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
+from studies.hall import built_matrix, hall_bench
+from studies.hall.protected import faults
 from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import channel_faults

@@ -19,10 +19,10 @@ from math import sqrt
 import numpy as np
 
 from designs.hall_position.glsdc import tracking
-from designs.hall_position.trust import estimator_ensemble
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
+from studies.hall.trust import estimator_ensemble
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.check import Check
 
 RESERVED_FRACTION = 0.5  # fraction of the acceleration limit that is reserved for noise and yaw

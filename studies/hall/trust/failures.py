@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import channels
-from designs.hall_position.trust import estimator_ensemble
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models import hall_two_waves
 from models.hall_motions import Course, Limits, Numbers, Pose
+from studies.hall.trust import estimator_ensemble
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host

@@ -14,13 +14,13 @@ import numpy as np
 
 from designs.hall_position import config as hall
 from designs.hall_position.glsdc import tracking
-from designs.hall_position.protected import cold_start as cold_starts
-from designs.hall_position.protected.cold_start import ColdStart
-from designs.hall_position.protected.trust import World
-from designs.hall_position.trust import estimator_ensemble
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
+from studies.hall.protected import cold_start as cold_starts
+from studies.hall.protected.cold_start import ColdStart
+from studies.hall.protected.trust import World
+from studies.hall.trust import estimator_ensemble
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth import numeric
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores

@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.hall_position import config, costs, page
-from designs.hall_position.costs import Row
-from designs.hall_position.pages import accuracy, field, integrity, six, trust
+from designs.hall_position import config, page
+from designs.hall_position.pages import field
 from designs.hall_position.paper import rows
 from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
+from studies.hall import costs
+from studies.hall.costs import Row
+from studies.hall.pages import accuracy, integrity, six, trust
 from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
 from synth.report.captions import Content, Rows

@@ -12,8 +12,8 @@ from designs.hall_position import config, random_steps, reference_guard, verific
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
-from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Comparison, Steps
+from studies.hall.trust import endurance
 from synth.block import Block
 from synth.blocks import safety
 from synth.check import Check

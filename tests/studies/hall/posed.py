@@ -5,12 +5,12 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels
-from designs.hall_position.protected import spatial
-from designs.hall_position.protected.spatial import Tuning
+from designs.hall_position.paper import layouts
 from models import hall_two_waves
 from models.hall_two_waves import SpatialArray as Array
+from studies.hall.protected import spatial
+from studies.hall.protected.spatial import Tuning
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host

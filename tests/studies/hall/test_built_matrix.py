@@ -7,11 +7,12 @@ import magpylib
 import numpy as np
 import pytest
 
-from designs.hall_position.loop import closed_loop
-from models import built_matrix, finite_matrix, planar_stage
-from models.built_matrix import AsBuilt, Tolerances
+from models import finite_matrix, planar_stage
 from models.finite_matrix import HEIGHT, SIDE
 from models.hall_chain import Chain
+from studies.hall import built_matrix
+from studies.hall.built_matrix import AsBuilt, Tolerances
+from studies.hall.loop import closed_loop
 from synth.errors import ModelError
 from synth.signals import signal_names
 

@@ -10,13 +10,14 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from designs.hall_position import config, costs
-from designs.hall_position.costs import BUILDS, Row, Subject
-from designs.hall_position.pages import six as pages
-from designs.hall_position.protected import spatial
+from designs.hall_position import config
 from designs.hall_position.protected.config import THREE, block
 from models.hall_stage import Stage
 from models.hall_two_waves import SpatialArray
+from studies.hall import costs
+from studies.hall.costs import BUILDS, Row, Subject
+from studies.hall.pages import six as pages
+from studies.hall.protected import spatial
 from synth.block import unranged
 from synth.emit import write
 from synth.emit.write import EmittedCode
@@ -24,7 +25,7 @@ from synth.execute import cross, host
 from synth.report import page
 from synth.verify import baselines, steps
 from tests import tools
-from tests.designs.hall_position import posed
+from tests.studies.hall import posed
 
 PLAIN = BUILDS[0]
 TURNS = 50  # of a loop that is planted

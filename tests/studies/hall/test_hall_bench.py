@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models import hall_bench
-from models.hall_bench import Bench
+from studies.hall import hall_bench
+from studies.hall.hall_bench import Bench
 from synth.errors import ModelError
 from synth.timing import Discrete
 

@@ -7,14 +7,14 @@ from math import radians
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import layouts
-from designs.hall_position.accuracy.layouts import LAYOUTS
+from designs.hall_position.paper import layouts
+from designs.hall_position.paper.layouts import LAYOUTS
 from models import hall_accuracy, hall_fisher, hall_two_waves
 from models.hall_stage import PUBLISHED
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.analyse.observability import placement
 from synth.errors import ModelError
-from tests.designs.hall_position.posed import ANY, FIVE, FOUR, SIX
+from tests.studies.hall.posed import ANY, FIVE, FOUR, SIX
 
 l = 50.8e-3
 FIELD = PlanarArray(((0.0, 0.0), (l, 0.0)), 0.0, 8.4 * 0.37502, -8.4 * 0.02146)

@@ -9,12 +9,12 @@ from designs.hall_position import config
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.protected import config as protected
-from designs.hall_position.protected import spatial
 from models.hall_two_waves import PlanarArray as Array
 from models.hall_two_waves import SpatialArray
+from studies.hall.protected import spatial
 from synth.errors import DesignError, ModelError, TimingError
 from synth.timing import Continuous
-from tests.designs.hall_position.posed import FOUR
+from tests.studies.hall.posed import FOUR
 
 PLACES = ((0.0, 0.0), (0.01, 0.02))
 SIX_PLACES = ((0.0, 0.0, 0.0), (0.01, 0.02, 0.0), (0.03, 0.0, 1e-3))

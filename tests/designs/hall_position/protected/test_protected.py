@@ -10,12 +10,13 @@ import pytest
 
 from designs.hall_position import reference_protected
 from designs.hall_position import verification_protected as verification
-from designs.hall_position.protected import cold_start, config, faults, trust
+from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
-from designs.hall_position.protected.trust import Outcome
 from designs.hall_position.reference_glsdc import Setup
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
+from studies.hall.protected import cold_start, faults, trust
+from studies.hall.protected.trust import Outcome
 from synth.errors import ModelError
 from synth.execute import host, target
 from synth.simulate import channel_faults

@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config as hall
-from designs.hall_position.calibrated import corrections, estimator, stages, survey
-from designs.hall_position.calibrated import unit as units
-from designs.hall_position.calibrated.stages import UnitCalibration
-from designs.hall_position.calibrated.survey import Case
-from designs.hall_position.pages import integrity
-from designs.hall_position.protected import config, faults, trust
-from designs.hall_position.protected.cold_start import ColdStart
-from designs.hall_position.protected.trust import Samples
+from designs.hall_position.protected import config
+from studies.hall.calibrated import corrections, estimator, stages, survey
+from studies.hall.calibrated import unit as units
+from studies.hall.calibrated.stages import UnitCalibration
+from studies.hall.calibrated.survey import Case
+from studies.hall.pages import integrity
+from studies.hall.protected import faults, trust
+from studies.hall.protected.cold_start import ColdStart
+from studies.hall.protected.trust import Samples
 from synth.errors import ModelError
 from synth.execute.host import Batch, Columns, Controller, Records
 

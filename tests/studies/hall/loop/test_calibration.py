@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import interpolate
 
-from designs.hall_position.loop import calibration, closed_loop
-from models import hall_bench
-from models.hall_bench import Bench
+from studies.hall import hall_bench
+from studies.hall.hall_bench import Bench
+from studies.hall.loop import calibration, closed_loop
 from synth.blocks.error_map import ErrorMap
 from synth.timing import Discrete
 

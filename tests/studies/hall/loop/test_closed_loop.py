@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
-from designs.hall_position.loop import closed_loop
 from designs.planar_6dof import lqg
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models import planar_stage
+from studies.hall.loop import closed_loop
 from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError

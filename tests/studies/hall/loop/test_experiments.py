@@ -9,13 +9,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import layouts
-from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
-from designs.hall_position.loop.stage_loop import Loop
-from designs.hall_position.pages import loops as page_loops
+from designs.hall_position.paper import layouts
 from designs.planar_6dof import lqg
 from models import hall_sections, planar_stage
 from models.hall_stage import Stage
+from studies.hall.loop import closed_loop, experiments, sources, stage_loop
+from studies.hall.loop.stage_loop import Loop
+from studies.hall.pages import loops as page_loops
 from synth.analyse.loop import sampled
 from synth.execute import host
 from synth.fault import BRAKING_BIT

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position.loop import experiments, four_experiments, four_sensors, stage_loop
-from designs.hall_position.loop.stage_loop import Loop
 from models import planar_stage
-from models.built_matrix import Mounting
+from studies.hall.built_matrix import Mounting
+from studies.hall.loop import experiments, four_experiments, four_sensors, stage_loop
+from studies.hall.loop.stage_loop import Loop
 from synth.check import Check
 from synth.execute import host
 from synth.simulate.experiment import Experiment

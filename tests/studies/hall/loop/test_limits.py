@@ -1,6 +1,6 @@
 """The ensemble behind the loop's limits: available without a failure, and wider limits alone mislead more often."""
 
-from designs.hall_position.loop import four_sensors, limits
+from studies.hall.loop import four_sensors, limits
 
 BODIES = 600
 

@@ -9,14 +9,14 @@ import pytest
 from matplotlib.figure import Figure as Drawing
 
 from designs.hall_position import page
-from designs.hall_position.accuracy import layouts
-from designs.hall_position.loop import closed_loop
-from designs.hall_position.loop.closed_loop import Source
-from designs.hall_position.pages import experiments
-from designs.hall_position.pages import loops as own_loops
+from designs.hall_position.paper import layouts
 from designs.planar_6dof import loops, lqg
 from models import hall_chain, planar_stage
 from models.hall_stage import Stage
+from studies.hall.loop import closed_loop
+from studies.hall.loop.closed_loop import Source
+from studies.hall.pages import experiments
+from studies.hall.pages import loops as own_loops
 from synth.blocks import error_map, lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment

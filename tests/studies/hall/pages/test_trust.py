@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.pages import trust
-from designs.hall_position.trust import endurance, estimator_ensemble, failures, starts
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
+from studies.hall.pages import trust
+from studies.hall.trust import endurance, estimator_ensemble, failures, starts
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from designs.hall_position.protected import config, layout, trust
+from designs.hall_position.protected import config
+from studies.hall.protected import layout, trust
 
 PROTOTYPE = ((-0.239, 0.1), (0.425, -0.226), (0.115, 0.447))
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from designs.hall_position.protected import spatial
 from models import hall_two_waves
 from models.hall_two_waves import SpatialArray as Array
+from studies.hall.protected import spatial
 from synth.errors import ModelError
 from synth.statespace import Array as Numbers
-from tests.designs.hall_position.posed import (
+from tests.studies.hall.posed import (
     ANY,
     FIVE,
     FOUR,

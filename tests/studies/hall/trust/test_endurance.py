@@ -7,10 +7,10 @@ import pytest
 
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import endurance, estimator_ensemble
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
+from studies.hall.trust import endurance, estimator_ensemble
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.execute import host
 
 TWO = EstimatorConfig(config.array())

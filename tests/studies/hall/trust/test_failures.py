@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
-from designs.hall_position.trust import endurance, estimator_ensemble, failures
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
-from designs.hall_position.trust.failures import FAILURES, MAX_DELAY
 from models.hall_motions import Limits
+from studies.hall.trust import endurance, estimator_ensemble, failures
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
+from studies.hall.trust.failures import FAILURES, MAX_DELAY
 from synth.errors import ModelError
 from synth.execute import host
 

@@ -9,10 +9,10 @@ import pytest
 from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import estimator_ensemble, starts
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
+from studies.hall.trust import estimator_ensemble, starts
+from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError
