@@ -16,6 +16,8 @@ from studies.hall.loop import closed_loop
 from synth.errors import ModelError
 from synth.signals import signal_names
 
+pytestmark = pytest.mark.whole
+
 LATTICE = 1.2e-4  # T: what the other matrices of the lattice add, 9e-5 T at the corners of the reach
 DRAWN = 2e-5  # T: of what errors of blocks add: 1.2e-5 T by the lattice, 1e-6 T by terms of the third order
 EXACT = Tolerances(0.0, 0.0, 0.0)

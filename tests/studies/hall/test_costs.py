@@ -25,7 +25,10 @@ from synth.execute import cross, host
 from synth.report import page
 from synth.verify import baselines, steps
 from tests import tools
+from tests.models.posed import volts
 from tests.studies.hall import posed
+
+pytestmark = pytest.mark.whole
 
 PLAIN = BUILDS[0]
 TURNS = 50  # of a loop that is planted
@@ -104,7 +107,7 @@ def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
     seen = costs.six_steps(array(), host.load(six().files, six().manifest)).inputs[: costs.SPATIAL_STEPS]
     read = np.array([seen[name] for name in seen.dtype.names or ()]).T
     read[costs.FALSE_VOLTAGES] *= -1
-    off = read - posed.volts(array(), poses).reshape(costs.SPATIAL_STEPS, -1)
+    off = read - volts(array(), poses).reshape(costs.SPATIAL_STEPS, -1)
     assert np.std(off) == pytest.approx(array().deviation, rel=0.1)
     assert (np.ptp(poses, axis=0) > np.array([1e-3, 1e-3, 5e-6, 1e-4, 1e-4, 1e-3])).all()
     assert (np.abs(poses[:, 2] - array().height) < posed.USUAL.gap).all()

@@ -8,6 +8,8 @@ from studies.hall.hall_bench import Bench
 from synth.errors import ModelError
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.whole
+
 
 def test_a_bench_and_what_it_reads_are_checked() -> None:
     with pytest.raises(ModelError, match="number of places is 1"):

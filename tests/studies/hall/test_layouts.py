@@ -14,7 +14,9 @@ from models.hall_stage import PUBLISHED
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.analyse.observability import placement
 from synth.errors import ModelError
-from tests.studies.hall.posed import ANY, FIVE, FOUR, SIX
+from tests.models.posed import ANY, FIVE, FOUR, SIX
+
+pytestmark = pytest.mark.whole
 
 l = 50.8e-3
 FIELD = PlanarArray(((0.0, 0.0), (l, 0.0)), 0.0, 8.4 * 0.37502, -8.4 * 0.02146)

@@ -19,6 +19,8 @@ from studies.hall.protected.trust import Samples
 from synth.errors import ModelError
 from synth.execute.host import Batch, Columns, Controller, Records
 
+pytestmark = pytest.mark.whole
+
 SEED, OTHER, BODIES = 12, 13, 1500
 CASE = Case("built", SEED)
 BAR = 2e-3  # of samples that are valid and wrong

@@ -12,6 +12,8 @@ from studies.hall.loop import calibration, closed_loop
 from synth.blocks.error_map import ErrorMap
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.whole
+
 TIME = Discrete(1 / 800)
 SEVEN = 7.0  # times smaller at least are rms and peaks; the yaw's peak, which the map finds least, is
 

@@ -17,6 +17,8 @@ from synth.errors import ModelError
 from synth.execute import host
 from synth.signals import signal_names
 
+pytestmark = pytest.mark.whole
+
 TIME = lqg.TIME
 N = 60
 FIRST = 10  # the first valid sample

@@ -24,6 +24,8 @@ from synth.simulate.experiment import Experiment
 from synth.simulate.sensors import Override
 from tests import tools
 
+pytestmark = pytest.mark.whole
+
 
 @cache
 def loops() -> dict[str, Loop]:

@@ -15,6 +15,8 @@ from synth.check import Check
 from synth.execute import host
 from synth.simulate.experiment import Experiment
 
+pytestmark = pytest.mark.whole
+
 TURNED = np.radians(2)
 
 

@@ -1,6 +1,10 @@
 """The ensemble behind the loop's limits: available without a failure, and wider limits alone mislead more often."""
 
+import pytest
+
 from studies.hall.loop import four_sensors, limits
+
+pytestmark = pytest.mark.whole
 
 BODIES = 600
 

@@ -22,6 +22,8 @@ from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 
+pytestmark = pytest.mark.whole
+
 
 def run(values: dict[str, np.ndarray], name: str = "step_plain", more: Mapping[str, float] = {}) -> Experiment:
     """Return an experiment that shows columns of values."""

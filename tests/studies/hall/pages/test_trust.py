@@ -20,6 +20,8 @@ from synth.report.captions import Content, Rows
 from synth.report.page import Table
 from synth.simulate import ensemble
 
+pytestmark = pytest.mark.whole
+
 TWO = {config.NAME: trust.estimators()[config.NAME]}
 
 

@@ -6,6 +6,8 @@ import pytest
 from designs.hall_position.protected import config
 from studies.hall.protected import layout, trust
 
+pytestmark = pytest.mark.whole
+
 PROTOTYPE = ((-0.239, 0.1), (0.425, -0.226), (0.115, 0.447))
 
 

@@ -1,6 +1,7 @@
 """Six degrees of freedom: least squares by SciPy, deviations, cold start, ranges, false and refused voltages."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,25 +10,15 @@ from scipy import optimize
 from models import hall_two_waves
 from models.hall_two_waves import SpatialArray as Array
 from studies.hall.protected import spatial
-from synth.errors import ModelError
+from synth.errors import ModelError, TimingError
 from synth.statespace import Array as Numbers
-from tests.studies.hall.posed import (
-    ANY,
-    FIVE,
-    FOUR,
-    TIME,
-    USUAL,
-    L,
-    compile_c,
-    errors,
-    motion,
-    noisy,
-    places,
-    replay,
-    tracking_states,
-    volts,
-)
+from synth.timing import Continuous
+from tests.models.posed import ANY, FIVE, FOUR, L, noisy, places, volts
+from tests.studies.hall.posed import TIME, USUAL, compile_c, errors, motion, replay, tracking_states
 
+pytestmark = pytest.mark.whole
+
+INVALID: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [1.0])
 SIZES = np.array([1, 1, 1, *3 * [25.4e-3]])  # m, of a unit of each coordinate
 SIGMA = float(np.hypot(FOUR.deviation, USUAL.model_error))  # V
 
@@ -124,3 +115,24 @@ def test_fewer_than_four_places_are_refused() -> None:
 def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
     with pytest.raises(ModelError, match=f"{next(iter(change))} is"):
         spatial.Tuning(**change)  # type: ignore[arg-type]
+
+
+def test_each_number_of_a_tuning_is_refused_unless_it_is_a_number() -> None:
+    for name in spatial.Tuning.__dataclass_fields__:
+        for value in INVALID:
+            with pytest.raises(ModelError, match=f"^{name} is "):
+                spatial.Tuning(**{name: value})
+
+
+def test_what_is_counted_is_a_whole_number() -> None:
+    for counted in ("corrections", "pitches"):
+        for value in (2.5, 2.0, 0, 1001):
+            with pytest.raises(ModelError, match=f"{counted} is {value}: give a whole number of at least 1"):
+                spatial.Tuning(**{counted: value})
+        assert getattr(spatial.Tuning(**{counted: np.int64(2)}), counted) == 2
+
+
+@pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
+def test_an_estimator_takes_a_period(time: Any) -> None:
+    with pytest.raises(TimingError, match=r"`time` of `glsdc_estimator.estimator` is .*: give a Discrete"):
+        spatial.guarded_estimator(FOUR, time)

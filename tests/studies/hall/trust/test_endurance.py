@@ -13,6 +13,8 @@ from studies.hall.trust import endurance, estimator_ensemble
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.execute import host
 
+pytestmark = pytest.mark.whole
+
 TWO = EstimatorConfig(config.array())
 BODIES, SAMPLES = 2000, 250
 

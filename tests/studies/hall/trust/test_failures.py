@@ -13,6 +13,8 @@ from studies.hall.trust.failures import FAILURES, MAX_DELAY
 from synth.errors import ModelError
 from synth.execute import host
 
+pytestmark = pytest.mark.whole
+
 TWO = EstimatorConfig(config.array())
 MOVING = Limits(0.5, 5.0)
 BODIES = 500

@@ -18,6 +18,8 @@ from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
 
+pytestmark = pytest.mark.whole
+
 TWO = EstimatorConfig(config.array())
 YAW = np.radians(4.5)  # within the five degrees that a search assumes
 BODIES = 10_000
