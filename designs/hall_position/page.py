@@ -61,7 +61,8 @@ def studies(results: Mapping[str, Any]) -> page.Section:
     about = (
         "What the estimators do beyond the paper: in random motion without end, with a calibration and with a faulty "
         f"sensor, and in loops that the estimate closes. Not computed with this page: results of {results['date']}, "
-        f"revision {results['revision']}, by python -m studies.hall."
+        f"revision {results['revision']}, by python -m studies.hall. What they led to is in docs/decisions, "
+        "hall_position_protected.md and hall_position_loop.md."
     )
     rows = tuple((f["study"], f["figure"], f["value"], limit(f), f["unit"]) for f in results["figures"])
     table = page.Table("Figures of the studies", ("study", "figure", "value", "limit", "unit"), rows)
