@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure as Drawing
 
-from designs.hall_position import page
 from designs.hall_position.paper import layouts
 from designs.planar_6dof import loops, lqg
 from models import hall_chain, planar_stage
 from models.hall_stage import Stage
+from studies.hall import page
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
 from studies.hall.pages import experiments
